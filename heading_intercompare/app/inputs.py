@@ -11,7 +11,7 @@ from __future__ import annotations
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, Callable, Iterable, Mapping, NamedTuple, Sequence
+from typing import Any, Callable, Iterable, Iterator, Mapping, NamedTuple, Sequence
 
 from heading_intercompare.bags.csv.pairs_account import PairsAccount
 from heading_intercompare.bags.recording.bag_losses import BagLosses
@@ -56,6 +56,8 @@ __all__ = ['analyze_input', 'Analyzed', 'explain_no_run', 'load_config_or_journa
 
 #: Its settings are at the start of a journal.
 _HEAD_BYTES = 1_000_000
+#: Headings paired and judged at once: enough that calls cost little, few enough for the cache.
+_AT_ONCE = 1 << 15
 
 
 class Analyzed(NamedTuple):
@@ -314,7 +316,7 @@ def _analyze_bag(readers: Sequence[Readable], name: str, settings: Settings,
             marks += _set_marks(comparison, reader)
         told = BagLosses(reader, dict(zip(conventions, ('ts', 'rs'))), lose)
         baseline = _read_antennas(reader, settings, remarks) if of_antennas else None
-        for chunk in reader.headings(conventions, helpers, told.take):
+        for chunk in _join_chunks(reader.headings(conventions, helpers, told.take)):
             if of_antennas:
                 chunk, baseline = {**chunk, rs: baseline or Headings.empty()}, None
             for topic, chunks in kept.items():
@@ -337,6 +339,25 @@ def _analyze_bag(readers: Sequence[Readable], name: str, settings: Settings,
                                 results, settings, source=name, lost=lost, motion=motion)
     return Found(results, comparison.compliance.take_earlier(), comparison.ledger, Input(name),
                  tuple(problems), tuple(marks), motion=motion, remarks=tuple(remarks))
+
+
+def _join_chunks(chunks: Iterable[dict[str, Headings]]) -> Iterator[dict[str, Headings]]:
+    """Join neighbouring chunks, so that the calls for each cost little beside the work."""
+    waiting: list[dict[str, Headings]] = []
+    n = 0
+    for chunk in chunks:
+        waiting.append(chunk)
+        n += sum(len(headings) for headings in chunk.values())
+        if n >= _AT_ONCE:
+            yield _join(waiting)
+            waiting, n = [], 0
+    if waiting:
+        yield _join(waiting)
+
+
+def _join(chunks: Sequence[dict[str, Headings]]) -> dict[str, Headings]:
+    return {topic: Headings.concatenate([chunk[topic] for chunk in chunks])
+            for topic in chunks[0]}
 
 
 def _read_antennas(reader: Readable, settings: Settings, remarks: list[str]) -> Headings:

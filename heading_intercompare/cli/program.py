@@ -21,6 +21,9 @@ PROGRAM = 'heading-intercompare'
 
 _CRASHED = 70
 
+#: Linear algebra here is short: several threads would mostly wait for each other.
+_ONE_THREAD = ('OPENBLAS_NUM_THREADS', 'OMP_NUM_THREADS', 'MKL_NUM_THREADS')
+
 # name: (module, help, example)
 COMMANDS = {
     'demo': ('graph.demo', 'run the live graph on simulated sensors, record it, replay it, '
@@ -103,6 +106,9 @@ def main(argv: Sequence[str] | None = None) -> int:
     """
     if argv is None:
         sys.excepthook, argv = _crash, sys.argv[1:]
+        # Before numpy is loaded; what the user has set stays.
+        for name in _ONE_THREAD:
+            os.environ.setdefault(name, '1')
     with safe_stderr():
         try:
             with safe_stdout():

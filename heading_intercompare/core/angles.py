@@ -101,7 +101,7 @@ def wrap360(angle_deg: ArrayLike) -> np.ndarray:
 
 def unwrap_deg(heading_deg: ArrayLike) -> np.ndarray:
     """
-    Return the headings as a continuous angle: the first one plus the sum of wrapped steps.
+    Return the headings as a continuous angle: each plus whole turns, so that no step is a half.
 
     Parameters
     ----------
@@ -120,10 +120,16 @@ def unwrap_deg(heading_deg: ArrayLike) -> np.ndarray:
 
     """
     heading = np.asarray(heading_deg, dtype=np.float64)
-    if heading.size == 0:
-        return heading.copy()
-    steps = wrap180(np.diff(heading))
-    unwrapped: Reals = heading[0] + np.concatenate(([0.0], np.cumsum(steps)))
+    unwrapped: Reals = heading.copy()
+    turned_deg = 0.0
+    for lo in range(0, heading.size - 1, _PIECE):
+        steps = np.diff(heading[lo:lo + _PIECE + 1])
+        turns_deg: Reals | float = turned_deg
+        if not _are_within(steps, -180.0, 180.0):
+            # Whole turns are exact, so nothing adds up.
+            turns_deg = turned_deg + np.cumsum(360.0 * np.rint((wrap180(steps) - steps) / 360.0))
+            turned_deg = float(turns_deg[-1])
+        unwrapped[lo + 1:lo + 1 + steps.size] += turns_deg
     return unwrapped
 
 

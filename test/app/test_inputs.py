@@ -16,15 +16,16 @@ from journals import (
     write_journal,
     write_records,
 )
+import numpy as np
 import pytest
 
 from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.app.config import settings_for
-from heading_intercompare.app.inputs import load_config_or_journal
+from heading_intercompare.app.inputs import _join_chunks, load_config_or_journal
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.recording.run_journal import RunJournal
 from heading_intercompare.core.pipeline import Compliance
-from heading_intercompare.core.records import Pairs
+from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.ledger_messages import LedgerMessage
 
@@ -246,3 +247,18 @@ def test_several_journals_of_one_trial_bring_their_settings(tmp_path):
         load_config_or_journal(None, paths)
     Path(paths[1]).write_bytes(b'nothing')
     assert settings_for(load_config_or_journal(None, paths)).norms.sigma_max_deg == 0.3
+
+
+def test_chunks_are_joined_without_a_loss():
+    """Chunks of 1 to 40 000 headings, some of one sensor only."""
+    rng = np.random.default_rng(3)
+    sizes = [(int(a), int(b)) for a, b in rng.integers(0, 20_000, (12, 2))] + [(0, 0), (5, 0)]
+    stamps = iter(range(10 ** 18, 10 ** 18 + 10 ** 6))
+    chunks = [{topic: Headings.of([next(stamps) for _ in range(n)], np.zeros(n))
+               for topic, n in zip(('ts', 'rs'), each)} for each in sizes]
+    joined = [*_join_chunks(iter(chunks))]
+    assert 1 < len(joined) < len(chunks)
+    for topic in ('ts', 'rs'):
+        assert Headings.concatenate([chunk[topic] for chunk in joined]) == Headings.concatenate(
+            [chunk[topic] for chunk in chunks])
+    assert [*_join_chunks(iter([]))] == []

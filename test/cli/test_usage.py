@@ -221,3 +221,13 @@ def test_a_command_does_not_wait_for_what_another_needs():
                           check=True, timeout=120,
                           env={**os.environ, 'PYTHONPATH': os.pathsep.join(sys.path)})
     assert done.stdout.splitlines()[-1] == '[]'
+
+
+def test_the_command_leaves_linear_algebra_in_one_thread(monkeypatch):
+    """What the user has set stays."""
+    monkeypatch.setattr(sys, 'argv', ['heading-intercompare', '--version'])
+    monkeypatch.setattr(sys, 'excepthook', sys.excepthook)
+    monkeypatch.setattr(os, 'environ', {'MKL_NUM_THREADS': '3'})
+    with pytest.raises(SystemExit):
+        main()
+    assert (os.environ['OPENBLAS_NUM_THREADS'], os.environ['MKL_NUM_THREADS']) == ('1', '3')

@@ -103,3 +103,13 @@ def test_conversions_do_not_depend_on_the_chunk(headings, data):
     assert np.array_equal(np.concatenate(parts), whole)
     one_by_one = [heading_from_quaternion([0.0], [0.0], [a], [b])[0] for a, b in zip(z, w)]
     assert np.array_equal(one_by_one, whole)
+
+
+def test_unwrap_adds_whole_turns_and_nothing_else(rng):
+    """Three pieces of the cache, turns both ways, and steps of more than a turn."""
+    true = np.cumsum(rng.normal(0.0, 30.0, 100_000)) + 500.0 * np.sin(np.arange(100_000) / 20_000)
+    unwrapped = unwrap_deg(true % 360.0)
+    assert unwrapped == pytest.approx(true - 360.0 * np.floor(true[0] / 360.0), abs=1e-9)
+    assert (wrap360(unwrapped) == pytest.approx(true % 360.0, abs=1e-9))
+    far = 720.0 * np.arange(50_000) + 10.0
+    assert unwrap_deg(far).tolist() == [10.0] * far.size

@@ -9,13 +9,13 @@ import math
 
 import numpy as np
 from numpy.typing import ArrayLike
-import scipy
 
 from heading_intercompare.core.angles import unwrap_deg
 from heading_intercompare.core.timing.bracketing_readings import (
     pairs_per_reading,
     readings_per_pair,
 )
+from heading_intercompare.core.timing.cubic_spline import CubicSpline
 
 __all__ = ['CommonNoise', 'find_common_noise']
 
@@ -268,7 +268,7 @@ def _segments(stamps: np.ndarray, x: np.ndarray, rs: np.ndarray, factor: ArrayLi
             even = t[0] + (t[-1] - t[0]) / (length - 1) * slower * np.arange(
                 int((length - 1) / slower) + 1)
         if slower > _SLOWER or np.abs(t - even).max() > _UNEVEN * step:
-            both = scipy.interpolate.CubicSpline(t, both)(even)
+            both = CubicSpline(t, both)(even)
         own.append(both[:, 0])
         other.append(both[:, 1])
         if f is not None:

@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike
 
 from heading_intercompare.core.angles import circular_mean, wrap180
 from heading_intercompare.core.statistics.blocking import block_size, student_95, sum_covariance
+from heading_intercompare.core.timing.skew_instrument import Tracks
 
 from .turn_direction import find_turn_direction
 
@@ -57,7 +58,8 @@ class Convention:
 
 
 def find_convention(x_deg: ArrayLike, rs_deg: ArrayLike, tolerance_deg: float = 10.0, *,
-                    stamp_ns: ArrayLike | None = None, range_s: float = 2.0) -> Convention:
+                    stamp_ns: ArrayLike | None = None, range_s: float = 2.0,
+                    tracks: Tracks | None = None) -> Convention:
     """
     Look for different heading conventions of the sensors.
 
@@ -71,6 +73,8 @@ def find_convention(x_deg: ArrayLike, rs_deg: ArrayLike, tolerance_deg: float = 
         Stamps of the pairs in increasing order, nanoseconds. Without them no skew is allowed for.
     range_s : float
         Largest skew to allow for, in either direction, seconds.
+    tracks : pair of Track, optional
+        `common_tracks` of the pairs, if already known.
 
     Returns
     -------
@@ -92,7 +96,8 @@ def find_convention(x_deg: ArrayLike, rs_deg: ArrayLike, tolerance_deg: float = 
         return Convention('not_testable', None, None)
     if stamp_ns is None:
         stamp_ns, range_s = np.arange(x.size) * _STEP_NS, 0.0
-    direction, turned, balance = find_turn_direction(np.asarray(stamp_ns), x, rs, range_s)
+    direction, turned, balance = find_turn_direction(np.asarray(stamp_ns), x, rs, range_s,
+                                                     tracks)
     every = max(1, -(-x.size // _LOOKED_AT))
     x, rs = x[::every], rs[::every]
     mirrored = direction == 'against'
@@ -158,6 +163,13 @@ class MeanDifference:
         return low > limit_deg or high < -limit_deg
 
 
+def _count_beyond_half(off_deg: np.ndarray) -> int:
+    """Count the deviations of more than half a turn."""
+    if -180.0 <= off_deg.min() and off_deg.max() <= 180.0:
+        return 0
+    return int(np.count_nonzero(np.abs(off_deg) > 180.0))
+
+
 def estimate_mean_difference(x_deg: ArrayLike) -> MeanDifference:
     """
     Return the mean difference on the circle.
@@ -194,7 +206,7 @@ def estimate_mean_difference(x_deg: ArrayLike) -> MeanDifference:
     if not math.isfinite(centre):
         return MeanDifference(x.size, None, length)
     off = x - centre
-    share = np.count_nonzero(np.abs(off) > 180.0) / x.size
+    share = _count_beyond_half(off) / x.size
     share = min(share, 1.0 - share)
     off = wrap180(off)
     mean = float(wrap180(centre + off.mean()))

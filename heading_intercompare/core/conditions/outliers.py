@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from heading_intercompare.core.records import Reals
+from heading_intercompare.core.statistics.moments import Moments
 from heading_intercompare.core.statistics.resolution import find_resolution
 
 __all__ = ['find_outliers', 'Outlier', 'Outliers']
@@ -139,8 +140,12 @@ def find_outliers(stamp_ns: ArrayLike, x_deg: ArrayLike, *, longest_s: float = 3
     if step_deg is None:
         step_deg = find_resolution(x).step_deg or 0.0
     threshold = max(outer + beyond, _GRAIN * step_deg)
-    variance = float(np.var(x, ddof=1))
-    far = np.flatnonzero(np.abs(x - centre) > max(outer + 0.5 * beyond, 0.5 * threshold))
+    moments = Moments.of(x)
+    variance = moments.m2_deg2 / (x.size - 1)
+    least = max(outer + 0.5 * beyond, 0.5 * threshold)
+    far = none
+    if max(moments.max_deg - centre, centre - moments.min_deg) > least:
+        far = np.flatnonzero(np.abs(x - centre) > least)
     found, which, excursions = _find_isolated(stamps, x, centre, far, threshold, longest_s)
     if not found:
         return Outliers('none', none, 0, (), threshold, variance, variance, 0.0, excursions)

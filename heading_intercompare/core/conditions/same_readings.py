@@ -10,12 +10,15 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
+from heading_intercompare.core.statistics.moments import Moments
 from heading_intercompare.core.statistics.resolution import Resolution
 
 __all__ = ['find_same_source', 'SameSource']
 
 _EQUAL_DEG = 1e-7
 _LEAST_CHANGES = 300
+#: Headings compared at once: intermediate results stay in the cache.
+_PIECE = 1 << 14
 
 
 @dataclass(frozen=True, slots=True)
@@ -72,7 +75,7 @@ def find_same_source(x_deg: ArrayLike, rs_deg: ArrayLike, ts: Resolution, rs: Re
     if x.size < 2:
         return SameSource(None, None, rounding)
     x = x - x[0]
-    std = float(x.std(ddof=1))
+    std = math.sqrt(Moments.of(x).m2_deg2 / (x.size - 1))
     heading = np.asarray(rs_deg, dtype=np.float64)
     changes = min(_count_changes(heading), _count_changes(x + heading))
     if changes < _LEAST_CHANGES:
@@ -82,11 +85,13 @@ def find_same_source(x_deg: ArrayLike, rs_deg: ArrayLike, ts: Resolution, rs: Re
 
 
 def _count_changes(heading: np.ndarray) -> int:
-    return _count_nonzero(np.diff(heading))
+    return sum(_count_nonzero(np.diff(heading[lo:lo + _PIECE + 1]))
+               for lo in range(0, heading.size - 1, _PIECE))
 
 
 def _count_nonzero(difference: np.ndarray) -> int:
     """Count the differences that are no whole number of turns."""
     off = np.abs(difference)
-    off -= 360.0 * np.rint(off / 360.0)
-    return int(np.count_nonzero(np.abs(off) > _EQUAL_DEG))
+    if off.max(initial=0.0) >= 180.0:
+        off = np.abs(off - 360.0 * np.rint(off / 360.0))
+    return int(np.count_nonzero(off > _EQUAL_DEG))

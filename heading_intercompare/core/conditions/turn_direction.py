@@ -10,7 +10,7 @@ from typing import NamedTuple
 import numpy as np
 
 from heading_intercompare.core.statistics.blocking import sum_covariance
-from heading_intercompare.core.timing.skew_instrument import common_tracks
+from heading_intercompare.core.timing.skew_instrument import common_tracks, Tracks
 from heading_intercompare.core.timing.skew_search import coarsen
 
 __all__ = ['Direction', 'find_turn_direction']
@@ -49,7 +49,7 @@ class Direction(NamedTuple):
 
 
 def find_turn_direction(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
-                        range_s: float = 2.0) -> Direction:
+                        range_s: float = 2.0, tracks: Tracks | None = None) -> Direction:
     """
     Find how the TS turns, from the pairs of a run.
 
@@ -61,6 +61,8 @@ def find_turn_direction(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndar
         Differences and RS headings, finite, degrees.
     range_s : float
         Largest skew to allow for, in either direction, seconds.
+    tracks : pair of Track, optional
+        `common_tracks` of the pairs, if already known.
 
     Returns
     -------
@@ -92,7 +94,8 @@ def find_turn_direction(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndar
     """
     if x_deg.size < _LEAST_WINDOWS or stamp_ns[-1] == stamp_ns[0]:
         return Direction()
-    ts, rs, grid_s, step_s = _put_on_even_times(stamp_ns, x_deg, rs_deg)
+    ts, rs, grid_s, step_s = _put_on_even_times(
+        tracks or common_tracks(stamp_ns, x_deg, rs_deg))
     most = round((range_s + _GRID_S) / grid_s)
     uneven = min(_UNEVENEST, _UNEVEN * (grid_s / _GRID_S) ** 2 + _interpolation_share(step_s))
     best, clearest = Direction(), 0.0
@@ -105,10 +108,9 @@ def find_turn_direction(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndar
     return best
 
 
-def _put_on_even_times(stamp_ns: np.ndarray, x_deg: np.ndarray,
-                       rs_deg: np.ndarray) -> tuple[np.ndarray, np.ndarray, float, float]:
+def _put_on_even_times(tracks: Tracks) -> tuple[np.ndarray, np.ndarray, float, float]:
     """Return both headings, unwrapped, at even times; the new step and the old one, seconds."""
-    ts, rs = (coarsen(track, _GRID_S) for track in common_tracks(stamp_ns, x_deg, rs_deg))
+    ts, rs = (coarsen(track, _GRID_S) for track in tracks)
     span = float(rs.t_s[-1] - rs.t_s[0])
     grid_s = _GRID_S
     while span / grid_s > _MOST and grid_s < _COARSEST_S:

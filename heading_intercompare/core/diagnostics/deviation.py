@@ -31,6 +31,7 @@ _TURNS = 4.0
 _OUTLAST = 0.03
 _WIDER = 60.0
 _LOOKED_AT = 1 << 14
+_CELLS = 1 << 16
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,11 +99,43 @@ def largest_empty_arc(heading_deg: ArrayLike) -> float | None:
     250.0
 
     """
-    heading = np.sort(wrap360(heading_deg))
+    heading = wrap360(heading_deg)
     if not heading.size:
         return None
+    return _sort_all(heading) if heading.size < _CELLS else _sort_beside_arcs(heading)
+
+
+def _sort_all(heading: np.ndarray) -> float:
+    """Return the largest gap between neighbouring headings."""
+    heading = np.sort(heading)
     over_north = float(heading[0]) + 360.0 - float(heading[-1])
     return max(over_north, float(np.diff(heading).max(initial=0.0)))
+
+
+def _sort_beside_arcs(heading: np.ndarray) -> float:
+    """Return the same, but sort only the headings that the largest gap may lie between."""
+    cell = (heading * (_CELLS / 360.0)).astype(np.int64)
+    np.minimum(cell, _CELLS - 1, out=cell)
+    full = np.zeros(_CELLS, bool)
+    full[cell] = True
+    where = np.flatnonzero(full)
+    after = np.zeros(_CELLS, np.int64)
+    after[where] = np.roll(where, -1)
+    empty = np.diff(where, append=where[0] + _CELLS) - 1
+    # A gap is longer than its empty cells, by at most the two cells that it begins and ends in.
+    most = int(empty.max())
+    if most < 2:
+        return _sort_all(heading)
+    begins = where[empty >= most - 2]
+    full[:] = False
+    full[begins] = full[after[begins]] = True
+    heading = np.sort(heading[full[cell]])
+    cell = np.minimum((heading * (_CELLS / 360.0)).astype(np.int64), _CELLS - 1)
+    beside = (cell[1:] == cell[:-1]) | (cell[1:] == after[cell[:-1]])
+    gap = float(np.diff(heading)[beside].max(initial=0.0))
+    if after[cell[-1]] == cell[0]:
+        gap = max(gap, float(heading[0]) + 360.0 - float(heading[-1]))
+    return gap
 
 
 def _basis(heading_deg: np.ndarray) -> np.ndarray:
@@ -171,6 +204,9 @@ def fit_deviation(x_deg: ArrayLike, rs_deg: ArrayLike) -> HeadingDependence:
         return HeadingDependence(n, 'headings_too_narrow', arc,
                                  condition if math.isfinite(condition) else None)
     beta = np.linalg.solve(gram, right)
+    ends = unwrap_deg(psi)[::max(1, block_size(n, _LEAST_SAMPLES))]
+    turns = float(np.abs(np.diff(ends)).sum()) / 360.0
+    left = np.empty(n if turns < _TURNS else 0)
     sums, rss = [], 0.0
     # Both are powers of two: a block holds whole pieces, or a piece holds whole blocks.
     unit = min(size, _PIECE)
@@ -178,6 +214,8 @@ def fit_deviation(x_deg: ArrayLike, rs_deg: ArrayLike) -> HeadingDependence:
         basis = _basis(psi[part])
         residual = x[part] - first - beta @ basis
         rss += float(residual @ residual)
+        if left.size:
+            left[part] = residual
         whole = residual.size // unit
         basis *= residual
         sums.append(basis[:, :whole * unit].reshape(_TERMS, whole, unit).sum(axis=2))
@@ -187,7 +225,7 @@ def fit_deviation(x_deg: ArrayLike, rs_deg: ArrayLike) -> HeadingDependence:
     dof = means.shape[0] - _TERMS
     inverse = np.linalg.inv(gram)
     scatter = np.cov(means, rowvar=False) * ((means.shape[0] - 1) / dof)
-    widening = _widening(x, psi, beta, first)
+    widening = _widening(left, turns)
     if widening is None:
         return HeadingDependence(n, 'errors_outlast_the_turns', arc, condition)
     covariance = widening * (inverse @ (n * size * scatter) @ inverse)
@@ -226,16 +264,11 @@ def deviation_at(found: HeadingDependence, heading_deg: ArrayLike) -> tuple[Real
     return np.array(found.coefficients_deg) @ basis, np.sqrt(np.maximum(variance, 0.0))
 
 
-def _widening(x: np.ndarray, psi: np.ndarray, beta: np.ndarray, first: float) -> float | None:
+def _widening(residual: np.ndarray, turns: float) -> float | None:
     """Return the factor by which few turns make the covariance too small; None if too large."""
-    size = max(1, block_size(x.size, _LEAST_SAMPLES))
-    ends = unwrap_deg(psi)[::size]
-    turns = float(np.abs(np.diff(ends)).sum()) / 360.0
     if turns >= _TURNS:
         return 1.0
-    every = max(1, x.size // _LOOKED_AT)
-    residual = np.concatenate([
-        x[part] - first - beta @ _basis(psi[part]) for part in _pieces(x.size)])
+    every = max(1, residual.size // _LOOKED_AT)
     if every > 1:
         residual = block_means(residual, every)
     ratio = sokal_times(residual).tau_1 / residual.size

@@ -10,6 +10,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
+from heading_intercompare.core.statistics.moments import Moments
+
 __all__ = ['estimate_reference_noise', 'ReferenceNoise']
 
 QUIET = 0.1
@@ -17,6 +19,7 @@ QUIET = 0.1
 
 _LEAST_PAIRS = 16
 _RISK_FACTOR = 1.6448536269514722
+_PIECE = 1 << 13
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,15 +91,11 @@ def estimate_reference_noise(ts_deg: ArrayLike, rs_deg: ArrayLike, *,
     rows = []
     size = 1
     while rs.size // 2 >= _LEAST_PAIRS:
-        m = rs.size // 2 * 2
-        d, d_ref = (h[1:m:2] - h[0:m:2] for h in (ts, rs))
-        own = 0.25 * d_ref * (d_ref - d)
-        whole = 0.25 * float(np.mean((d - d_ref) ** 2))
-        variance = float(own.mean())
-        u = float(own.std(ddof=1)) / math.sqrt(own.size)
+        whole, own, (ts, rs) = _split_octave(ts, rs)
+        variance = own.mean_deg
+        u = math.sqrt((own.variance_deg2 or 0.0) / own.n)
         if u < QUIET * whole:
             rows.append((size, whole - variance, variance, u))
-        ts, rs = (0.5 * (h[1:m:2] + h[0:m:2]) for h in (ts, rs))
         size *= 2
     if not rows:
         return ReferenceNoise()
@@ -104,3 +103,26 @@ def estimate_reference_noise(ts_deg: ArrayLike, rs_deg: ArrayLike, *,
     lower = (sum(rs_variances) - _RISK_FACTOR * math.sqrt(sum(v * v for v in us))
              - 0.5 * skew_variance_deg2)
     return ReferenceNoise(octaves, ts_variances, rs_variances, us, math.sqrt(max(0.0, lower)))
+
+
+def _split_octave(ts: np.ndarray, rs: np.ndarray,
+                  ) -> tuple[float, Moments, tuple[np.ndarray, np.ndarray]]:
+    """Return the variance of x in an octave, the terms of the RS, and both headings halved."""
+    pairs = rs.size // 2
+    halves = np.empty(pairs), np.empty(pairs)
+    square, own = 0.0, Moments()
+    for lo in range(0, pairs, _PIECE):
+        hi = min(lo + _PIECE, pairs)
+        steps = []
+        for heading, half in zip((ts, rs), halves):
+            before, after = heading[2 * lo:2 * hi:2], heading[2 * lo + 1:2 * hi:2]
+            np.add(before, after, out=half[lo:hi])
+            half[lo:hi] *= 0.5
+            steps.append(after - before)
+        d, d_ref = steps
+        apart = d_ref - d
+        square += float(apart @ apart)
+        apart *= d_ref
+        apart *= 0.25
+        own += Moments.of(apart)
+    return 0.25 * square / pairs, own, halves

@@ -28,12 +28,10 @@ from heading_intercompare.core.conditions.standstill import (
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.guarded import Guarded
 from heading_intercompare.core.settings import Detectors, Settings
-from heading_intercompare.core.statistics.autocorrelation import (
-    CorrelationTimes,
-    estimate_correlation_times,
-)
+from heading_intercompare.core.statistics.autocorrelation import SeriesCorrelation
 from heading_intercompare.core.statistics.drift import Detrended
 from heading_intercompare.core.statistics.ergodicity import Homogeneity
+from heading_intercompare.core.statistics.moments import Moments
 from heading_intercompare.core.statistics.normality import examine_normality, Normality
 from heading_intercompare.core.statistics.resolution import find_resolution
 from heading_intercompare.core.statistics.stationarity import examine_stationarity, Stationarity
@@ -43,6 +41,7 @@ from heading_intercompare.core.timing.interpolation_error import (
     InterpolationError,
 )
 from heading_intercompare.core.timing.realignment import move_pairs
+from heading_intercompare.core.timing.skew_instrument import common_tracks, LEAST_PAIRS, Tracks
 from heading_intercompare.core.timing.skew_scan import Scan
 from heading_intercompare.core.timing.stamp_steps import measure_stamp_steps
 from heading_intercompare.core.timing.time_skew import estimate_skew, Skew
@@ -110,7 +109,7 @@ class Diagnostics:
 
 def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settings: Settings,
              guarded: Guarded, limits: Limits, *, drift: Drift, rest: Detrended,
-             residual_deg: np.ndarray | None = None, times: CorrelationTimes | None = None,
+             residual_deg: np.ndarray | None = None, series: SeriesCorrelation | None = None,
              scan: Scan | None = None, factor: np.ndarray | None = None,
              interpolates_ts: bool = False,
              told: Callable[[float], None] = lambda share: None) -> Diagnostics:
@@ -135,8 +134,8 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
         The differences without that drift.
     residual_deg : ndarray, shape (n,), optional
         Differences minus the polynomial that `drift_order` removed; default the differences.
-    times : CorrelationTimes, optional
-        `estimate_correlation_times` of the residuals, if already known.
+    series : SeriesCorrelation, optional
+        The correlation of the residuals, if already known.
     scan : Scan, optional
         Skew scan of the two streams, if available.
     factor : ndarray, shape (n,), optional
@@ -169,18 +168,21 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
     is_whole = residual_deg is None
     residual = x_deg if residual_deg is None else residual_deg
     range_s = settings.alignment.skew_range_s
+    tracks = (common_tracks(stamp_ns, x_deg, rs_deg)
+              if n >= LEAST_PAIRS and stamp_ns[-1] > stamp_ns[0] else None)
     estimate = Skew(0) if settings.alignment.skew == 'off' else estimate_skew(
         stamp_ns, x_deg, rs_deg, range_s=range_s, max_gap_s=settings.pairing.max_gap_s,
-        clock_range_s=settings.alignment.clock_range_s)
+        clock_range_s=settings.alignment.clock_range_s, tracks=tracks)
     told(0.3)
     stamps = measure_stamp_steps(stamp_ns, detectors.silence_steps)
-    correlation = describe_correlation(residual, stamps, times
-                                       or estimate_correlation_times(residual))
+    series = series or SeriesCorrelation.of(residual)
+    correlation = describe_correlation(stamps, series)
     signs, normal = _examine_headings(stamp_ns, x_deg, rs_deg, residual, settings, detectors,
-                                      limits, factor, interpolates_ts, correlation, estimate)
+                                      limits, factor, interpolates_ts, correlation, estimate,
+                                      tracks, series)
     told(0.9)
     allan = describe_allan(x_deg, stamps.typical_s, _noise_of_rs(x_deg, rs_deg, estimate, range_s))
-    variance = float(np.var(x_deg, ddof=1)) if n > 1 else None
+    variance = Moments.of(x_deg).variance_deg2
     block = describe_skew(estimate, variance, limits, scan)
     result = Diagnostics(block, drift, fit_deviation(x_deg, rs_deg), normal,
                          examine_stationarity(residual, stamps.typical_s or 0.0), correlation,
@@ -196,7 +198,8 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
 def _examine_headings(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
                       residual_deg: np.ndarray, settings: Settings, detectors: Detectors,
                       limits: Limits, factor: np.ndarray | None, interpolates_ts: bool,
-                      correlation: Correlation, estimate: Skew) -> tuple[Signs, Normality]:
+                      correlation: Correlation, estimate: Skew, tracks: Tracks | None,
+                      series: SeriesCorrelation) -> tuple[Signs, Normality]:
     """Examine the headings of both sensors; those of the TS follow from the differences."""
     ts_deg = x_deg + rs_deg
     ts_deg += settings.installation_offset_deg
@@ -204,12 +207,14 @@ def _examine_headings(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarra
     both = (ts_deg, rs_deg) if interpolates_ts else (rs_deg, ts_deg)
     steps = find_resolution(ts_deg), find_resolution(rs_deg)
     # Read minutes apart, sound sensors seem to turn against each other.
-    at_ns, x_there, rs_there = stamp_ns, x_deg, rs_deg
+    at_ns, x_there, rs_there, there = stamp_ns, x_deg, rs_deg, tracks
     if estimate.apart_s is not None:
         at_ns, x_there, rs_there = move_pairs(stamp_ns, x_deg, rs_deg, estimate.apart_s)
+        there = None
     signs = Signs(
         find_convention(x_there, rs_there, detectors.convention_tolerance_deg, stamp_ns=at_ns,
-                        range_s=settings.alignment.skew_range_s), estimate_mean_difference(x_deg),
+                        range_s=settings.alignment.skew_range_s, tracks=there),
+        estimate_mean_difference(x_deg),
         find_one_source(stamp_ns, x_deg, rs_deg, factor=factor, interpolates_ts=interpolates_ts,
                         share=detectors.same_source_share),
         find_frozen(stamp_ns, ts_deg, rs_deg, least_s=detectors.frozen_s,
@@ -221,13 +226,14 @@ def _examine_headings(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarra
             step_deg=max((s.step_deg or 0.0) for s in steps)),
         ClockDrift('not_testable') if settings.alignment.skew == 'off' else estimate_clock_drift(
             stamp_ns, x_deg, rs_deg, range_s=settings.alignment.skew_range_s,
-            max_gap_s=settings.pairing.max_gap_s, near_s=estimate.about_s),
+            max_gap_s=settings.pairing.max_gap_s, near_s=estimate.about_s, tracks=tracks),
         estimate_interpolation_error(stamp_ns, *both, np.ones(x_deg.size) if factor is None
                                      else factor))
     step = correlation.stamps.typical_s
     width = 2 * max(1, round(0.5 * MOVING_AVERAGE_S / step)) + 1 if step else 3
     return signs, examine_normality(residual_deg, ts_deg, rs_deg, width=width,
-                                    n_effective=correlation.n_effective_variance)
+                                    n_effective=correlation.n_effective_variance,
+                                    tau=series.narrow.tau_1)
 
 
 def _noise_of_rs(x_deg: np.ndarray, rs_deg: np.ndarray, estimate: Skew,

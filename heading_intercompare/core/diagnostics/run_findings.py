@@ -12,9 +12,8 @@ import numpy as np
 from heading_intercompare.core.decision.criteria import apply_variance_criterion, Limits
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.statistics.autocorrelation import (
-    autocorrelate,
     compute_allan_deviation,
-    CorrelationTimes,
+    SeriesCorrelation,
 )
 from heading_intercompare.core.statistics.drift import (
     Detrended,
@@ -24,6 +23,7 @@ from heading_intercompare.core.statistics.drift import (
     select_order,
     Slope,
 )
+from heading_intercompare.core.statistics.moments import sum_products
 from heading_intercompare.core.statistics.warm_up import fit_warm_up, mser5, WarmUp
 from heading_intercompare.core.timing.skew_scan import Scan
 from heading_intercompare.core.timing.stamp_steps import StampSteps
@@ -209,7 +209,7 @@ def describe_drift(stamp_ns: np.ndarray, x_deg: np.ndarray,
     line = rest if fit.order == 1 else Detrended.of(stamp_ns, x_deg, 1)
     std = None
     if order is not None:
-        rss = float(fit.residual_deg @ fit.residual_deg)
+        rss = sum_products(fit.residual_deg, fit.residual_deg)
         std = math.sqrt(rss / (n - 1 - order.order))
     return Drift(order, fit.coefficients_deg if order else None,
                  drift_left_deg2(rest if fit.order > 1 else line), std, span_h,
@@ -239,28 +239,26 @@ def left_in_deg2(stamp_ns: np.ndarray, x_deg: np.ndarray) -> float:
     return drift_left_deg2(rest) or 0.0
 
 
-def describe_correlation(x_deg: np.ndarray, stamps: StampSteps,
-                         times: CorrelationTimes) -> Correlation:
+def describe_correlation(stamps: StampSteps, series: SeriesCorrelation) -> Correlation:
     """
     Return the block of the correlation.
 
     Parameters
     ----------
-    x_deg : ndarray, shape (n,)
-        Differences or residuals in sample order, finite, degrees.
     stamps : StampSteps
-        Steps of their stamps.
-    times : CorrelationTimes
-        Their correlation times.
+        Steps of the stamps of the differences.
+    series : SeriesCorrelation
+        The correlation of the differences or residuals.
 
     """
-    n, step = x_deg.size, stamps.typical_s
+    times = series.wide
+    n, step = times.n, stamps.typical_s
     mean, variance = n / max(times.tau_1, 1.0), n / max(times.tau_2, 1.0)
-    if n < 2 or step is None:
+    if series.r1 is None or step is None:
         return Correlation(n=n, stamps=stamps, n_effective_mean=mean,
                            n_effective_variance=variance, closed=False)
     return Correlation(
-        n=n, stamps=stamps, r1=float(autocorrelate(x_deg, 1)[1]), window_s=times.window * step,
+        n=n, stamps=stamps, r1=series.r1, window_s=times.window * step,
         tau_1_s=times.tau_1 * step, tau_2_s=times.tau_2 * step, n_effective_mean=mean,
         n_effective_variance=variance, closed=times.window < max(2, n // 4) - 1)
 

@@ -284,6 +284,12 @@ class Ledger:
 
     def _fold(self, counts: list[Counter[LedgerKey]], key: LedgerKey,
               stamp_ns: np.ndarray, n: np.ndarray | None = None) -> None:
+        if n is None and len(stamp_ns):
+            ends = stamp_ns.min(), stamp_ns.max()
+            first, last = np.searchsorted(self._starts, ends, side='right').tolist()
+            if first == last:
+                counts[first][key] += len(stamp_ns)
+                return
         where = np.searchsorted(self._starts, stamp_ns, side='right')
         sums = np.bincount(where, minlength=len(counts))
         if n is not None:

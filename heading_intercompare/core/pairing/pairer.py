@@ -204,14 +204,19 @@ class Pairer:
         gap = of.stamp_ns[right] - of.stamp_ns[left]
         node = of.stamp_ns[left] == t
         bridged = (right > left) & (gap <= self._max_gap_ns) & ~of.broken[right]
-        which = np.flatnonzero((left >= 0) & (node | bridged))
-        left, right, gap, node, t = left[which], right[which], gap[which], node[which], t[which]
+        usable = (left >= 0) & (node | bridged)
+        which = np.flatnonzero(usable)
+        if which.size < usable.size:
+            left, right, gap, node, t = (c[which] for c in (left, right, gap, node, t))
         w = np.where(node, 0.0, (t - of.stamp_ns[left]) / np.where(gap > 0, gap, 1))
         step = wrap180(of.heading_deg[right] - of.heading_deg[left])
         of_deg = wrap360(of.heading_deg[left] + w * step)
-        for ends in (left[~node], right[~node]):
-            of.role[ends] = np.maximum(of.role[ends], BRACKET)
-        of.role[left[node]] = PAIRED
+        met = left[node]
+        bracket = np.zeros(n, np.uint8)
+        for ends in (left, right):
+            bracket[ends[~node] if met.size else ends] = BRACKET
+        np.maximum(of.role, bracket, out=of.role)
+        of.role[met] = PAIRED
         at_deg, lag_ns = at.heading_deg[which], np.zeros(t.shape, np.int64)
         factor, one = (1.0 - w) ** 2 + w ** 2, np.ones(t.shape)
         if at is self._ts:

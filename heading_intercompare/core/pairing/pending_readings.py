@@ -56,8 +56,9 @@ class Stream:
         good = self._reject('invalid', np.isfinite(heading), stamp, good)
         good = self._reject('out_of_range', (heading >= 0.0) & (heading <= 360.0), stamp, good)
         self._heard_s = now_s
-        return self._accept(self._jumps.take(
-            Headings(stamp[good] - self.shift_ns, heading[good])), now_s)
+        if not good.all():
+            stamp, heading = stamp[good], heading[good]
+        return self._accept(self._jumps.take(Headings(stamp - self.shift_ns, heading)), now_s)
 
     def end(self) -> np.ndarray:
         """Decide the held readings at the end of the stream; return the stamps of those kept."""

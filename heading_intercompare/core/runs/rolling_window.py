@@ -66,6 +66,8 @@ class Rolling:
         self._open: list[Differences] = []
         self._open_key = 0
         self._newest_ns = 0
+        # Not yet put into panes: nobody may ever ask.
+        self._waiting: deque[Differences] = deque()
         self._closed: Moments | None = None
 
     def update(self, differences: Differences) -> None:
@@ -76,14 +78,24 @@ class Rolling:
         if not len(differences):
             return
         self._newest_ns = int(differences.stamp_ns[-1])
-        keys = differences.stamp_ns // self._pane_ns
-        edges = [0, *(1 + np.flatnonzero(np.diff(keys))).tolist(), len(keys)]
-        for lo, hi in zip(edges[:-1], edges[1:]):
-            key = int(keys[lo])
-            if key != self._open_key:
-                self._close()
-                self._open_key = key
-            self._open.append(differences[lo:hi])
+        self._waiting.append(differences)
+        oldest = self._newest_ns // self._pane_ns - _PANES
+        while int(self._waiting[0].stamp_ns[-1]) // self._pane_ns <= oldest:
+            self._waiting.popleft()
+
+    def _fill_panes(self) -> None:
+        """Put the waiting differences into panes."""
+        while self._waiting:
+            differences = self._waiting.popleft()
+            stamps = differences.stamp_ns
+            hi = 0
+            while hi < len(stamps):
+                lo, key = hi, int(stamps[hi]) // self._pane_ns
+                hi = int(np.searchsorted(stamps, (key + 1) * self._pane_ns))
+                if key != self._open_key:
+                    self._close()
+                    self._open_key = key
+                self._open.append(differences[lo:hi])
         while self._panes and self._panes[0].key <= self._open_key - _PANES:
             self._panes.popleft()
             self._closed = None
@@ -95,6 +107,7 @@ class Rolling:
             self._closed = None
 
     def _list_panes(self) -> list[_Pane]:
+        self._fill_panes()
         if len(self._open) > 1:
             self._open = [Differences.concatenate(self._open)]
         newest = [_Pane.of(self._open_key, self._open)] if self._open else []
@@ -103,6 +116,7 @@ class Rolling:
     @property
     def start_ns(self) -> int | None:
         """First stamp in the window; None if it is empty."""
+        self._fill_panes()
         if not (self._panes or self._open):
             return None
         first = self._panes[0] if self._panes else self._open[0]
@@ -123,6 +137,7 @@ class Rolling:
 
     def moments(self) -> Moments:
         """Return the moments of the differences in the window."""
+        self._fill_panes()
         if self._closed is None:
             self._closed = sum((p.moments for p in self._panes), Moments())
         return sum((p.moments for p in self._list_panes()[len(self._panes):]), self._closed)

@@ -13,14 +13,19 @@ import scipy
 
 from heading_intercompare.core.records import Reals
 
+from .moments import sum_products
+
 __all__ = ['allan_dof', 'AllanDeviation', 'autocorrelate', 'compute_allan_deviation',
            'CorrelationTimes', 'effective_size', 'estimate_correlation_times', 'geyer_time',
-           'sokal_times']
+           'SeriesCorrelation', 'sokal_times']
 
 _SEGMENT = 1 << 17
-_PIECE = 1 << 15
-_FIRST_LAGS = 4096
+#: Length of a segment over the largest lag: the samples beside its ends are transformed twice.
+_LONG = 4
+_PIECE = 1 << 13
+_SOKAL_LAGS = 5000
 _GROWTH = 8
+_WINDOW = 10.0
 
 
 def autocorrelate(x: ArrayLike, max_lag: int) -> np.ndarray:
@@ -69,20 +74,35 @@ def _centre(x: ArrayLike) -> np.ndarray:
 
 def _correlation(e: np.ndarray, m: int) -> np.ndarray:
     """Return r_0 to r_m of centred samples; m < n."""
-    power = float(np.dot(e, e))
+    power = sum_products(e, e)
     if power == 0.0:
         return np.concatenate(([1.0], np.zeros(m)))
-    step = min(e.size, max(m, _SEGMENT))
+    step = min(e.size, max(_LONG * m, _SEGMENT))
     size = scipy.fft.next_fast_len(step + m, real=True)
-    spectrum = np.zeros(size // 2 + 1, dtype=np.complex128)
+    spectrum = np.zeros(size // 2 + 1)
     for lo in range(0, e.size, step):
-        left = scipy.fft.rfft(e[lo:lo + step], size)
-        np.conjugate(left, out=left)
-        left *= scipy.fft.rfft(e[lo:lo + step + m], size)
-        spectrum += left
-    r: Reals = scipy.fft.irfft(spectrum, size)[:m + 1] / power
+        part = scipy.fft.rfft(e[lo:lo + step], size)
+        spectrum += part.real ** 2 + part.imag ** 2
+    r: Reals = scipy.fft.irfft(spectrum, size)[:m + 1]
+    if step < e.size and m:
+        r[1:] += _cross_boundaries(e, m, range(step, e.size, step))
+    r /= power
     r[0] = 1.0
     return r
+
+
+def _cross_boundaries(e: np.ndarray, m: int, boundaries: range) -> np.ndarray:
+    """Return the sums of products, at lags 1 to m, of samples on both sides of a boundary."""
+    size = scipy.fft.next_fast_len(2 * m, real=True)
+    spectrum = np.zeros(size // 2 + 1, dtype=np.complex128)
+    for at in boundaries:
+        before = scipy.fft.rfft(e[at - m:at], size)
+        np.conjugate(before, out=before)
+        before *= scipy.fft.rfft(e[at:at + m], size)
+        spectrum += before
+    sums: Reals = scipy.fft.irfft(spectrum, size)
+    # The samples of both sides lie m further apart than their indices.
+    return np.concatenate((sums[size - m + 1:], sums[:1]))
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,26 +133,40 @@ class CorrelationTimes:
         return self.n / max(self.tau_2, 1.0)
 
 
-def _sum_up_to_window(x: ArrayLike, last: Callable[[int], int],
-                      closed: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray],
-                      ) -> CorrelationTimes:
-    """Sum up to the first lag where `closed` is true, at most to lag ``last(n)``."""
-    e = _centre(x)
-    n = e.size
-    limit = min(last(n), n - 1)
-    if limit < 1:
-        return CorrelationTimes(n, 0, 1.0, 1.0)
-    m = min(_FIRST_LAGS, limit)
-    while True:
-        r = _correlation(e, m)
-        r[0] = 0.0
-        tau_1 = 1.0 + 2.0 * np.cumsum(r)
-        tau_2 = 1.0 + 2.0 * np.cumsum(r * r)
-        found = np.flatnonzero(closed(np.arange(m + 1), tau_1, tau_2))
-        if found.size or m == limit:
-            window = int(found[0]) if found.size else m
-            return CorrelationTimes(n, window, float(tau_1[window]), float(tau_2[window]))
-        m = min(m * _GROWTH, limit)
+class _Lags:
+    """The autocorrelation of a series, computed as far as it is needed."""
+
+    def __init__(self, x: ArrayLike) -> None:
+        self._e = _centre(x)
+        self.n = self._e.size
+        self._r = np.ones(1)
+
+    def up_to(self, m: int) -> np.ndarray:
+        """Return r_0 to r_m; m < n."""
+        if m >= self._r.size:
+            self._r = _correlation(self._e, m)
+        return self._r[:m + 1]
+
+    def sum_up_to_window(self, limit: int,
+                         closed: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray],
+                         ) -> CorrelationTimes:
+        """Sum up to the first lag where `closed` is true, at most to a lag."""
+        limit = min(limit, self.n - 1)
+        if limit < 1:
+            return CorrelationTimes(self.n, 0, 1.0, 1.0)
+        m = min(_SOKAL_LAGS, limit)
+        while True:
+            r = self.up_to(m).copy()
+            r[0] = 0.0
+            tau_1 = 1.0 + 2.0 * np.cumsum(r)
+            tau_2 = 1.0 + 2.0 * np.cumsum(r * r)
+            found = np.flatnonzero(closed(np.arange(m + 1), tau_1, tau_2))
+            if found.size or m == limit:
+                window = int(found[0]) if found.size else m
+                return CorrelationTimes(self.n, window, float(tau_1[window]),
+                                        float(tau_2[window]))
+            # Squares only add up: the window is at least ten times what they sum to so far.
+            m = min(max(m * _GROWTH, round(_LONG * _WINDOW * tau_2[-1])), limit)
 
 
 def estimate_correlation_times(x: ArrayLike) -> CorrelationTimes:
@@ -156,9 +190,13 @@ def estimate_correlation_times(x: ArrayLike) -> CorrelationTimes:
     noise. E.23 of ``docs/diagnostics.md``.
 
     """
-    return _sum_up_to_window(
-        x, lambda n: max(2, n // 4) - 1,
-        lambda w, tau_1, tau_2: w >= 10.0 * np.maximum(np.maximum(tau_1, tau_2), 1.0))
+    return _sum_widely(_Lags(x))
+
+
+def _sum_widely(lags: _Lags) -> CorrelationTimes:
+    return lags.sum_up_to_window(
+        max(2, lags.n // 4) - 1,
+        lambda w, tau_1, tau_2: w >= _WINDOW * np.maximum(np.maximum(tau_1, tau_2), 1.0))
 
 
 def effective_size(x: ArrayLike) -> float:
@@ -183,7 +221,7 @@ def effective_size(x: ArrayLike) -> float:
     return estimate_correlation_times(x).effective_size
 
 
-def sokal_times(x: ArrayLike, limit: int = 5000) -> CorrelationTimes:
+def sokal_times(x: ArrayLike, limit: int = _SOKAL_LAGS) -> CorrelationTimes:
     """
     Return correlation times with the window W >= 5 tau_1.
 
@@ -199,8 +237,38 @@ def sokal_times(x: ArrayLike, limit: int = 5000) -> CorrelationTimes:
     Sokal 1997.
 
     """
-    return _sum_up_to_window(x, lambda n: limit,
-                             lambda w, tau_1, tau_2: (w >= 1) & (w >= 5.0 * tau_1))
+    return _sum_narrowly(_Lags(x), limit)
+
+
+def _sum_narrowly(lags: _Lags, limit: int) -> CorrelationTimes:
+    return lags.sum_up_to_window(limit, lambda w, tau_1, tau_2: (w >= 1) & (w >= 5.0 * tau_1))
+
+
+@dataclass(frozen=True, slots=True)
+class SeriesCorrelation:
+    """
+    The correlation of one series, for all who ask.
+
+    Attributes
+    ----------
+    r1 : float or None
+        Autocorrelation at a lag of one sample; None for n < 2.
+    wide, narrow : CorrelationTimes
+        `estimate_correlation_times` and `sokal_times`.
+
+    """
+
+    r1: float | None
+    wide: CorrelationTimes
+    narrow: CorrelationTimes
+
+    @classmethod
+    def of(cls, x: ArrayLike) -> 'SeriesCorrelation':
+        """Measure a series, shape (n,), at equal steps; gaps go unnoticed."""
+        lags = _Lags(x)
+        narrow = _sum_narrowly(lags, _SOKAL_LAGS)
+        r1 = float(lags.up_to(1)[1]) if lags.n > 1 else None
+        return cls(r1, _sum_widely(lags), narrow)
 
 
 def geyer_time(x: ArrayLike) -> float:
@@ -226,7 +294,7 @@ def geyer_time(x: ArrayLike) -> float:
     e = _centre(x)
     if e.size < 2:
         return 1.0
-    m = min(_FIRST_LAGS - 1, e.size - 1)
+    m = min(_SOKAL_LAGS - 1, e.size - 1)
     while True:
         r = _correlation(e, m)
         pairs = r[:r.size // 2 * 2].reshape(-1, 2).sum(axis=1)
@@ -264,14 +332,14 @@ class AllanDeviation:
 def _square_steps(sums: np.ndarray, lag: int) -> float:
     """Return the sum of squared second differences, in pieces that stay in the cache."""
     total, count = 0.0, sums.size - 2 * lag
+    steps = np.empty(_PIECE)
     for lo in range(0, count, _PIECE):
         hi = min(lo + _PIECE, count)
         middle = sums[lo + lag:hi + lag]
-        step = sums[lo + 2 * lag:hi + 2 * lag] - middle
+        step = np.subtract(sums[lo + 2 * lag:hi + 2 * lag], middle, out=steps[:hi - lo])
         step -= middle
         step += sums[lo:hi]
-        step *= step
-        total += float(step.sum())
+        total += float(step @ step)
     return total
 
 

@@ -17,6 +17,7 @@ from heading_intercompare.core.records import Reals
 from .autocorrelation import sokal_times
 from .blocking import block_means, block_size, student_95
 from .cells import Cells
+from .moments import Moments, sum_products
 from .variance_uncertainty import estimate_spread, MEAN_DOF, Spread
 
 __all__ = ['average_blocks', 'bic_of', 'drift_left_deg2', 'fit_slope', 'Order', 'Polynomial',
@@ -60,19 +61,16 @@ def _scaled_time(stamp_ns: np.ndarray) -> np.ndarray:
     return 2.0 * t / span - 1.0 if span else t
 
 
-def _least_squares(u: np.ndarray, y: np.ndarray, order: int) -> np.ndarray:
-    """Return Legendre coefficients by normal equations, summed in pieces to save memory."""
-    gram, right = np.zeros((order + 1, order + 1)), np.zeros(order + 1)
-    for lo in range(0, u.size, _PIECE):
-        basis = legvander(u[lo:lo + _PIECE], order)
-        gram += basis.T @ basis
-        right += basis.T @ y[lo:lo + _PIECE]
-    return np.linalg.lstsq(gram, right, rcond=None)[0]
-
-
-def _evaluate(u: np.ndarray, coefficients: np.ndarray) -> np.ndarray:
-    values: Reals = np.polynomial.legendre.legval(u, coefficients)
-    return values
+def _legendre(u: np.ndarray, order: int) -> np.ndarray:
+    """Return the Legendre polynomials of orders 0 to `order`, one row each."""
+    rows = np.ones((order + 1, u.size))
+    if order:
+        rows[1] = u
+    for k in range(2, order + 1):
+        np.multiply(u, rows[k - 1], out=rows[k])
+        rows[k] *= (2 * k - 1) / k
+        rows[k] -= (k - 1) / k * rows[k - 2]
+    return rows
 
 
 def remove_polynomial(stamp_ns: ArrayLike, x_deg: ArrayLike, order: int) -> Polynomial:
@@ -119,12 +117,23 @@ def remove_polynomial(stamp_ns: ArrayLike, x_deg: ArrayLike, order: int) -> Poly
     first = float(x[0])
     residual = x - first
     u = _scaled_time(stamps)
-    coefficients = np.zeros(order + 1)
-    for _ in range(2):
-        # The second pass removes the rounding error of the normal equations.
-        correction = _least_squares(u, residual, order)
-        residual -= _evaluate(u, correction)
-        coefficients += correction
+    pieces = [slice(lo, lo + _PIECE) for lo in range(0, x.size, _PIECE)]
+    gram, right = np.zeros((order + 1, order + 1)), np.zeros(order + 1)
+    for piece in pieces:
+        basis = _legendre(u[piece], order)
+        gram += basis @ basis.T
+        right += basis @ residual[piece]
+    coefficients = np.linalg.lstsq(gram, right, rcond=None)[0]
+    right = np.zeros(order + 1)
+    for piece in pieces:
+        basis, part = _legendre(u[piece], order), residual[piece]
+        part -= coefficients @ basis
+        right += basis @ part
+    # A second pass removes the rounding error of the normal equations.
+    correction = np.linalg.lstsq(gram, right, rcond=None)[0]
+    for piece in pieces:
+        residual[piece] -= correction @ _legendre(u[piece], order)
+    coefficients += correction
     coefficients[0] += first
     return Polynomial(order, tuple(coefficients.tolist()), residual)
 
@@ -339,22 +348,20 @@ def fit_slope(stamp_ns: ArrayLike, x_deg: ArrayLike,
     if n < 2 or stamps[-1] == stamps[0]:
         return None
     t_h = (stamps - stamps[0]) / 3.6e12
-    mean_h, mean_deg = float(t_h.mean()), float(x.mean())
-    t_h -= mean_h
-    power = float(t_h @ t_h)
-    b = float(t_h @ x) / power
-    residual = x - mean_deg
-    residual -= b * t_h
-    tau = sokal_times(residual).tau_1
+    moved = Moments.of(t_h)
     if n < 3:
-        return Slope(b, mean_deg - b * mean_h, None, None, None, tau, None)
-    rss = float(residual @ residual)
-    naive = math.sqrt(rss / (n - 2) / power)
+        b = float(x[1] - x[0]) / float(t_h[1])
+        return Slope(b, float(x[0]), None, None, None, 1.0, None)
+    line = Detrended.of(stamps, x, 1) if line is None else line
+    span_h = float(t_h[-1])
+    level, tilt = line.polynomial.coefficients_deg
+    b = 2.0 * tilt / span_h
+    residual = line.polynomial.residual_deg
+    tau = sokal_times(residual).tau_1
+    rss = sum_products(residual, residual)
+    naive = math.sqrt(rss / (n - 2) / moved.m2_deg2)
     u, dof = naive * math.sqrt(max(1.0, tau)), n - 2
-    found = (Detrended.of(stamps, x, 1) if line is None else line).found
-    if found is not None:
-        span_h = (int(stamps[-1]) - int(stamps[0])) / 3.6e12
-        u, dof = math.sqrt(12.0 * found.mean_variance_deg2) / span_h, MEAN_DOF
+    if line.found is not None:
+        u, dof = math.sqrt(12.0 * line.found.mean_variance_deg2) / span_h, MEAN_DOF
     half = student_95(dof) * u
-    return Slope(b, mean_deg - b * mean_h, naive, u, (b - half, b + half), tau,
-                 math.sqrt(rss / (n - 1)))
+    return Slope(b, level - tilt, naive, u, (b - half, b + half), tau, math.sqrt(rss / (n - 1)))

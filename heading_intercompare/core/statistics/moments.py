@@ -10,12 +10,14 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-__all__ = ['count_outside', 'exact_sum', 'Moments', 'UNIT']
+__all__ = ['count_outside', 'exact_sum', 'Moments', 'sum_products', 'UNIT']
 
 UNIT = 2.0 ** -53
 """All floats from 1/2 to 1 are integer multiples of this."""
 
 _HALF = 26
+#: Few enough that a linear algebra library stays in one thread, and that they stay in the cache.
+_PIECE = 1 << 13
 
 
 def exact_sum(values: ArrayLike) -> int:
@@ -30,8 +32,17 @@ def exact_sum(values: ArrayLike) -> int:
     2.25
 
     """
-    units = (np.asarray(values, dtype=np.float64) / UNIT).astype(np.int64)
+    numbers = np.asarray(values, dtype=np.float64)
+    if numbers.size and (numbers == numbers[0]).all():
+        return int(numbers[0] / UNIT) * numbers.size
+    units = (numbers / UNIT).astype(np.int64)
     return (int((units >> _HALF).sum()) << _HALF) + int((units & ((1 << _HALF) - 1)).sum())
+
+
+def sum_products(a: np.ndarray, b: np.ndarray) -> float:
+    """Return the sum of products of two columns, shape (n,), the same with any BLAS threads."""
+    return math.fsum(float(a[lo:lo + _PIECE] @ b[lo:lo + _PIECE])
+                     for lo in range(0, len(a), _PIECE))
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,9 +90,13 @@ class Moments:
         if x.size == 0:
             return cls()
         mean = float(x.mean())
-        e = x - mean
+        m2 = off = 0.0
+        for lo in range(0, x.size, _PIECE):
+            e = x[lo:lo + _PIECE] - mean
+            m2 += float(e @ e)
+            off += float(e.sum())
         # The second term corrects for the rounding of the mean.
-        m2 = float(np.dot(e, e)) - float(e.sum()) ** 2 / x.size
+        m2 -= off ** 2 / x.size
         return cls(int(x.size), mean, max(0.0, m2), float(x.min()), float(x.max()))
 
     def __add__(self, other: 'Moments') -> 'Moments':

@@ -19,7 +19,8 @@ from .resolution import find_resolution, Resolution
 __all__ = ['AndersonDarling', 'apply_anderson_darling', 'examine_normality', 'measure_shape',
            'moving_average_residual', 'Normality', 'Shape', 'symmetric_difference', 'thin']
 
-_PIECE = 1 << 15
+#: Few enough that BLAS stays in one thread.
+_PIECE = 1 << 13
 _LEAST = 8
 _MOST = 1 << 20
 _STRETCH = 1 << 16
@@ -89,12 +90,13 @@ def measure_shape(values: ArrayLike, n_effective: float | None = None) -> Shape:
     if n < 2:
         return Shape(n, nu)
     first = float(x[0])
-    mean = first + float(np.mean(x - first))
+    mean = first + math.fsum(float((x[lo:lo + _PIECE] - first).sum())
+                             for lo in range(0, n, _PIECE)) / n
     m2 = m3 = m4 = 0.0
     for lo in range(0, n, _PIECE):
         e = x[lo:lo + _PIECE] - mean
         e2 = e * e
-        m2 += float(e2.sum())
+        m2 += float(e @ e)
         m3 += float(e @ e2)
         m4 += float(e2 @ e2)
     std = math.sqrt(m2 / (n - 1))
@@ -167,10 +169,10 @@ def apply_anderson_darling(values: ArrayLike) -> AndersonDarling | None:
     return AndersonDarling(statistic, a, p)
 
 
-def thin(values: ArrayLike) -> tuple[np.ndarray, int]:
-    """Return every k-th value, and k: Sokal's correlation time, rounded up."""
+def thin(values: ArrayLike, tau: float | None = None) -> tuple[np.ndarray, int]:
+    """Return every k-th value, and k: Sokal's correlation time, known or not, rounded up."""
     x = np.asarray(values, dtype=np.float64)
-    step = max(1, math.ceil(sokal_times(x).tau_1))
+    step = max(1, math.ceil(sokal_times(x).tau_1 if tau is None else tau))
     return x[::step], step
 
 
@@ -283,7 +285,7 @@ class Normality:
 
 
 def examine_normality(x_deg: ArrayLike, ts_deg: ArrayLike, rs_deg: ArrayLike, *,
-                      n_effective: float,
+                      n_effective: float, tau: float | None = None,
                       width: int = 3) -> Normality:
     """
     Test the normality of a run.
@@ -294,6 +296,8 @@ def examine_normality(x_deg: ArrayLike, ts_deg: ArrayLike, rs_deg: ArrayLike, *,
         Differences or their residuals, and headings, in sample order, finite, degrees.
     n_effective : float
         Effective size of the differences.
+    tau : float, optional
+        Sokal's correlation time of the differences, if already known, in samples.
     width : int
         Readings per moving average, odd, at least 3.
 
@@ -312,7 +316,7 @@ def examine_normality(x_deg: ArrayLike, ts_deg: ArrayLike, rs_deg: ArrayLike, *,
     minus a moving average. Effective sizes instead of n: Bai & Ng 2005.
 
     """
-    few, step = thin(x_deg)
+    few, step = thin(x_deg, tau)
     distance = apply_anderson_darling(few)
     sensors = [_examine_sensor(np.asarray(h, dtype=np.float64), width) for h in (ts_deg, rs_deg)]
     (ts_first, ts_average, ts_step), (rs_first, rs_average, rs_step) = sensors

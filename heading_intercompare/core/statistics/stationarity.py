@@ -227,11 +227,13 @@ def examine_stationarity(x_deg: ArrayLike, step_s: float) -> Stationarity:
     size = block_size(x.size, 16)
     if x.size < LEAST_SAMPLES:
         return Stationarity(blocks=0)
-    e = x - x[0]
-    e -= e.mean()
-    means, squares = block_means(e, size), block_means(e * e, size)
+    small, centre = block_size(x.size, 64), float(x.mean())
+    parts = block_means(x, small) - centre
+    means = block_means(parts, size // small)
+    squares = np.array([float(np.mean((x[lo:lo + size] - centre) ** 2))
+                        for lo in range(0, means.size * size, size)])
     by_mean, by_square = count_arrangements(means), count_arrangements(squares)
-    level = apply_kpss(block_means(e, block_size(x.size, 64)))
+    level = apply_kpss(parts)
     return Stationarity(
         blocks=means.size, block_s=size * step_s,
         mean_z=by_mean.z if by_mean else None, mean_p=by_mean.p if by_mean else None,

@@ -9,13 +9,14 @@ import math
 
 import numpy as np
 from numpy.typing import ArrayLike
-import scipy
 
 from .drift import average_blocks, bic_of, rounding_floor, select_order
 
 __all__ = ['fit_warm_up', 'mser5', 'WarmUp']
 
 _GRID = 400
+_FINER = 41
+_EXACT = 1e-10
 _LEAST_SAMPLES = 64
 
 CLEAR = 10.0
@@ -117,11 +118,16 @@ def fit_warm_up(stamp_ns: ArrayLike, x_deg: ArrayLike, tolerance_deg: float) -> 
     grid = np.linspace(math.log(span / 100.0), math.log(span), _GRID)
     squares = fit(grid)[0]
     best = int(np.argmin(squares))
-    bounds = grid[max(best - 1, 0)], grid[min(best + 1, _GRID - 1)]
-    found = scipy.optimize.minimize_scalar(
-        lambda g: float(fit(np.array([g]))[0][0]), bounds=bounds, method='bounded',
-        options={'xatol': 1e-10})
-    log_tau = found.x if found.fun < squares[best] else grid[best]
+    log_tau, least = float(grid[best]), float(squares[best])
+    width = float(grid[1] - grid[0])
+    # Finer and finer grids about the least: a minimiser of scipy takes longer to load.
+    while width > _EXACT:
+        finer = np.clip(log_tau + np.linspace(-width, width, _FINER), grid[0], grid[-1])
+        squares = fit(finer)[0]
+        best = int(np.argmin(squares))
+        if squares[best] < least:
+            log_tau, least = float(finer[best]), float(squares[best])
+        width *= 2.0 / (_FINER - 1)
     rss, b, a = (float(v[0]) for v in fit(np.array([log_tau])))
     tau = math.exp(log_tau)
     step = span / (x.size - 1)

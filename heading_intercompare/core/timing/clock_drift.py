@@ -16,8 +16,8 @@ from heading_intercompare.core.statistics.blocking import student_95
 
 from .heading_track import Track
 from .realignment import move_pairs
-from .skew_instrument import common_tracks, HALF_SPAN_S, Instrument
-from .skew_search import find_skew, REACH_S, scatter_deg
+from .skew_instrument import common_tracks, HALF_SPAN_S, Instrument, Tracks
+from .skew_search import coarsen, find_skew, REACH_S, scatter_deg
 
 __all__ = ['ClockDrift', 'ClockStep', 'estimate_clock_drift', 'SkewOfPart']
 
@@ -125,7 +125,7 @@ class ClockDrift:
 
 def estimate_clock_drift(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
                          range_s: float = 2.0, max_gap_s: float = 3.0,
-                         near_s: float = 0.0) -> ClockDrift:
+                         near_s: float = 0.0, tracks: Tracks | None = None) -> ClockDrift:
     """
     Estimate how the time skew changes within a run.
 
@@ -143,6 +143,8 @@ def estimate_clock_drift(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLik
     near_s : float
         The skew of the whole run, if known, seconds. The pairs are moved by one of more than a
         minute.
+    tracks : pair of Track, optional
+        `common_tracks` of the pairs as they are, if already known.
 
     Returns
     -------
@@ -174,7 +176,8 @@ def estimate_clock_drift(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLik
         return _move_back(found, near_s, stamps, moved[0])
     if x.size < _LEAST_SAMPLES or stamps[-1] == stamps[0]:
         return ClockDrift('not_testable')
-    ts_track, rs_track = common_tracks(stamps, x, rs, _BLOCK_S)
+    ts_track, rs_track = (coarsen(track, _BLOCK_S)
+                          for track in tracks or common_tracks(stamps, x, rs))
     span = float(ts_track.t_s[-1] - ts_track.t_s[0])
     count = min(_MOST_PARTS, int(span / _LEAST_PART_S), len(ts_track) // _LEAST_SAMPLES)
     if count < _FEWEST_PARTS:

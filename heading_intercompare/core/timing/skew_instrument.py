@@ -15,7 +15,11 @@ from heading_intercompare.core.statistics.blocking import block_means, block_siz
 
 from .heading_track import Track
 
-__all__ = ['common_tracks', 'Fit', 'HALF_SPAN_S', 'Instrument', 'LEAST_STRENGTH']
+__all__ = ['common_tracks', 'Fit', 'HALF_SPAN_S', 'Instrument', 'LEAST_PAIRS', 'LEAST_STRENGTH',
+           'Tracks']
+
+Tracks = tuple[Track, Track]
+"""TS and RS on common times."""
 
 _BLOCK_S = 0.1
 """Longest block that pairs are averaged over, seconds."""
@@ -27,8 +31,12 @@ LEAST_STRENGTH = 10.0
 """Least F of the common turning of both sensors; below that the instrument is weak."""
 
 
+LEAST_PAIRS = 64
+"""Fewest pairs that show a skew."""
+
+
 def common_tracks(stamps: np.ndarray, x: np.ndarray, rs_deg: np.ndarray,
-                  block_s: float = _BLOCK_S) -> tuple[Track, Track]:
+                  block_s: float = _BLOCK_S) -> Tracks:
     """
     Return TS and RS on common times, averaged over short blocks.
 

@@ -9,11 +9,11 @@ import math
 from typing import NamedTuple, Sequence
 
 import numpy as np
-import scipy
 
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.statistics.blocking import block_means, block_size
 
+from .cubic_spline import CubicSpline
 from .heading_track import Track
 from .skew_instrument import Fit, Instrument, LEAST_STRENGTH
 
@@ -217,7 +217,7 @@ class _Glance:
         self.t_s, self.ts_deg = ts.t_s[::every], ts.heading_deg[::every]
         self.from_s, self.to_s = rs.t_s[0], rs.t_s[-1]
         slow = float(np.median(np.diff(rs.t_s))) > _SLOW_S
-        self.rs_at = scipy.interpolate.CubicSpline(rs.t_s, rs.heading_deg) if slow else rs.at
+        self.rs_at = CubicSpline(rs.t_s, rs.heading_deg) if slow else rs.at
 
     def __call__(self, skew_s: float) -> float:
         """Return the scatter, degrees; infinite outside the RS record."""

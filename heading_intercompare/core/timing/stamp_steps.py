@@ -19,6 +19,8 @@ _QUANTILES = (0.1, 0.25, 0.5)
 _ROUNDS, _NEAR = 3, 3
 _FEW = 6
 _TOGETHER = 0.4
+#: Below half as much again, a step is one step.
+_ALL_ONE = 1.49
 _ASTRAY = 1.5
 _PHASES, _COHERENT = 8, 0.45
 _FINER, _AS_GOOD = (-0.03, -0.02, -0.01, -0.005, 0.005, 0.01, 0.02, 0.03), 0.02
@@ -117,7 +119,12 @@ def _lost_share(steps: np.ndarray, nominal: float | None, silence_steps: float) 
         return float((silent - usual).sum()) / float(steps.sum())
     missing = places = 0.0
     for lo in range(0, steps.size, _LOOKED_AT):
-        times = _multiples(steps[lo:lo + _LOOKED_AT], nominal)
+        part = steps[lo:lo + _LOOKED_AT]
+        if _TOGETHER * nominal < part.min() and part.max() < _ALL_ONE * nominal:
+            # Each reading came, and no two of them together.
+            places += part.size
+            continue
+        times = _multiples(part, nominal)
         ends = np.flatnonzero(times)
         if ends.size:
             # After an early reading the next step is long, but no reading is missing.

@@ -23,7 +23,15 @@ from heading_intercompare.core.statistics.blocking import student_95
 from .clock_search import find_apart
 from .heading_track import Track
 from .realignment import move_pairs
-from .skew_instrument import common_tracks, Fit, HALF_SPAN_S, Instrument, LEAST_STRENGTH
+from .skew_instrument import (
+    common_tracks,
+    Fit,
+    HALF_SPAN_S,
+    Instrument,
+    LEAST_PAIRS,
+    LEAST_STRENGTH,
+    Tracks,
+)
 from .skew_search import coarsen, find_skew, has_turned, REACH_S
 
 __all__ = ['estimate_skew', 'regress_skew', 'Regression', 'Skew']
@@ -235,7 +243,8 @@ class Skew:
 
 def estimate_skew(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
                   range_s: float = 2.0, half_span_s: float = HALF_SPAN_S,
-                  max_gap_s: float = _MAX_GAP_S, clock_range_s: float = 0.0) -> Skew:
+                  max_gap_s: float = _MAX_GAP_S, clock_range_s: float = 0.0,
+                  tracks: Tracks | None = None) -> Skew:
     """
     Estimate the time skew of a run from its pairs.
 
@@ -253,6 +262,8 @@ def estimate_skew(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
         Spans with a longer silence are left out, seconds.
     clock_range_s : float
         Largest skew to search for beyond a minute, in either direction, seconds; default none.
+    tracks : pair of Track, optional
+        `common_tracks` of the pairs, if already known.
 
     Returns
     -------
@@ -277,9 +288,9 @@ def estimate_skew(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
 
     """
     stamps, x = np.asarray(stamp_ns), np.asarray(x_deg, dtype=np.float64)
-    if x.size < 64 or stamps[-1] == stamps[0]:
+    if x.size < LEAST_PAIRS or stamps[-1] == stamps[0]:
         return Skew(0)
-    ts, rs = common_tracks(stamps, x, np.asarray(rs_deg, dtype=np.float64))
+    ts, rs = tracks or common_tracks(stamps, x, np.asarray(rs_deg, dtype=np.float64))
     fit = Instrument(ts, rs, half_span_s, max_gap_s)
     found = fit(0.0)
     if found is None:

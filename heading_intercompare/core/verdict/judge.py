@@ -35,7 +35,7 @@ from heading_intercompare.core.pairing.stamp_jumps import SetBack
 from heading_intercompare.core.records import Integers, Motion, Reals
 from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.settings import Risk, Settings
-from heading_intercompare.core.statistics.autocorrelation import estimate_correlation_times
+from heading_intercompare.core.statistics.autocorrelation import SeriesCorrelation
 from heading_intercompare.core.statistics.cells import Cells
 from heading_intercompare.core.statistics.ergodicity import (
     examine_homogeneity,
@@ -269,9 +269,11 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
                   if one.start_ns <= run.end_ns and one.end_ns > run.start_ns]
     whole = _judge(run, settings, number, source, risk,
                    [look.recorded or look for look in looks], (), motion, told)
+    if not exclusions:
+        return whole
     lo = whole.verdict.n_stabilization - run.n_stabilization
     at = find_excluded(run.stamp_ns.values[lo:], exclusions)
-    if not exclusions or not np.any(at >= 0):
+    if not np.any(at >= 0):
         return whole
     count = np.bincount(at[at >= 0], minlength=len(exclusions)).tolist()
     return _judge(run, settings, number, source, risk, looks, exclusions, motion, told).beside(
@@ -304,7 +306,7 @@ def _judge(run: RunSeries, settings: Settings, number: int, source: str, risk: R
         factor = factor[find_excluded(run.stamp_ns.values[data.n_left_out:], exclusions) < 0]
     found = diagnose(data.stamp_ns, data.x_deg, data.rs_deg, settings, guarded, limits,
                      drift=drift, rest=rest, residual_deg=data.residual_deg,
-                     times=estimate_correlation_times(data.series_deg),
+                     series=SeriesCorrelation.of(data.series_deg),
                      factor=factor, interpolates_ts=run.interpolates_ts,
                      told=lambda share: told(_BEFORE + (1.0 - _BEFORE) * share))
     checked = None if motion is None or not settings.motion.compare else check_motion(

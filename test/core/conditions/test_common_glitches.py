@@ -6,9 +6,13 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.ndimage import median_filter
 from scipy.signal import lfilter
 
-from heading_intercompare.core.conditions.common_glitches import find_common_glitches
+from heading_intercompare.core.conditions.common_glitches import (
+    _subtract_medians,
+    find_common_glitches,
+)
 
 RATE = 10.0
 N = 12_000
@@ -120,3 +124,10 @@ def test_turning_all_headings_and_shifting_the_time_change_nothing():
 def test_a_glitch_at_either_end_is_left_out():
     rs = glitched(swell(T_S), np.array([0, 1, N - 2, N - 1]))
     assert found(rs, rs).count == 0
+
+
+def test_the_median_of_seven_is_that_of_scipy(rng):
+    """Also across the pieces, at both ends, and with equal values."""
+    for heading in (rng.standard_normal(20_000), rng.integers(0, 5, 20_000) / 2.0, np.ones(9)):
+        expected = heading - median_filter(heading, 7, mode='nearest')
+        assert (_subtract_medians(heading) == expected).all()

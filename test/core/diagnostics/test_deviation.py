@@ -122,3 +122,15 @@ def test_the_fit_at_a_heading_by_hand(rng):
     row = np.array([1.0, 1.0, 0.0, 0.0, -1.0])
     assert u[0] ** 2 == pytest.approx(row @ np.array(found.covariance_deg2) @ row)
     assert np.isnan(deviation_at(fit_deviation([], []), [0.0])).all()
+
+
+def test_the_largest_arc_of_many_headings_is_that_of_all_sorted(rng):
+    """Even, in a swing, in islands, in one place, in steps, and with one heading far away."""
+    n = 150_000
+    for heading in (360.0 * rng.random(n), 90.0 + 40.0 * np.sin(np.arange(n) / 5000.0),
+                    np.concatenate((50.0 * rng.random(n), 200. + 1e-3 * rng.random(999), [355.])),
+                    np.full(n, 359.9999999999), np.round(360.0 * rng.random(n), 1),
+                    np.append(300.0 * rng.random(n), 330.0)):
+        heading = np.sort(heading % 360.0)
+        expected = np.diff(heading, append=heading[0] + 360.0).max()
+        assert largest_empty_arc(heading) == pytest.approx(expected, rel=1e-12)

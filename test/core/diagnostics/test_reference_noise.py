@@ -89,3 +89,15 @@ def test_a_norm_of_zero_gives_no_ratio(rng):
     found = estimate_reference_noise(np.zeros(500), rng.standard_normal(500))
     assert found.sigma_ref_lower_deg > 0.0
     assert found.m_lower(0.0) is None
+
+
+def test_pieces_give_the_figures_of_the_whole(rng):
+    ts, rs = 40.0 + 0.1 * rng.standard_normal(70_001), 40.0 + 0.05 * rng.standard_normal(70_001)
+    found = estimate_reference_noise(ts, rs)
+    d, d_ref = ts[1::2] - ts[:-1:2], rs[1::2] - rs[:-1:2]
+    own = 0.25 * d_ref * (d_ref - d)
+    assert found.octaves[0] == 1
+    assert found.rs_variance_deg2[0] == pytest.approx(own.mean(), rel=1e-11)
+    assert found.u_deg2[0] == pytest.approx(own.std(ddof=1) / math.sqrt(own.size), rel=1e-9)
+    assert found.ts_variance_deg2[0] == pytest.approx(
+        0.25 * np.mean((d - d_ref) ** 2) - own.mean(), rel=1e-11)

@@ -23,6 +23,7 @@ from heading_intercompare.core.statistics.autocorrelation import (
     effective_size,
     estimate_correlation_times,
     geyer_time,
+    SeriesCorrelation,
     sokal_times,
 )
 
@@ -271,3 +272,37 @@ def test_the_allan_variance_of_white_noise_scatters_as_its_degrees_of_freedom_sa
     # The last has one or two: its formula is an approximation there.
     assert dof[:-1] == pytest.approx(measured[:-1], rel=0.35)
     assert np.all(dof >= 1.0) and np.all(np.diff(dof) < 0.0)
+
+
+def errors_of_many_kinds(n, rng):
+    """Yield errors that a run may hold: white, slow, wandering, periodic, with gaps and steps."""
+    white, t = rng.standard_normal(n), np.arange(n)
+    yield 'white', white
+    yield 'AR(1)', ar1(n, 2000.0, rng)
+    yield 'random walk', np.cumsum(white)
+    yield 'periodic', np.sin(t / 3.0) + np.sin(t / 5000.0) + 0.1 * white
+    yield 'gaps', ar1(n, 300.0, rng)[rng.random(n) > 0.1 * (t % 50_000 < 5000)]
+    yield 'steps', white + 3.0 * (t > n // 3) - 2.0 * (t > n // 2)
+    yield 'offset', 179.0 + 1e-3 * white
+
+
+def test_segments_give_the_autocorrelation_of_the_whole(rng):
+    """Lags within a segment, of nearly a segment, and so long that there is one segment."""
+    for kind, x in errors_of_many_kinds(400_000, rng):
+        e = x - x.mean()
+        spectrum = np.abs(np.fft.rfft(e, 2 * e.size)) ** 2
+        expected = np.fft.irfft(spectrum)[:e.size] / (e @ e)
+        for m in (1, 7, 5000, 40_000, 150_000):
+            assert autocorrelate(x, m) == pytest.approx(expected[:m + 1], abs=1e-11), (kind, m)
+
+
+def test_one_measurement_serves_all_who_ask_for_the_correlation(rng):
+    for kind, x in errors_of_many_kinds(300_000, rng):
+        found = SeriesCorrelation.of(x)
+        wide, narrow = estimate_correlation_times(x), sokal_times(x)
+        for mine, alone in ((found.wide, wide), (found.narrow, narrow)):
+            assert (mine.n, mine.window) == (alone.n, alone.window), kind
+            assert mine.tau_1 == pytest.approx(alone.tau_1, rel=1e-9)
+            assert mine.tau_2 == pytest.approx(alone.tau_2, rel=1e-9)
+        assert found.r1 == pytest.approx(autocorrelate(x, 1)[1], abs=1e-12)
+    assert SeriesCorrelation.of([3.0]).r1 is None

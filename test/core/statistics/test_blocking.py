@@ -60,3 +60,10 @@ def test_fewer_terms_than_blocks_are_refused():
 def test_student_factors_of_the_table():
     assert [round(student_95(f), 3) for f in (1, 10, 30)] == [12.706, 2.228, 2.042]
     assert student_95(0) == math.inf
+
+
+@pytest.mark.parametrize('size', [1, 2, 3, 4, 8, 12, 16, 32, 64, 4096])
+def test_means_of_short_blocks_are_those_of_the_plain_sum(size, rng):
+    x = 100.0 + rng.standard_normal(70_000)
+    expected = [x[lo:lo + size].mean() for lo in range(0, x.size // size * size, size)]
+    assert block_means(x, size) == pytest.approx(expected, rel=1e-14)

@@ -203,3 +203,23 @@ def test_slope_of_too_few_samples():
     assert fit_slope([5], [1.0]) is None
     two = fit_slope([0, 3_600_000_000_000], [1.0, 2.0])
     assert (two.slope_deg_per_h, two.u_deg_per_h) == (1.0, None)
+
+
+def test_a_long_record_is_fitted_like_a_short_one(rng):
+    """Three pieces: coefficients and residuals by numpy, the slope by the textbook."""
+    n = 20_000
+    t_ns = 10 ** 18 + np.cumsum(rng.integers(1, 2 * 10 ** 8, n))
+    x = 150.0 + 1e-3 * np.arange(n) + rng.standard_normal(n)
+    u = 2.0 * (t_ns - t_ns[0]) / (t_ns[-1] - t_ns[0]) - 1.0
+    for order in range(4):
+        fit = remove_polynomial(t_ns, x, order)
+        expected = legendre.legfit(u, x, order)
+        assert fit.coefficients_deg == pytest.approx(expected, rel=1e-11, abs=1e-11)
+        assert fit.residual_deg == pytest.approx(x - legendre.legval(u, expected), abs=1e-10)
+    found, t_h = fit_slope(t_ns, x), (t_ns - t_ns[0]) / 3.6e12
+    slope, start = np.polyfit(t_h, x, 1)
+    rest = x - start - slope * t_h
+    assert (found.slope_deg_per_h, found.intercept_deg) == pytest.approx((slope, start), rel=1e-9)
+    assert found.residual_std_deg == pytest.approx(math.sqrt(rest @ rest / (n - 1)), rel=1e-11)
+    assert found.u_naive_deg_per_h == pytest.approx(
+        math.sqrt(rest @ rest / (n - 2) / np.sum((t_h - t_h.mean()) ** 2)), rel=1e-10)

@@ -13,7 +13,13 @@ import pytest
 from heading_intercompare.core.records import Differences
 from heading_intercompare.core.runs.rolling_window import Rolling
 from heading_intercompare.core.statistics.cells import Cells
-from heading_intercompare.core.statistics.moments import count_outside, exact_sum, Moments, UNIT
+from heading_intercompare.core.statistics.moments import (
+    count_outside,
+    exact_sum,
+    Moments,
+    sum_products,
+    UNIT,
+)
 
 S = 1_000_000_000
 values = st.lists(st.floats(-180.0, 180.0, allow_subnormal=False), max_size=30)
@@ -100,3 +106,15 @@ def test_an_exact_sum_does_not_depend_on_the_chunks(rng):
     assert whole == exact_sum(values[:7]) + exact_sum(values[7:1300]) + exact_sum(values[1300:])
     assert Fraction(whole) * Fraction(UNIT) == sum(map(Fraction, values.tolist()))
     assert exact_sum([]) == 0
+
+
+def test_the_exact_sum_of_equal_numbers_is_that_of_any():
+    for value in (0.5, 1.0, 0.1 + 0.6):
+        assert exact_sum(np.full(1000, value)) == 1000 * exact_sum([value])
+        assert exact_sum([value, 1.0, value]) == exact_sum([value, value]) + exact_sum([1.0])
+
+
+def test_products_are_summed_alike_however_many_there_are(rng):
+    a, b = rng.standard_normal((2, 30_000))
+    assert sum_products(a, b) == pytest.approx(float(np.sum(a * b)), abs=1e-9)
+    assert sum_products(a[:0], b[:0]) == 0.0

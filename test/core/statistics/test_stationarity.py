@@ -137,3 +137,15 @@ def test_equal_samples_have_no_trend_and_no_kpss():
     found = examine_stationarity(np.full(64, 0.3), 1.0)
     assert (found.mean_z, found.square_z, found.kpss) == (0.0, 0.0, None)
     assert found.least_p == 1.0
+
+
+def test_the_figures_of_a_run_are_those_of_its_blocks(rng):
+    """Of 5000 values: 19 blocks of 256, and 78 of 64."""
+    x = 170.0 + rng.standard_normal(5000)
+    e = x - x.mean()
+    found = examine_stationarity(x, 1.0)
+    means, squares = (v[:19 * 256].reshape(19, 256).mean(axis=1) for v in (e, e * e))
+    assert (found.mean_z, found.square_z) == pytest.approx(
+        (count_arrangements(means).z, count_arrangements(squares).z))
+    assert found.kpss == pytest.approx(
+        apply_kpss(e[:78 * 64].reshape(78, 64).mean(axis=1)).statistic, rel=1e-9)

@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 import pytest
-from scipy.optimize import curve_fit
+from scipy.optimize import curve_fit, minimize_scalar
 
 from heading_intercompare.core.statistics.warm_up import fit_warm_up, mser5
 
@@ -113,3 +113,22 @@ def test_mser5_keeps_all_of_a_constant_and_judges_no_short_run():
     assert mser5(stamps(50), np.full(50, 0.7)) == 0.0
     assert mser5(stamps(19), np.zeros(19)) is None
     assert mser5([], []) is None
+
+
+def test_the_time_constant_is_the_one_of_least_squares(rng):
+    """A minimiser of scipy finds none that fits better, whatever the errors are."""
+    n = 6400
+    t = np.arange(float(n))
+    for x in (rng.standard_normal(n), np.exp(-t / 700.0) + 0.1 * rng.standard_normal(n),
+              np.cumsum(0.01 * rng.standard_normal(n)), np.sin(t / 900.0), t / n):
+        mine = fit_warm_up(stamps(n), x, 0.02)
+        blocks, times = x.reshape(100, 64).mean(axis=1), t.reshape(100, 64).mean(axis=1)
+
+        def squares(log_tau, blocks=blocks, times=times):
+            basis = np.stack((np.ones(100), np.exp(-times / math.exp(log_tau))))
+            return np.linalg.lstsq(basis.T, blocks, rcond=None)[1][0]
+        log_tau = math.log(mine.tau_s)
+        ends = math.log((n - 1) / 100.0), math.log(n - 1.0)
+        near = minimize_scalar(squares, method='bounded', bounds=(
+            max(ends[0], log_tau - 0.01), min(ends[1], log_tau + 0.01))).fun
+        assert squares(log_tau) <= min(near, *map(squares, ends)) * (1.0 + 1e-7)
