@@ -7,6 +7,7 @@ from __future__ import annotations
 import time
 
 from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import TwistStamped
 from rclpy.node import Node
 from sensor_msgs.msg import Imu
 
@@ -15,7 +16,7 @@ from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.batches import take_all, Unwatched
 from heading_intercompare.nodes.runtime import publishing
 from heading_intercompare.nodes.runtime.health import Health
-from heading_intercompare.nodes.runtime.publishing import FlowControl, HeadingQueue
+from heading_intercompare.nodes.runtime.publishing import Audience, FlowControl, HeadingQueue
 
 
 def flow_of(ros, **kwargs):
@@ -142,3 +143,54 @@ def test_headings_that_nobody_can_publish_in_time_are_counted_and_not_kept():
     while queue:
         pieces.append(len(queue.popleft()))
     assert sum(pieces) == 500 and max(pieces) <= 200
+
+
+def audience_of(ros, **kwargs):
+    """Return an audience of the topic `h`, and its node."""
+    node = ros.add(Node, 'sender')
+    publisher = node.create_publisher(Imu, 'h', qos.HEADINGS_OUT)
+    return Audience(node, [publisher], 1, Health(node), **kwargs)
+
+
+def hear(node, topic='h'):
+    """Let a node hear a topic."""
+    node.create_subscription(Imu, topic, lambda _: None, qos.HEADINGS_IN)
+
+
+def test_a_recorder_does_not_stand_in_for_the_synchronizer(ros):
+    """A replay beside a recorder lost 17 s: the first subscriber was not the one that judges."""
+    audience = audience_of(ros, judged={'h': ['pairs']})
+    judge = ros.add(Node, 'synchronizer')
+    judge.create_publisher(TwistStamped, 'pairs', qos.PAIRS)
+    hear(ros.add(Node, 'recorder'))
+    ros.spin_until(lambda: not audience.is_there() and audience.waiting == (
+        'waiting for /synchronizer to subscribe to /h'))
+    hear(judge)
+    ros.spin_until(audience.is_there)
+    assert audience.waiting == ''
+
+
+def test_where_nobody_judges_any_subscriber_will_do(ros):
+    audience = audience_of(ros, judged={'h': ['pairs']})
+    hear(ros.add(Node, 'recorder'))
+    ros.spin_until(audience.is_there)
+
+
+def test_one_that_judges_other_topics_is_not_waited_for_without_end(ros, monkeypatch):
+    audience = audience_of(ros, judged={'h': ['pairs']})
+    ros.add(Node, 'synchronizer').create_publisher(TwistStamped, 'pairs', qos.PAIRS)
+    hear(ros.add(Node, 'recorder'))
+    ros.spin_until(lambda: 'synchronizer' in audience.waiting or audience.is_there())
+    assert not audience.is_there()
+    now_s = time.monotonic()
+    monkeypatch.setattr(publishing.time, 'monotonic', lambda: now_s + 16.0)
+    assert audience.is_there()
+
+
+def test_a_patience_ends_the_wait_for_any_subscriber(ros):
+    heard = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    audience = audience_of(ros, patience_s=0.3)
+    assert not audience.is_there()
+    ros.spin_until(audience.is_there)
+    ros.spin_until(lambda: any('going on without; waiting for a subscriber of /h' in s.message
+                               for m in heard for s in m.status))
