@@ -549,6 +549,13 @@ def test_core_opens_no_file_and_prints_nothing():
     assert found == []
 
 
+def test_commands_print_in_the_one_place_that_escapes_foreign_names():
+    found = [f'{relative(path)}:{node.lineno}' for path in (PACKAGE / 'cli' / 'commands').rglob(
+                 '*.py') for node in ast.walk(ast.parse(path.read_text('utf-8')))
+             if isinstance(node, ast.Call) and getattr(node.func, 'id', '') == 'print']
+    assert found == []
+
+
 def test_nothing_catches_every_exception():
     found = [f'{relative(path)}:{node.lineno}' for path in SOURCES
              for node in ast.walk(ast.parse(path.read_text('utf-8')))

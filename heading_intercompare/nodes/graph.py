@@ -32,7 +32,7 @@ from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.nodes.ros.parameters import make_overrides
 from heading_intercompare.nodes.ros.process import end, settle_memory, spin_nodes, Stop
 from heading_intercompare.nodes.ros.security import check_security, say_security_errors
-from heading_intercompare.nodes.ros.transports import prefer_udp, set_variable
+from heading_intercompare.nodes.ros.transports import prefer_udp, RANGE, set_variable
 from heading_intercompare.nodes.sensors.places import (
     count_motion_subscribers,
     count_subscribers,
@@ -51,7 +51,6 @@ from .watcher import Watcher
 
 __all__ = ['intercompare', 'Source']
 
-_RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
 _SHOW_S = 0.3
 
 _JUDGES = (Compliance, SensorsWatch)
@@ -126,7 +125,7 @@ def _check_namespace(namespace: str) -> None:
 def _context(private: bool) -> Iterator[Context]:
     """Yield a ROS context; a private one is cut off from everything outside this process."""
     context = Context()
-    with set_variable(_RANGE, 'OFF') if private else prefer_udp():
+    with set_variable(RANGE, 'OFF') if private else prefer_udp():
         try:
             check_security()
             with say_security_errors():

@@ -15,7 +15,7 @@ from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.driver_motion import DriverMotion
 from heading_intercompare.nodes.runtime.health import Health
-from heading_intercompare.nodes.runtime.publishing import Audience, await_acknowledgement
+from heading_intercompare.nodes.runtime.publishing import Audience
 from heading_intercompare.nodes.runtime.source_thread import Reading, ReadingNode
 
 from .settings import DriverNode, Sending, Taking
@@ -62,8 +62,7 @@ class MotionDriver(ReadingNode):
             return
         self._later.cancel()
         if (self._flushed and not self.done) or self._ending:
-            await_acknowledgement(self._motion.publishers)
-            self.done, self.ended = self._flushed, self._ending
+            self._leave(self._motion.publishers)
 
     def _note(self) -> None:
         if self._reading.started and not self.done:
@@ -73,7 +72,7 @@ class MotionDriver(ReadingNode):
             self._newest_s, self._n_before = now_s, n
         age_s = now_s - self._newest_s
         allowed_s = self._taking.stale_s if n else self._taking.first_wait_s
-        silent = self._reading.started and not self.done and age_s > allowed_s
+        silent = self._reading.started and not self._flushed and age_s > allowed_s
         words = f'no motion for more than {allowed_s:g} s; ' if silent else ''
         self.health.note('source', WARN if silent else OK, words + self._reading.source.status,
                          published=n, age_s=age_s, **self._reading.source.counts)

@@ -27,7 +27,6 @@ from heading_intercompare.nodes.runtime.loss_publisher import LossPublisher
 from heading_intercompare.nodes.runtime.publishing import (
     Allowance,
     Audience,
-    await_acknowledgement,
     FlowControl,
     HeadingQueue,
 )
@@ -93,8 +92,7 @@ class NmeaDriver(ReadingNode):
             return
         self._later.cancel()
         if (self._flushed and not self.done) or self._ending:
-            await_acknowledgement([self._publisher, *self._motion.publishers])
-            self.done, self.ended = self._flushed, self._ending
+            self._leave([self._publisher, *self._motion.publishers])
 
     def _take(self, headings: Headings) -> None:
         headings = self._waiting.add(headings)
@@ -121,7 +119,7 @@ class NmeaDriver(ReadingNode):
         now_s = time.monotonic()
         age_s = now_s - self._newest_s
         allowed_s = self._taking.stale_s if self._published else self._taking.first_wait_s
-        silent = self._reading.started and not self.done and age_s > allowed_s
+        silent = self._reading.started and not self._flushed and age_s > allowed_s
         rate_hz = (self._published - self._published_before) / max(now_s - self._beat_s, 1e-3)
         counts = {**self._reading.source.counts, **self._decoder.counts}
         self._beat_s, self._published_before = now_s, self._published

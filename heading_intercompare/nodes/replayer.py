@@ -10,6 +10,7 @@ from typing import Any, Callable, Collection, Sequence
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
+from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
 
@@ -137,8 +138,7 @@ class Replayer(Node):
         if self._time:
             self._time.publish(encode_clock(self._replay.shown_ns))
         if self._replay.over:
-            self._await_arrival()
-            self.done = True
+            self.done = self._audience.has_heard(self._all_publishers())
 
     def _note(self) -> None:
         words = '; '.join(filter(None, [self.state, self._reader.incomplete]))
@@ -146,12 +146,12 @@ class Replayer(Node):
                           path=self._reader.path, published=self.published,
                           paused=self._replay.paused, position_s=self._replay.place_s)
 
-    def _await_arrival(self) -> None:
-        await_acknowledgement([*self._headings.values(), *self._motion.publishers.values()])
+    def _all_publishers(self) -> list[Publisher]:
+        return [*self._headings.values(), *self._motion.publishers.values()]
 
     def end(self) -> None:
         """Stop publishing, and wait until the last messages have arrived."""
-        self._await_arrival()
+        await_acknowledgement(self._all_publishers())
         self.ended = True
 
 

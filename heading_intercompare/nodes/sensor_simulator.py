@@ -101,8 +101,8 @@ class SensorSimulator(Node):
                 self._allowance.has_left() and self._flow.has_room()):
             self._publish(trial.advance(trial.now_s + step_s))
         if not self._motion.look() and trial.over:
-            await_acknowledgement([*self._publishers_of.values(), *self._motion.publishers])
-            self.done = True
+            self.done = self._audience.has_heard(
+                [*self._publishers_of.values(), *self._motion.publishers])
 
     def _publish(self, chunk: SimulatedChunk) -> None:
         """Publish truth and motion, the readings of each sensor in order, and their state."""

@@ -51,8 +51,9 @@ html, body { background: var(--ground); color: var(--ink); margin: 0;
 .bridge .q-field__control { border-bottom: 1px solid var(--faint); min-width: 220px; }
 svg .mark { fill: var(--faint); font-size: 14px; } svg .limit { stroke: var(--ink);
   stroke-dasharray: 8 5; } svg .zero { stroke: var(--line); } svg .trace { fill: var(--ink); }
-#page-age { position: fixed; right: 12px; bottom: 6px; font-size: 16px; color: var(--faint);
-  background: var(--panel); padding: 2px 6px; z-index: 10; }
+#page-age { position: fixed; inset: auto 0 0 0; text-align: right; font-size: 16px;
+  color: var(--faint); background: var(--panel); border-top: 1px solid var(--line);
+  padding: 2px 12px; z-index: 10; }
 #page-dead { display: none; position: fixed; inset: 0 0 auto 0; padding: 14px; z-index: 9999;
   text-align: center; font-size: 30px; font-weight: 800; background: var(--ground);
   color: var(--bad); border: 6px double var(--bad); }

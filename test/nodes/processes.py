@@ -51,10 +51,13 @@ class Processes:
             assert 'Traceback' not in said
 
     def reap(self) -> None:
-        """Kill what is left."""
+        """Kill what is left, and print what all have said: pytest shows it if a test failed."""
         self.signal(signal.SIGKILL)
-        for process in self.running.values():
+        for name, process in self.running.items():
             process.wait()
+            said = self.folder / f'{name}.log'
+            if said.exists():
+                print(f'== {name}', said.read_text(errors='replace'), sep='\n')
 
 
 def wait_for(condition, timeout_s=30.0):

@@ -9,9 +9,10 @@ import shutil
 import time
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
-from geometry_msgs.msg import QuaternionStamped
+from geometry_msgs.msg import QuaternionStamped, TwistStamped
 from nodes.rclpy_objects import heading_messages, headings_from, marker_message
 import pytest
+from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import Imu
 from std_msgs.msg import String
@@ -37,6 +38,7 @@ from heading_intercompare.messages.status_messages import (
 )
 from heading_intercompare.nodes.recorder import Recorder
 from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.taking import recorded_topics
 
 REPORT = json.dumps({'runs': [{'start_ns': 5, 'end_ns': 9}]})
 
@@ -282,6 +284,41 @@ def test_headings_that_the_synchronizer_had_but_the_recorder_missed_at_the_end_a
     assert (said['received./ts/heading'], said['lost_on_the_way./ts/heading']) == ('20', '30')
     assert (said['received./rs/heading'], said['lost_on_the_way./rs/heading']) == ('20', '0')
     assert 'bag: 30 messages lost on the way' in capfd.readouterr().err
+
+
+def test_headings_that_the_synchronizer_had_before_the_recorder_are_counted(ros, tmp_path):
+    """A sensor that publishes already: before, the bag said that nothing was lost."""
+    ledgers = ros.plain.create_publisher(DiagnosticArray, 'pairs/ledger', qos.LEDGER)
+    sensor = ros.plain.create_publisher(Imu, 'ts/heading', QoSProfile(depth=100))
+    for message in some_headings(10):
+        sensor.publish(message)
+    node = recorder_of(ros, tmp_path)
+    ros.spin_until(lambda: ledgers.get_subscription_count() == 1)
+    ros.spin_until(lambda: sensor.get_subscription_count() == 1)
+    for message in some_headings(30)[10:]:
+        sensor.publish(message)
+    ledgers.publish(deserialize_message(encode_ledger(Ledger.from_segments([]), True, 7, {
+        'ts': StreamNumbers('', 4, '', 30), 'rs': StreamNumbers('', 0, '', 0)}),
+        DiagnosticArray))
+    ros.spin_until(lambda: node.written == 21)
+    said = finish(ros, node, ledgers, sensor).metadata()['recording']
+    assert said['lost_on_the_way./ts/heading'] == '7'
+
+
+def test_pairs_are_heard_only_once_the_headings_are(ros, tmp_path, monkeypatch):
+    """The synchronizer begins when they are; before, it began up to a second earlier."""
+    monkeypatch.setattr(recorded_topics, 'is_alone', lambda: False)
+    monkeypatch.setattr(recorded_topics, '_KNOWN_S', 3600.0)
+    pairs = ros.plain.create_publisher(TwistStamped, 'pairs', qos.PAIRS)
+    sensors = [ros.plain.create_publisher(Imu, f'{name}/heading', qos.HEADINGS_OUT)
+               for name in ('ts', 'rs')]
+    node = recorder_of(ros, tmp_path)
+    ros.spin_until(lambda: all(one.get_subscription_count() for one in sensors))
+    sensors[0].publish(some_headings(1)[0])
+    ros.spin_until(lambda: node._topics['ts/heading'].intake.received)
+    assert pairs.get_subscription_count() == 0
+    sensors[1].publish(some_headings(1)[0])
+    ros.spin_until(pairs.get_subscription_count)
 
 
 def test_headings_from_before_and_after_the_verdict_are_not_in_the_bag(ros, tmp_path):

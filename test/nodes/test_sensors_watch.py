@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 import json
 import time
 
@@ -207,12 +208,21 @@ class Trial:
         """Start the node, as its respawn would."""
         self.watch = several(self.ros, SensorsWatch, settings=self.settings,
                              report_dir=str(self.folder))
+        self.booked, journals = set(), self.watch._journals._journals
+        for names, journal in journals.items():
+            journal.book = partial(self.book, names, journal.book)
+
+    def book(self, names, book, ledger):
+        """Note that the ledger of a pair is kept. What came before the first is not counted."""
+        book(ledger)
+        self.booked.add(names)
 
     def wait(self, seconds):
-        """Wait until so many seconds of the trial are judged of every pair."""
-        self.ros.spin_until(lambda: all(
+        """Wait until so many seconds of the trial are judged of every pair, and counted."""
+        others = self.watch._comparison.others
+        self.ros.spin_until(lambda: self.booked == {*others} and all(
             (one.compliance.newest_ns or 0) > START_NS + round(seconds * 1e9)
-            for one in self.watch._comparison.others.values()), 60.0)
+            for one in others.values()), 60.0)
 
     def kill(self):
         """Kill it; the readings go on for a second, 15 s of the trial."""

@@ -183,8 +183,12 @@ def test_the_page_fits_and_its_numerals_are_big(page, size):
       wide: document.documentElement.scrollWidth - document.documentElement.clientWidth,
       size: parseFloat(getComputedStyle(document.querySelector('.k-ts_heading')).fontSize),
       cut: [...document.querySelectorAll('.big')].filter(
-        one => one.scrollWidth > one.parentElement.clientWidth).length})""")
+        one => one.scrollWidth > one.parentElement.clientWidth).length,
+      age: document.getElementById('page-age').getBoundingClientRect().width,
+      bar: document.documentElement.clientWidth})""")
     assert found['wide'] <= 0 and found['cut'] == 0
+    # The age stands in a bar of its own, not over a part of a panel.
+    assert found['age'] == found['bar']
     assert found['size'] >= 56.0
 
 

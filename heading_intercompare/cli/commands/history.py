@@ -14,7 +14,7 @@ from typing import Any, Sequence
 
 from heading_intercompare.app.outputs import name_file
 from heading_intercompare.app.run_table import parse_stamp
-from heading_intercompare.cli.terminal.console import say, VERDICT_MARKS
+from heading_intercompare.cli.terminal.console import say, say_lines, VERDICT_MARKS
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import make_plain, Software
 from heading_intercompare.logbook.control_chart import LEAST_BASELINE
@@ -61,7 +61,7 @@ def run(arguments: argparse.Namespace) -> int:
     books = [Logbook(path) for path in arguments.logbooks]
     if arguments.merge_into is not None:
         n = merge_logbooks(Logbook(arguments.merge_into), books)
-        print(f'{n} runs of {len(books)} logbooks are in {arguments.merge_into}')
+        say_lines([f'{n} runs of {len(books)} logbooks are in {arguments.merge_into}'])
         return 0
     since_ns, service_ns = _read_time(arguments, 'since'), _read_time(arguments, 'service')
     histories = tell_histories(

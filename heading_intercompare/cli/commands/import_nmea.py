@@ -20,6 +20,7 @@ from heading_intercompare.app.sensors.sensors_reading import name_logs, plan_log
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.motion_topics import motion_topics
 from heading_intercompare.bags.rosbag2.provenance import describe_origin, Notes, RECORD
+from heading_intercompare.cli.terminal.console import say_lines
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.records import Headings, Integers, Motion
 from heading_intercompare.core.rows.sensor_table import read_sensors
@@ -87,12 +88,10 @@ def run(arguments: argparse.Namespace) -> int:
     _write(arguments.output, streams, describe_origin(settings.to_mapping(), origins), notes)
     for role in topics:
         shown = role.upper() if role in ROLES else role
-        print(f'{shown} {logs[role].path}: {len(read[role])} headings on '
-              f'{"; ".join((topics[role], *logs[role].remarks))}; not taken: '
-              f'{logs[role].words_not_taken}')
-    for words in moved.notes:
-        print(words)
-    print(f'bag: {arguments.output}')
+        say_lines([f'{shown} {logs[role].path}: {len(read[role])} headings on '
+                   f'{"; ".join((topics[role], *logs[role].remarks))}; not taken: '
+                   f'{logs[role].words_not_taken}'])
+    say_lines([*moved.notes, f'bag: {arguments.output}'])
     return 0
 
 

@@ -8,6 +8,7 @@ import argparse
 
 from heading_intercompare.bags.checked_text import utf8
 from heading_intercompare.bags.rosbag2.provenance import note_lines
+from heading_intercompare.cli.terminal.console import say_lines
 
 __all__ = ['add_arguments', 'add_note_argument', 'read_notes', 'run']
 
@@ -51,5 +52,5 @@ def run(arguments: argparse.Namespace) -> int:
     from heading_intercompare.nodes.runtime.note_publisher import publish_note
 
     publish_note(text)
-    print(f'noted: {text}')
+    say_lines([f'noted: {text}'])
     return 0

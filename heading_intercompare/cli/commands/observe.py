@@ -15,7 +15,7 @@ from heading_intercompare.app.config import load_config, settings_for
 from heading_intercompare.app.observations.observed_sensor import observe, Observed, Uncertainties
 from heading_intercompare.app.observations.targets import parse_position, Target
 from heading_intercompare.app.outputs import check_outputs, name_file, Outputs
-from heading_intercompare.cli.terminal.console import say, VERDICT_MARKS
+from heading_intercompare.cli.terminal.console import say, tell, VERDICT_MARKS
 from heading_intercompare.core.observations.wording import explain_outcome, explain_scatter
 from heading_intercompare.core.settings import leave_out_added, Settings, settings_sha256
 from heading_intercompare.core.utc_text import utc
@@ -108,7 +108,7 @@ def run(arguments: argparse.Namespace) -> int:
             with name_file(arguments.json):
                 Path(arguments.json).write_text(_render(found, settings), 'utf-8')
     for name in found.table.ignored:
-        print(f'note: {arguments.table}: column {name} is not read', file=sys.stderr)
+        tell(f'{arguments.table}: column {name} is not read')
     return code_of(found.error.outcome, 'holds') if arguments.check else 0
 
 

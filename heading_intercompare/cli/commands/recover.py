@@ -29,10 +29,9 @@ def run(arguments: argparse.Namespace) -> int:
         tell(note)
     for topic, count in sorted(total.counts.items()):
         say_lines([f'{topic}: {count} messages'])
-    print(f'kept: {total.messages} messages in {total.chunks} chunks of {total.files} files, '
-          f'{total.bytes} bytes')
-    print(f'lost: {_describe_losses(total)}')
-    say_lines([f'bag: {arguments.output}'])
+    say_lines([f'kept: {total.messages} messages in {total.chunks} chunks of {total.files} files, '
+               f'{total.bytes} bytes', f'lost: {_describe_losses(total)}',
+               f'bag: {arguments.output}'])
     return 0
 
 

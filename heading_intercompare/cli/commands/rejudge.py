@@ -63,8 +63,8 @@ def run(arguments: argparse.Namespace) -> int:
         sys.stdout.write(_render(found))
     else:
         say_lines([each.line for each in found], VERDICT_MARKS)
-        print(f'of {len(found)}: ' + ', '.join(f'{counts[status]} {words}'
-                                              for status, words in _WORDS.items()))
+        say_lines([f'of {len(found)}: ' + ', '.join(
+            f'{counts[status]} {words}' for status, words in _WORDS.items())])
         if arguments.json:
             with name_file(arguments.json), open(
                     arguments.json, 'w', encoding='utf-8', errors='backslashreplace') as file:

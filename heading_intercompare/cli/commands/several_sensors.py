@@ -18,7 +18,7 @@ from heading_intercompare.app.sensors.sensors_analysis import (
     SensorsJudgement,
 )
 from heading_intercompare.app.sensors.sensors_reading import name_logs
-from heading_intercompare.cli.terminal.console import say, tell, VERDICT_MARKS
+from heading_intercompare.cli.terminal.console import say, say_lines, tell, VERDICT_MARKS
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.rows.sensor_table import find_reference, list_tested, read_sensors
 from heading_intercompare.core.sensors.pair_settings import (
@@ -157,7 +157,7 @@ def _write_rows(book: Logbook, judged: SensorsJudgement, ship: str) -> None:
         book.write(make_rows(verdict, ship=f'{ship}/{name}' if ship else name,
                              earlier=judged.earlier.get(name, ()), find_bag=os.path.abspath))
     if not judged.verdict.verdicts:
-        print('note: --logbook: no row, because no sensor is the reference', file=sys.stderr)
+        tell('--logbook: no row, because no sensor is the reference')
 
 
 def deliver_sensors(verdict: SensorsVerdict, arguments: argparse.Namespace,
@@ -182,5 +182,5 @@ def deliver_sensors(verdict: SensorsVerdict, arguments: argparse.Namespace,
             progress.show('drawing the protocols')
             files = write_sensors(verdict, arguments.report, sketches, progress.show)
         if arguments.json != '-':
-            print('protocols: ' + ', '.join(map(str, files)))
+            say_lines(['protocols: ' + ', '.join(map(str, files))])
     return code_of(verdict.outcome, verdict.validity_effect) if arguments.check else 0

@@ -27,6 +27,7 @@ from heading_intercompare.bags.rosbag2.provenance import (
     RECORD,
     TRUTH_TOPIC,
 )
+from heading_intercompare.cli.terminal.console import say_lines
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import SettingsError
@@ -82,17 +83,16 @@ def run(arguments: argparse.Namespace) -> int:
             _write(bag, chunk, topics, scenario, simulation.start_ns, counts)
             progress.show(f'{min(chunk.end_s, scenario.duration_s):,.0f} of '
                           f'{scenario.duration_s:,.0f} s simulated')
-    print(f'{source.name}: {scenario.duration_s:g} s, seed {scenario.seed}'
-          + (f': {scenario.title}' if scenario.title else ''))
+    say_lines([f'{source.name}: {scenario.duration_s:g} s, seed {scenario.seed}'
+               + (f': {scenario.title}' if scenario.title else '')])
     for role in scenario.sensors:
         shown = role.upper() if role in ('ts', 'rs') else role
-        print(f'{shown} {counts[role]} headings on {topics[role]}, '
-              f'{counts[f"{role}.invalid"]} of them marked invalid')
+        say_lines([f'{shown} {counts[role]} headings on {topics[role]}, '
+                   f'{counts[f"{role}.invalid"]} of them marked invalid'])
     for what, topic in moved.items():
-        print(f'{counts[what]} messages of the motion of the ship on {topic}')
-    print(f'{counts["truth"]} true headings on {TRUTH_TOPIC}; {counts["statuses"]} statuses '
-          f'of gimballed sensors on {DIAGNOSTICS}')
-    print(f'bag: {arguments.output}')
+        say_lines([f'{counts[what]} messages of the motion of the ship on {topic}'])
+    say_lines([f'{counts["truth"]} true headings on {TRUTH_TOPIC}; {counts["statuses"]} statuses '
+               f'of gimballed sensors on {DIAGNOSTICS}', f'bag: {arguments.output}'])
     return 0
 
 

@@ -14,11 +14,19 @@ from contextlib import contextmanager
 import os
 from typing import Iterator
 
-__all__ = ['prefer_udp', 'set_variable']
+__all__ = ['is_alone', 'prefer_udp', 'RANGE', 'set_variable']
+
+#: How far a context looks for others.
+RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE'
 
 _TRANSPORTS = 'FASTDDS_BUILTIN_TRANSPORTS'
 # With a file of profiles the user decides on the transports there.
 _PROFILES = ('FASTRTPS_DEFAULT_PROFILES_FILE', 'FASTDDS_DEFAULT_PROFILES_FILE')
+
+
+def is_alone() -> bool:
+    """Tell whether nodes hear only those of their own process."""
+    return os.environ.get(RANGE) == 'OFF'
 
 
 @contextmanager

@@ -31,6 +31,13 @@ _JUDGES_S = 15.0
 # DDS gives up a process that hangs after 20 s; after this time its connection must be broken.
 _BROKEN_S = 30.0
 
+# A subscriber that was cut off finds within the first time that something is missing, and needs no
+# longer than the second to be connected again.
+_CATCH_UP_S, _RETURN_S = 10.0, 45.0
+
+# DDS sends again what was lost after 3 s at the latest.
+_ARRIVAL_S = 3.5
+
 # Number of messages that go out before the first question whether they have come.
 _UNASKED = 500
 # A question costs twice as much as a message; until the window is full, it waits this long.
@@ -87,6 +94,8 @@ class Audience:
         self.sole = SoleNode(node, [p.topic_name for p in publishers], health)
         self._began_s = time.monotonic()
         self._words = 'looking for subscribers'
+        self._asked_s: float | None = None
+        self._whole_s = math.inf
 
     @property
     def waiting(self) -> str:
@@ -101,16 +110,16 @@ class Audience:
                 self._began_s = time.monotonic()
                 self._words = f'looking for other publishers of {self._publishers[0].topic_name}'
                 return False
-            counts = {p.topic_name: p.get_subscription_count() for p in self._publishers}
-            missing = {topic: n for topic, n in counts.items()
-                       if n < self._wanted + self._further.get(topic, 0)}
+            missing = self._find_missing()
             self._words = self._describe(missing) or self._describe_judges()
             waited_s = time.monotonic() - self._began_s
             given_up = bool(self._words) and waited_s > (
                 self._patience_s if missing else min(self._patience_s, _JUDGES_S))
             self._there = given_up or not self._words
             words = f'going on without; {self._words}' if given_up else self._words
-            self._words = '' if self._there else self._words
+            if self._there:
+                # Nor does the end wait for those that never came.
+                self._words, self._wanted = '', 0 if missing else self._wanted
             self._health.note('audience', WARN if words and waited_s > _PATIENCE_S else OK,
                               words or 'all subscribers are there')
         return self._there
@@ -125,6 +134,34 @@ class Audience:
             if late := sorted(judges.difference(heard_by)):
                 return f'waiting for {" and ".join(late)} to subscribe to {topic}'
         return ''
+
+    def has_heard(self, publishers: Sequence[Publisher]) -> bool:
+        """
+        Tell, after the last message, whether its subscribers have it; ask until they do.
+
+        If one is missing, or does not acknowledge, it may have been cut off for a while. It gets
+        time to come back and to take what it has missed.
+        """
+        now_s = time.monotonic()
+        first = self._asked_s is None
+        if self._asked_s is None:
+            self._asked_s = now_s
+        missing = self._find_missing() if self._there else {}
+        heard = not missing and await_acknowledgement(publishers, _ARRIVAL_S if first else 0.0)
+        if first and (heard or not (self._there and self._wanted)):
+            return True
+        self._whole_s = min(self._whole_s, now_s) if heard else math.inf
+        done = now_s > self._whole_s + _CATCH_UP_S or now_s > self._asked_s + _RETURN_S
+        words = self._describe(missing) or 'waiting until the last messages have arrived'
+        self._health.note('audience', OK if done else WARN,
+                          'the last messages are out' if done else f'at the end: {words}')
+        return done
+
+    def _find_missing(self) -> dict[str, int]:
+        """Return the topics that lack subscriptions, each with the number it has."""
+        counts = {p.topic_name: p.get_subscription_count() for p in self._publishers}
+        return {topic: n for topic, n in counts.items()
+                if self._wanted and n < self._wanted + self._further.get(topic, 0)}
 
     def _describe(self, missing: Mapping[str, int]) -> str:
         """Say which topics lack subscribers, given the number that each one has."""
@@ -296,12 +333,8 @@ class Backlog:
             self._flow.spend(n)
 
 
-def await_acknowledgement(publishers: Iterable[Publisher], timeout_s: float = 3.5) -> bool:
-    """
-    Wait until all messages have reached the reliable subscriptions; return whether they did.
-
-    DDS sends again what was lost after 3 s at the latest.
-    """
+def await_acknowledgement(publishers: Iterable[Publisher], timeout_s: float = _ARRIVAL_S) -> bool:
+    """Wait until all messages have reached the reliable subscriptions; return whether they did."""
     deadline_s = time.monotonic() + timeout_s
     arrived = True
     for publisher in publishers:

@@ -4,7 +4,6 @@
 
 from __future__ import annotations
 
-import os
 import time
 from typing import Sequence
 
@@ -19,6 +18,7 @@ from heading_intercompare.messages.status_messages import decode_statuses, ERROR
 from heading_intercompare.nodes.ros.parameters import resolve_topic
 from heading_intercompare.nodes.ros.qos import DIAGNOSTICS_IN
 from heading_intercompare.nodes.ros.steady_timer import every
+from heading_intercompare.nodes.ros.transports import is_alone
 
 from .health import Health
 
@@ -62,8 +62,7 @@ class SoleNode:
         self._own = node.get_fully_qualified_name()
         self._began_s = time.monotonic()
         # Within one process, nodes know each other at once.
-        alone = os.environ.get('ROS_AUTOMATIC_DISCOVERY_RANGE') == 'OFF'
-        self._clear_s = self._began_s + (0.0 if alone else _DISCOVERY_S)
+        self._clear_s = self._began_s + (0.0 if is_alone() else _DISCOVERY_S)
         self._others: dict[str, str] = {}
         self._subscription: Subscription | None = None
         self._heard_s = -_PATIENCE_S

@@ -7,15 +7,17 @@ from __future__ import annotations
 from concurrent.futures import Future, ThreadPoolExecutor
 from queue import Empty, Full, Queue
 import threading
-from typing import Callable
+from typing import Callable, Sequence
 
 from rclpy.node import Node
+from rclpy.publisher import Publisher
+from rclpy.timer import Timer
 
 from heading_intercompare.drivers.framing import Received
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.drivers.sources import FileSource, open_source, Source
 
-from .publishing import Audience
+from .publishing import Audience, await_acknowledgement
 
 __all__ = ['Reading', 'ReadingNode']
 
@@ -116,8 +118,13 @@ class Reading:
 class ReadingNode(Node):
     """A node that reads a source: a live one at once, a log once all who wait for it are there."""
 
+    done: bool
+    ended: bool
     _reading: Reading
     _audience: Audience
+    _later: Timer
+    _flushed: bool
+    _ending: bool
 
     @property
     def first_ns(self) -> int | None:
@@ -132,6 +139,15 @@ class ReadingNode(Node):
         if not self._reading.started and (
                 not self._reading.from_file or self._audience.is_there()):
             self._reading.start()
+
+    def _leave(self, publishers: Sequence[Publisher]) -> None:
+        """Note that all is published, once the subscribers have it."""
+        if self._ending:
+            await_acknowledgement(publishers)
+        elif not self._audience.has_heard(publishers):
+            self._later.reset()
+            return
+        self.done, self.ended = self._flushed, self._ending
 
     def destroy_node(self) -> None:
         """Stop reading and destroy the node."""

@@ -204,6 +204,11 @@ class Intake:
             self._why_refused = problems[-1]
 
     @property
+    def subscribed(self) -> bool:
+        """Whether there is a subscription."""
+        return self._reception.there
+
+    @property
     def lost(self) -> int:
         """Messages lost on the way, by their publishers' sequence numbers."""
         return self._numbering.missing

@@ -6,7 +6,8 @@ from __future__ import annotations
 
 from functools import partial
 import json
-from typing import Callable, Mapping, NamedTuple
+import time
+from typing import Callable, Mapping, NamedTuple, Sequence
 
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
@@ -37,15 +38,21 @@ from heading_intercompare.nodes.ros.message_types import (
     TRUTH_TYPES,
 )
 from heading_intercompare.nodes.ros.parameters import resolve_topic
+from heading_intercompare.nodes.ros.transports import is_alone
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.settings import HeadingTypes, Taking
 
 from .intake import Intake
 from .motion_intake import make_motion_intake
+from .reception import Message
 
 __all__ = ['ALARMS_TOPIC', 'count_messages', 'make_intakes', 'Recorded', 'report_files', 'text_of']
 
 ALARMS_TOPIC = 'compliance/alarms'
+
+#: A publisher knows a new subscription, and a new node the publishers, within these times, unless
+#: the computer is very busy.
+_KNOWN_S, _FOUND_S = 1.0, 3.0
 
 
 class Recorded(NamedTuple):
@@ -94,8 +101,14 @@ class Recorded(NamedTuple):
     def lost(self) -> int:
         """Messages that did not arrive, also those after the last one that did."""
         if self.intake.before:
-            return self.intake.lost
+            return self.intake.lost + self._missed_at_first
         return max(self.intake.lost, self.count_published() - self.intake.received)
+
+    @property
+    def _missed_at_first(self) -> int:
+        """Messages that somebody took before the first one that came here."""
+        first, judged = self.intake.numbers.first, self.first_judged
+        return max(0, first - judged) if first and judged else 0
 
 
 def _offer(profile: QoSProfile) -> Qos:
@@ -138,6 +151,43 @@ class _Diagnostics(Intake):
                 if self._states.take(data, info['received_timestamp'])]
 
 
+class _Pairs(Intake):
+    """
+    The pairs, once the headings are heard.
+
+    A synchronizer begins when its pairs are heard. Whatever it takes is to be in the bag, so the
+    subscriptions of the headings come first.
+    """
+
+    def __init__(self, node: Node, topic: str, health: Health, first_wait_s: float,
+                 headings: Sequence[Intake]) -> None:
+        super().__init__(node, topic, PAIRS_TYPES, qos.PAIRS_TAKEN, health, sole=False,
+                         first_wait_s=first_wait_s, **_keep(qos.PAIRS_TAKEN))
+        self._headings = headings
+        # Within one process, nodes know each other at once.
+        self._known_s, found_s = (0.0, 0.0) if is_alone() else (_KNOWN_S, _FOUND_S)
+        self._found_s = time.monotonic() + found_s
+        self._since_s: float | None = None
+        self.open = False
+
+    def take(self) -> list[Message]:
+        """Return the messages to record."""
+        now_s = time.monotonic()
+        if not self.open:
+            self.open = self._is_time(now_s)
+        return super().take()
+
+    def _is_time(self, now_s: float) -> bool:
+        """Tell whether the headings are heard as far as they are there."""
+        absent = now_s >= self._found_s
+        if not all(one.subscribed or (absent and not one.publishers) for one in self._headings):
+            self._since_s = None
+            return False
+        self._since_s = self._since_s or now_s
+        return now_s >= self._since_s + self._known_s or all(
+            one.received for one in self._headings)
+
+
 class _Ledgers(Intake):
     """The ledgers of the synchronizer, which count the headings that were published."""
 
@@ -171,7 +221,6 @@ def make_intakes(node: Node, settings: Settings, taking: Taking, types: HeadingT
         (NOTE_TOPIC, TEXT_TYPES, qos.NOTE, qos.NOTE, False)]
     for place in places:
         rows += [
-            (f'{place}pairs', PAIRS_TYPES, qos.PAIRS_TAKEN, qos.PAIRS_TAKEN, True),
             (f'{place}compliance/verdict', STATUS_TYPES, qos.VERDICT, qos.VERDICT, True),
             (f'{place}{REPORT_TOPIC}', TEXT_TYPES, qos.REPORT, qos.REPORT, True)]
     if sensors:
@@ -189,12 +238,15 @@ def make_intakes(node: Node, settings: Settings, taking: Taking, types: HeadingT
     recorded = {topic: Recorded(_offer(qos.HEADINGS_OUT), make_motion_intake(
         node, health, what, topic, taking), False) for what, topic in motion.items()}
     found = recorded | {topic: Recorded(_offer(offered), Intake(
-        node, topic, types, heard, health, first_wait_s=taking.first_wait_s, sole=False,
-        needed=expected, known_type=known.get(topic), **_keep(heard)), expected,
+        node, topic, types, taken, health, first_wait_s=taking.first_wait_s, sole=False,
+        needed=expected, known_type=known.get(topic), **_keep(taken)), expected,
         is_heading=topic in headings)
-        for topic, types, heard, offered, expected in rows}
+        for topic, types, taken, offered, expected in rows}
+    heard = [found[topic].intake for topic in headings]
     tested = [one.heading_topic for one in list_tested(sensors)]
     for at, place in enumerate(places):
+        found[f'{place}pairs'] = Recorded(_offer(qos.PAIRS_TAKEN), _Pairs(
+            node, f'{place}pairs', health, taking.first_wait_s, heard), True)
         ledgers = _Ledgers(node, health, taking.first_wait_s, f'{place}pairs/ledger')
         found[f'{place}pairs/ledger'] = Recorded(_offer(qos.LEDGER), ledgers, True,
                                                    is_ledger=True)

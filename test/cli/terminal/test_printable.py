@@ -4,7 +4,10 @@
 
 from __future__ import annotations
 
+from functools import reduce
+from operator import xor
 from pathlib import Path
+import re
 
 import pytest
 
@@ -50,6 +53,28 @@ def test_recover_and_errors_show_it_in_the_same_way(bag, tmp_path, capsys):
     assert main(['analyze', str(bag), '--set', 'norms.sigma_max_deg=1',
                  '--set', 'norms.sigma_ref_max_deg=1']) == 2
     assert_harmless(capsys.readouterr().err)
+
+
+def test_files_of_the_user_with_such_names_forge_no_line_either(tmp_path, capsys):
+    """Names of files, a comment in a log and a column of a table reached the terminal raw."""
+    folder, log = tmp_path / EVIL, tmp_path / f'{EVIL}.nmea'
+    scenario = tmp_path / 's.yaml'
+    scenario.write_text('{duration_s: 60, ts: {rate_hz: 5}, rs: {rate_hz: 5}}')
+    assert main(['simulate', '--scenario', str(scenario), '-o', str(folder)]) == 0
+    log.write_text(''.join(f'2026-03-01T09:00:{s:02d}Z $HEHDT,{s}.0,T*{checksum(s)}\n'
+                           for s in range(60)))
+    assert main(['import-nmea', '--ts', str(log), '--rs', str(log),
+                 '-o', str(tmp_path / f'{EVIL}.bag')]) == 0
+    assert main(['analyze', str(folder), '--set', 'norms.sigma_max_deg=1',
+                 '--set', 'norms.sigma_ref_max_deg=1']) in (0, 4)
+    shown = capsys.readouterr()
+    assert_harmless(shown.err)
+    assert_harmless(re.sub('(?m)^VERDICT: (?!COMPLIANT$)', '', shown.out))
+    assert shown.out.count('x\\u000aVERDICT: COMPLIANT') >= 3
+
+
+def checksum(second: int) -> str:
+    return f'{reduce(xor, f"HEHDT,{second}.0,T".encode()):02X}'
 
 
 def test_attachments_are_extracted_under_safe_names(bag, tmp_path, capsys):

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 
 import pytest
@@ -54,6 +55,22 @@ def test_a_message_is_taken_a_hold_off_after_it_came(ros, batches):
     publisher.publish(String(data='x'))
     ros.spin_until(lambda: taken)
     assert 0.05 <= time.monotonic() - began_s < 1.0
+
+
+def test_a_node_whose_subscription_goes_before_its_batch_is_due_still_takes(ros):
+    """Before, it never took anything again, and a synchronizer gave no pairs and did not end."""
+    calls = []
+    group = Arrivals(ros.plain, lambda: calls.append(group.due_s), 0.1)
+    subscription = ros.plain.create_subscription(String, 'words', lambda _: None, 100,
+                                                 callback_group=group, raw=True)
+    publisher = ros.plain.create_publisher(String, 'words', 100)
+    ros.spin_until(lambda: publisher.get_subscription_count() == 1)
+    publisher.publish(String(data='x'))
+    ros.spin_until(lambda: group.due_s < math.inf)
+    ros.plain.destroy_subscription(subscription)
+    calls.clear()
+    ros.spin_until(lambda: len(calls) > 1)
+    assert calls[:2] == [math.inf, math.inf]
 
 
 def test_timers_keep_their_period_and_can_be_cancelled_in_their_callback(ros):

@@ -8,6 +8,7 @@ import time
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
+import pytest
 from rclpy.node import Node
 from sensor_msgs.msg import Imu
 
@@ -143,6 +144,66 @@ def test_headings_that_nobody_can_publish_in_time_are_counted_and_not_kept():
     while queue:
         pieces.append(len(queue.popleft()))
     assert sum(pieces) == 500 and max(pieces) <= 200
+
+
+@pytest.fixture
+def stage(ros):
+    """Return an audience of one, its publisher, and a function that makes the subscription."""
+    node = ros.add(Node, 'sender')
+    publisher = node.create_publisher(Imu, 'h', qos.HEADINGS_OUT)
+    audience = Audience(node, [publisher], 1, Health(node))
+
+    def subscribe():
+        return ros.plain.create_subscription(Imu, 'h', lambda _: None, qos.HEADINGS_IN, raw=True,
+                                             callback_group=Unwatched())
+    return audience, publisher, subscribe
+
+
+def test_a_source_ends_at_once_if_its_subscribers_have_all_of_it(ros, stage):
+    audience, publisher, subscribe = stage
+    subscribe()
+    ros.spin_until(audience.is_there)
+    publisher.publish(Imu())
+    assert audience.has_heard([publisher])
+
+
+def test_a_source_that_nobody_has_heard_waits_for_nobody_at_its_end(stage):
+    audience, publisher, _ = stage
+    assert audience.has_heard([publisher])
+
+
+def test_a_source_stays_for_a_subscriber_that_is_cut_off(ros, stage, monkeypatch):
+    """Before, it ended, and what it had published was gone with it."""
+    audience, publisher, subscribe = stage
+    taker = subscribe()
+    ros.spin_until(audience.is_there)
+    ros.plain.destroy_subscription(taker)
+    ros.spin_until(lambda: publisher.get_subscription_count() == 0)
+    began_s = time.monotonic()
+    shown = {}
+    monkeypatch.setattr(audience._health, 'note', lambda part, level, words: shown.update(
+        {part: words}))
+    for passed_s in (0.0, 20.0, 40.0):
+        pass_a_tick(monkeypatch, began_s + passed_s)
+        assert not audience.has_heard([publisher])
+    assert shown == {'audience': 'at the end: waiting for a subscriber of /h'}
+    pass_a_tick(monkeypatch, began_s + 46.0)
+    assert audience.has_heard([publisher])
+
+
+def test_a_subscriber_that_is_back_gets_time_to_take_what_it_has_missed(ros, stage, monkeypatch):
+    audience, publisher, subscribe = stage
+    taker = subscribe()
+    ros.spin_until(audience.is_there)
+    ros.plain.destroy_subscription(taker)
+    ros.spin_until(lambda: publisher.get_subscription_count() == 0)
+    assert not audience.has_heard([publisher])
+    subscribe()
+    ros.spin_until(lambda: publisher.get_subscription_count() == 1)
+    back_s = time.monotonic()
+    for passed_s, done in ((0.0, False), (9.0, False), (10.1, True)):
+        pass_a_tick(monkeypatch, back_s + passed_s)
+        assert audience.has_heard([publisher]) is done
 
 
 def audience_of(ros, **kwargs):

@@ -15,7 +15,7 @@ from typing import Callable, Iterator, Mapping, Sequence
 from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.app.scenarios import read_scenario
 from heading_intercompare.app.sensors.sensors_analysis import judge_sensor_bags
-from heading_intercompare.cli.terminal.console import say, VERDICT_MARKS
+from heading_intercompare.cli.terminal.console import say, say_lines, VERDICT_MARKS
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.sensors.compare_sensors import find_sensor_differences
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
@@ -108,9 +108,9 @@ def run(arguments: argparse.Namespace) -> int:
     json.write(offline, out / 'offline.json')
     say(str(offline), VERDICT_MARKS)
     protocol = _write_protocol(report, draw)
-    print()
+    say('')
     code = _compare({'live': live, 'replayed': replayed}, offline)
-    print(f'protocol: {protocol}\n{_describe_page(addresses, several)}')
+    say_lines([f'protocol: {protocol}', _describe_page(addresses, several)])
     return code
 
 
@@ -146,12 +146,12 @@ def _compare(others: Mapping[str, Verdict | SensorsVerdict],
     found = [f'{name} and offline differ in {difference}' for name, other in others.items()
              for difference in _differences(other, offline)]
     if found:
-        print('\n'.join([*found[:20], 'live, replayed and offline verdicts DO NOT AGREE']))
+        say_lines([*found[:20], 'live, replayed and offline verdicts DO NOT AGREE'])
         return 1
     pairs = (sum(pair.n for pair in offline.pairs) if isinstance(offline, SensorsVerdict)
              else sum(run.n_input for run in offline.runs))
-    print(f'live, replayed and offline verdicts agree: {pairs} pairs, every count and word, '
-          'every figure to 1e-12')
+    say_lines([f'live, replayed and offline verdicts agree: {pairs} pairs, every count and word, '
+               'every figure to 1e-12'])
     return 0
 
 

@@ -7,7 +7,6 @@ from __future__ import annotations
 import argparse
 import os
 from pathlib import Path
-import sys
 import time
 from typing import Any, Mapping
 
@@ -22,6 +21,7 @@ from heading_intercompare.cli.commands.analyze import (
 )
 from heading_intercompare.cli.commands.note import add_note_argument, read_notes
 from heading_intercompare.cli.commands.several_sensors import choose_pair
+from heading_intercompare.cli.terminal.console import tell
 from heading_intercompare.cli.terminal.live_view import LiveView
 from heading_intercompare.core.decision.coverage import least_duration_words
 from heading_intercompare.core.rows.sensor_table import describe_driver, list_tested, read_sensors
@@ -91,13 +91,12 @@ def run(arguments: argparse.Namespace) -> int:
     from heading_intercompare.nodes.nmea_driver import NmeaDriver
 
     if before is not None:
-        print(f'note: goes on with the trial of {before}; records {output}', file=sys.stderr)
+        tell(f'goes on with the trial of {before}; records {output}')
     if not arguments.quiet:
         if not sensors:
-            print(f'note: {least_duration_words(settings.risk)}', file=sys.stderr)
+            tell(least_duration_words(settings.risk))
         if heard := [given['topic'] for name, given in usual.items() if name not in drivers]:
-            print(f'note: listening to {" and ".join(heard)}; Ctrl-C ends the trial',
-                  file=sys.stderr)
+            tell(f'listening to {" and ".join(heard)}; Ctrl-C ends the trial')
     with LiveView(f'heading-intercompare live: {output}', 'Ctrl-C ends the trial',
                   arguments.quiet) as shown:
         verdict = intercompare(
