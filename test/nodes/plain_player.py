@@ -15,6 +15,7 @@ import sys
 import time
 
 import rclpy
+from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
@@ -37,8 +38,9 @@ def play(node, bag, rate, kind, *topics):
         due_s = began_s + (message.log_time_ns - first_ns) / 1e9 / float(rate)
         time.sleep(max(0.0, due_s - time.monotonic()))
         publishers[message.topic].publish(message.data)
-    # As players do not: what was sent last is to arrive, whatever else the machine does.
-    time.sleep(2.0)
+    # As with --wait-for-all-acked: the end is to arrive, whatever else the machine does.
+    for publisher in publishers.values():
+        publisher.wait_for_all_acked(Duration(seconds=60))
 
 
 def await_graph(node, subscribers):
