@@ -7,7 +7,7 @@ from __future__ import annotations
 import argparse
 from functools import partial
 import time
-from typing import Callable, NamedTuple, Sequence
+from typing import Callable, NamedTuple, Sequence, TypeVar
 
 import numpy as np
 
@@ -28,6 +28,7 @@ from heading_intercompare.core.settings import Settings
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.messages.heading_messages import encode_imu, IMU
 from heading_intercompare.messages.motion.motion_messages import encode_motion, MOTION_TYPES
+from heading_intercompare.messages.stamps import TIME_LIMIT_NS
 
 from .analyze import (
     add_antenna_arguments,
@@ -41,6 +42,7 @@ from .note import add_note_argument, read_notes
 __all__ = ['add_arguments', 'run']
 
 _PIECE = 20_000
+_Rows = TypeVar('_Rows', Headings, Motion)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -76,7 +78,11 @@ def run(arguments: argparse.Namespace) -> int:
                 continue
             logs[role] = import_log(path, drivers[role], progress.show, role=role)
     origins = {role: log.origin for role, log in logs.items()}
-    read = {role: log.headings for role, log in logs.items()}
+    read = {role: _that_fit(log.headings) for role, log in logs.items()}
+    for role, log in logs.items():
+        if len(log.headings) and not len(read[role]):
+            raise ValueError(f'{log.path}: a bag holds no stamp before 1970 or from 19 January '
+                             '2038 on; analyze reads the log itself')
     moved = FoundMotion()
     if settings.motion.compare or arguments.motion:
         moved = find_motion(paths, drivers, arguments.motion)
@@ -84,13 +90,15 @@ def run(arguments: argparse.Namespace) -> int:
         origins['motion'] = dict(moved.origin)
     streams = [_of_headings(topics[role], headings, f'{role}_heading')
                for role, headings in read.items()]
-    streams += _of_motion(moved.rows, motion_topics(settings.motion))
+    streams += _of_motion(_that_fit(moved.rows), motion_topics(settings.motion))
     _write(arguments.output, streams, describe_origin(settings.to_mapping(), origins), notes)
     for role in topics:
         shown = role.upper() if role in ROLES else role
+        beyond = len(logs[role].headings) - len(read[role])
         say_lines([f'{shown} {logs[role].path}: {len(read[role])} headings on '
                    f'{"; ".join((topics[role], *logs[role].remarks))}; not taken: '
-                   f'{logs[role].words_not_taken}'])
+                   f'{logs[role].words_not_taken}'
+                   + f'; {beyond} with a stamp that a bag cannot hold' * (beyond > 0)])
     say_lines([*moved.notes, f'bag: {arguments.output}'])
     return 0
 
@@ -136,6 +144,11 @@ class _Stream(NamedTuple):
 def _log_times(stamp_ns: Integers) -> Integers:
     """Return log times: the largest stamp so far keeps a stream in order if stamps step back."""
     return np.maximum.accumulate(stamp_ns)
+
+
+def _that_fit(rows: _Rows) -> _Rows:
+    """Return the rows whose stamps a message of ROS can hold."""
+    return rows[(rows.stamp_ns >= 0) & (rows.stamp_ns < TIME_LIMIT_NS)]
 
 
 def _of_headings(topic: str, headings: Headings, frame_id: str) -> _Stream:
