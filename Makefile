@@ -31,7 +31,7 @@ TESTS := -m pytest --numprocesses $(WORKERS) --dist loadgroup --no-loadscope-reo
 SITE := $(BIN)/python -m sphinx --fail-on-warning --keep-going -q -b html docs docs/_build
 TABLES := A B E cells gaps drift rates runs means looks short
 
-.PHONY: demo quick test test-pins release docs format clean help
+.PHONY: demo quick test test-pins release addresses docs format clean help
 
 help:
 	@sed -n 's/^# make/make/p' Makefile
@@ -66,7 +66,7 @@ endif
 test-pins: .venv-pins/.test
 	.venv-pins/bin/python $(TESTS) -m 'not (slow or ros or process) or colcon' $(PYTEST)
 
-release: test
+release: addresses test
 	@.ci/step 'nodes with the versions of Ubuntu 24.04' .venv-pins/bin/python $(TESTS) -m 'not slow' test/nodes
 	@.ci/step 'large fuzz' env HYPOTHESIS_PROFILE=release $(BIN)/python $(TESTS) test/bags test/nodes
 	@.ci/venv .venv ros,serial,report,pdf,terminal,fast,dask,docs,test,browser,dev,notebook
@@ -78,6 +78,10 @@ release: test
 			$(BIN)/python benchmarks/decision_risk.py --keep --table $$table --jobs $(WORKERS) || exit 1; done
 	@.ci/step 'interpolation' $(BIN)/python benchmarks/interpolation.py --keep --replications 5000
 	@.ci/step 'sensors of one source' $(BIN)/python benchmarks/same_source.py --keep
+
+# First: a release without the addresses of its owner is none.
+addresses:
+	@.ci/step 'addresses of the owner' $(PYTHON) .ci/addresses
 
 docs: .venv/.test
 	$(BIN)/python docs/generate.py

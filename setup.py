@@ -5,12 +5,16 @@
 from pathlib import Path
 import re
 import sys
+from xml.etree import ElementTree
 
 from setuptools import find_packages, setup
 
 NAME = 'heading_intercompare'
 VERSION = re.search(r"^VERSION = '([^']+)'", Path(NAME, 'core', 'version.py').read_text('utf-8'),
                     re.MULTILINE)[1]
+# Addresses stand in package.xml only.
+PACKAGE = ElementTree.parse('package.xml').getroot()
+MAINTAINER = PACKAGE.find('maintainer')
 # colcon and the build farm put the executables of the nodes where `ros2 run` looks (setup.cfg).
 # pip would put them on everybody's PATH.
 FOR_ROS = {'install', 'develop'} & {*sys.argv[1:]}
@@ -32,8 +36,9 @@ setup(
     description='Intercomparison of shipboard heading sensors: does the tested one comply?',
     long_description=Path('README.md').read_text('utf-8') if Path('README.md').exists() else '',
     long_description_content_type='text/markdown',
-    maintainer='The heading_intercompare maintainers',
-    maintainer_email='maintainers@heading-intercompare.example',
+    maintainer=MAINTAINER.text,
+    maintainer_email=MAINTAINER.get('email'),
+    project_urls={one.get('type'): one.text for one in PACKAGE.iter('url')},
     license='Apache-2.0',
     packages=find_packages(include=[NAME, f'{NAME}.*']),
     package_data={NAME: ['py.typed', 'report/templates/*']},

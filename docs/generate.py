@@ -23,6 +23,7 @@ from heading_intercompare.nodes.settings import (
     ComplianceNode,
     DashboardNode,
     DriverNode,
+    HeadingTypes,
     RecorderNode,
     ReplayerNode,
     Sending,
@@ -74,6 +75,7 @@ class Section(NamedTuple):
 
 
 DRIVER = (DriverSettings, DriverNode, Sending, Taking)
+TYPES = {'ts_message_type': 'sensor_msgs/msg/Imu', 'rs_message_type': 'sensor_msgs/msg/Imu'}
 
 SECTIONS = (
     Section('/**', (Settings,),
@@ -99,18 +101,18 @@ SECTIONS = (
              'frame_id': 'gyro', 'origin_ns': 1700000000000000000}),
     Section('rs_driver', DRIVER, 'The driver of the reference sensor; it has the same settings.',
             {'source': 'udp://:10111', 'topic': 'rs/heading'}, None),
-    Section('synchronizer', (SynchronizerNode, Taking), 'The node that pairs.', {},
-            {'sensor': 'gyro1'}),
+    Section('synchronizer', (SynchronizerNode, HeadingTypes, Taking), 'The node that pairs.', {},
+            {'sensor': 'gyro1', **TYPES}),
     Section('compliance', (ComplianceNode, Taking), 'The node that judges.', {},
             {'sensor': 'gyro1', 'report_dir': 'reports', 'logbook': 'logbook.sqlite',
              'ship': 'MV Example', 'bag': 'trial_1', 'journal': 'trial_1.journal',
              'report_every_h': 6.0}),
-    Section('recorder', (RecorderNode, BagSettings, Taking), 'The recorder.', {},
+    Section('recorder', (RecorderNode, HeadingTypes, BagSettings, Taking), 'The recorder.', {},
             {'output': 'trial_2', 'continues': 'trial_1', 'note': 'MV Example, trial 1',
-             'parameter_file': 'mine.yaml'}),
-    Section('sensors_watch', (SensorsNode, Taking),
+             'parameter_file': 'mine.yaml', **TYPES}),
+    Section('sensors_watch', (SensorsNode, HeadingTypes, Taking),
             'The node that compares several sensors.', {},
-            {'report_dir': 'reports', 'bag': 'trial_1', 'journal': 'trial_1.journal'}),
+            {'report_dir': 'reports', 'bag': 'trial_1', 'journal': 'trial_1.journal', **TYPES}),
     Section('dashboard', (DashboardNode, Taking), 'The live page.', {},
             {'token': 'choose-your-own'}),
     Section('replayer', (ReplayerNode, Sending), 'The replayer of bags.', {},
@@ -134,6 +136,8 @@ CHAPTERS = (
     ('Simulator', 'Section `sensor_simulator`.', SimulatorNode),
     ('Taking messages',
      'Sections of drivers, synchronizer, compliance, recorder and dashboard.', Taking),
+    ('Types of headings', 'Sections `synchronizer`, `recorder` and `sensors_watch`.',
+     HeadingTypes),
     ('Sending headings', 'Sections of drivers, replayer and simulator.', Sending),
     ('Scenarios', 'Files of their own, for `simulate` and the node `sensor_simulator`.',
      Scenario),

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import ast
 from importlib.util import find_spec
+import json
 import os
 from pathlib import Path
 import random
@@ -129,8 +130,36 @@ def test_name_licence_and_maintainer_are_those_of_setup_py():
     text = (ROOT / 'setup.py').read_text('utf-8')
     assert manifest().findtext('name') == NAME
     assert manifest().findtext('license') == 'Apache-2.0'
-    assert f"maintainer_email='{manifest().find('maintainer').get('email')}'" in text
+    assert '@' not in text, 'package.xml is the only place of addresses'
     assert 'Apache License' in (ROOT / 'LICENSE').read_text('utf-8')[:200]
+
+
+def test_a_release_fails_until_the_owner_has_entered_the_addresses(tmp_path):
+    check = [sys.executable, ROOT / '.ci' / 'addresses']
+    text = (ROOT / 'package.xml').read_text('utf-8')
+    filled = re.sub(r'[.]example"', '.org"', text).replace('<author>', (
+        '<url type="repository">https://h.test/r</url>'
+        '<url type="bugtracker">https://h.test/i</url><author>'))
+    (tmp_path / 'filled.xml').write_text(filled)
+    assert run(*check, 'filled.xml', cwd=tmp_path).returncode == 0
+    for name, gone in (('maintainer', ('.org"', '.example"')), ('url', ('bugtracker', 'website'))):
+        (tmp_path / 'package.xml').write_text(filled.replace(*gone))
+        done = run(*check, cwd=tmp_path)
+        assert done.returncode == 1 and done.stdout.startswith(f'package.xml: {name}: ')
+        assert len(done.stdout.splitlines()) == 1
+    makefile = (ROOT / 'Makefile').read_text('utf-8')
+    assert re.search(r'^release: addresses ', makefile, re.MULTILINE)
+
+
+def test_the_container_is_made_with_the_steps_of_the_readme():
+    made = (ROOT / 'Dockerfile').read_text('utf-8')
+    readme = (ROOT / 'README.md').read_text('utf-8')
+    steps = re.search(r'in a workspace.*?\n\n((?:    .*\n)+)', readme, re.DOTALL)[1]
+    at = [made.find(line.partition('  #')[0].strip()) for line in steps.splitlines()[:4]]
+    assert len(at) == 4 and -1 not in at and at == sorted(at)
+    opened = json.loads((ROOT / '.devcontainer' / 'devcontainer.json').read_text('utf-8'))
+    assert (ROOT / '.devcontainer' / opened['build']['dockerfile']).resolve() == (
+        ROOT / 'Dockerfile')
 
 
 def test_the_maintainer_has_an_address_that_colcon_accepts():

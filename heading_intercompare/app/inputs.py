@@ -314,7 +314,8 @@ def _analyze_bag(readers: Sequence[Readable], name: str, settings: Settings,
                             'are not counted')
         if runs is None:
             marks += _set_marks(comparison, reader)
-        told = BagLosses(reader, dict(zip(conventions, ('ts', 'rs'))), lose)
+        told = BagLosses(reader, dict(zip(conventions, ('ts', 'rs'))), lose,
+                         goes_on=reader is not readers[0])
         baseline = _read_antennas(reader, settings, remarks) if of_antennas else None
         for chunk in _join_chunks(reader.headings(conventions, helpers, told.take)):
             if of_antennas:

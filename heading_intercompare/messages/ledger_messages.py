@@ -22,7 +22,7 @@ from .status_messages import decode_statuses, encode_statuses, OK, Status, WARN
 __all__ = ['decode_ledger', 'decode_losses', 'encode_ledger', 'encode_losses', 'LedgerMessage',
            'LOST_AS', 'lost_topic']
 
-LOST_AS = ('lost.on_the_way', 'lost.at_source', 'rejected.burst')
+LOST_AS = ('lost.on_the_way', 'lost.at_source', 'lost.before_start', 'rejected.burst')
 """What may have become of the readings: the keys of the ledger without the sensor."""
 
 _FIGURES = ('stamp_ns', 'since_ns', 'count')

@@ -32,7 +32,7 @@ from heading_intercompare.nodes.runtime.figures import Figures
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.sole_node import SoleNode
 from heading_intercompare.nodes.sensors.places import called, place_files
-from heading_intercompare.nodes.taking.mark_intake import MarkIntake
+from heading_intercompare.nodes.taking.mark_intake import explain_mark, MarkIntake
 from heading_intercompare.nodes.taking.motion_intake import MotionIntake
 from heading_intercompare.nodes.taking.raw_subscription import subscribe
 
@@ -125,10 +125,10 @@ class Compliance(Node):
     def _command(self, kind: str, response: Trigger.Response) -> Trigger.Response:
         """Set a mark after the newest pair; pairs up to it belong to the run before."""
         self._drain()
-        stamp_ns = self._compliance.newest_ns or 0
-        self._mark([(kind, stamp_ns)])
+        did = explain_mark(kind, self._compliance.keep().cutter)
+        self._mark([(kind, stamp_ns := self._compliance.newest_ns or 0)])
         self._marker.publish(encode_mark(kind, stamp_ns))
-        response.success, response.message = True, f'{kind} after the pair of {stamp_ns} ns'
+        response.success, response.message = True, f'{kind} after the pair of {stamp_ns} ns: {did}'
         self._reporting.look(self._pairs.last_sequence)
         return response
 

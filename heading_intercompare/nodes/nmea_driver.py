@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from typing import Any, Sequence
 
@@ -30,6 +31,7 @@ from heading_intercompare.nodes.runtime.publishing import (
     HeadingQueue,
 )
 from heading_intercompare.nodes.runtime.source_thread import Reading, ReadingNode
+from heading_intercompare.nodes.sensors import places
 
 from .settings import DriverNode, Sending, Taking
 
@@ -56,11 +58,13 @@ class NmeaDriver(ReadingNode):
             event_callbacks=self.health.of_publisher(settings.topic))
         if self._reading.from_file and own.origin_ns is not None:
             self.play_from(own.origin_ns)
-        wanted = sending.subscribers if self._reading.from_file else 0
-        self._audience = Audience(self, [self._publisher], wanted, self.health)
+        self._audience = Audience(
+            self, [self._publisher], sending.subscribers, self.health,
+            judged=places.judging_topics(analysis),
+            patience_s=math.inf if self._reading.from_file else sending.start_wait_s)
         # Headings held until the sentence was chosen would overrun subscribers all at once.
         self._waiting, self._allowance = HeadingQueue(), Allowance(sending.max_rate_hz)
-        # A live source does not wait for anybody.
+        # A live source waits for nobody once it has begun.
         self._flow = FlowControl([self._publisher] * self._reading.from_file, self.health)
         self._later = every(self, 0.01, self._pass_on)
         self._published = self._beyond = self._published_before = 0
@@ -80,7 +84,7 @@ class NmeaDriver(ReadingNode):
             self._flushed = True
             self._take(self._decoder.flush())
             self._motion.flush()
-        clear = self._audience.sole.clear or self._ending
+        clear = self._ending or self._audience.is_there() and self._audience.sole.clear
         while self._waiting and clear and self._allowance.has_left() and self._flow.has_room():
             self._publish(self._waiting.popleft())
         if self._motion.publish() or self._waiting:

@@ -37,7 +37,7 @@ from heading_intercompare.nodes.taking.recorded_topics import (
     text_of,
 )
 
-from .settings import RecorderNode, Taking
+from .settings import HeadingTypes, RecorderNode, Taking
 
 __all__ = ['main', 'Recorder']
 
@@ -52,8 +52,8 @@ class Recorder(Node):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('recorder', **OVERRIDES, **kwargs)
-        self._settings, taking, bag_settings, self._own = declare(
-            self, Settings, Taking, BagSettings, RecorderNode)
+        self._settings, taking, types, bag_settings, self._own = declare(
+            self, Settings, Taking, HeadingTypes, BagSettings, RecorderNode)
         self.health = Health(self)
         self.path, self._before = self._own.output or name_first(), self._own.continues
         if self._own.go_on:
@@ -61,7 +61,8 @@ class Recorder(Node):
         file = self._own.parameter_file and Path(self._own.parameter_file)
         copy = file and (file.name, 'application/yaml', file.read_bytes())
         self._states = PartStates(self._own.diagnostics_period_s)
-        self._topics = make_intakes(self, self._settings, taking, self.health, self._states)
+        self._topics = make_intakes(self, self._settings, taking, types, self.health,
+                                    self._states)
         self._bag = Recording(self.path, bag_settings)
         self.state_sources({})
         if copy:

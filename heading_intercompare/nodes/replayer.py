@@ -57,7 +57,7 @@ class Replayer(Node):
         self.done = self.ended = self._begun = False
         self.health, self._reader = Health(self), BagReader(own.bag)
         self._motion = beside.ReplayedMotion(self._reader, settings.motion)
-        topics = [*(heard := places.heading_topics(settings)), MARKER_TOPIC, *self._motion.topics]
+        topics = [*(heard := places.judging_topics(settings)), MARKER_TOPIC, *self._motion.topics]
         names = published_names(self, topics + ['/clock'] * own.clock, remapped)
         # This reads nothing yet, but rejects a topic that is not a heading.
         self._reader.headings(dict.fromkeys(heard, 'enu'))
@@ -67,7 +67,8 @@ class Replayer(Node):
             self._headings[in_bag] = self.create_publisher(
                 HEADING_TYPES[self._reader.topics[in_bag].type_name], topic, qos.HEADINGS_OUT,
                 event_callbacks=self.health.of_publisher(name))
-        self._lost = beside.ReplayedLosses(self, self._reader, dict(zip(self._headings, names)))
+        self._lost = beside.ReplayedLosses(self, self._reader, dict(zip(self._headings, names)),
+                                           whole=not own.start_s)
         self._replay = Replay(
             self._reader, [*self._lost.topics, *self._motion.in_bag], rate=own.rate,
             start_s=own.start_s, duration_s=own.duration_s, loop=own.loop,
@@ -76,7 +77,7 @@ class Replayer(Node):
         self._marker = self.create_publisher(DiagnosticArray, MARKER_TOPIC, qos.MARKER)
         self._time = self.create_publisher(Clock, '/clock', qos.CLOCK) if own.clock else None
         self._audience = Audience(self, [*self._headings.values()], sending.subscribers,
-                                  self.health, places.further_subscribers(settings))
+                                  self.health, places.further_subscribers(settings), judged=heard)
         self._allowance = Allowance(sending.max_rate_hz)
         self._flow = FlowControl(self._headings.values(), self.health)
         # Before any heading: they act by stamp, and a late one would not.

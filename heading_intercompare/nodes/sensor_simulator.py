@@ -61,10 +61,10 @@ class SensorSimulator(Node):
             Imu, topic, qos.HEADINGS_OUT, event_callbacks=self.health.of_publisher(topic))
             for role, topic in topics.items()}
         # Nobody may want to hear a sensor that the settings do not name.
+        judged = places.judging_topics(settings)
         self._audience = Audience(
-            self, [self._publishers_of[role] for role, topic in topics.items()
-                   if topic in places.heading_topics(settings)],
-            sending.subscribers, self.health, places.further_subscribers(settings))
+            self, [self._publishers_of[role] for role in topics if topics[role] in judged],
+            sending.subscribers, self.health, places.further_subscribers(settings), judged=judged)
         self._motion = MotionSender(self, self.health, settings.motion,
                                     is_first=self._scenario.motion_hz > 0.0)
         self._allowance = Allowance(sending.max_rate_hz)

@@ -34,7 +34,7 @@ from heading_intercompare.nodes.taking.mark_intake import MarkIntake
 from heading_intercompare.nodes.taking.motion_intake import MotionIntake
 from heading_intercompare.nodes.taking.raw_subscription import subscribe
 
-from .settings import SensorsNode, Taking
+from .settings import HeadingTypes, SensorsNode, Taking
 
 __all__ = ['main', 'SensorsWatch']
 
@@ -54,10 +54,10 @@ class SensorsWatch(Node):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('sensors_watch', **OVERRIDES, **kwargs)
-        settings, taking, own = declare(self, Settings, Taking, SensorsNode)
+        settings, taking, types, own = declare(self, Settings, Taking, HeadingTypes, SensorsNode)
         self.health = Health(self)
         self._comparison = SensorsComparison(settings, source='live', only_others=True)
-        self._headings = SensorsIntake(self, self.health, taking, self._comparison)
+        self._headings = SensorsIntake(self, self.health, taking, types, self._comparison)
         self._motion = MotionIntake(self, self.health, taking, settings.motion,
                                     (self._comparison,))
         self._journals = PairJournals(self, self.health, settings, own, self._comparison,

@@ -7,9 +7,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from heading_intercompare.core.settings import Checked, setting
+from heading_intercompare.messages.heading_messages import HEADING_TYPES
 
-__all__ = ['ComplianceNode', 'DashboardNode', 'DriverNode', 'RecorderNode', 'ReplayerNode',
-           'Sending', 'SensorsNode', 'SimulatorNode', 'SynchronizerNode', 'Taking']
+__all__ = ['ComplianceNode', 'DashboardNode', 'DriverNode', 'HeadingTypes', 'RecorderNode',
+           'ReplayerNode', 'Sending', 'SensorsNode', 'SimulatorNode', 'SynchronizerNode', 'Taking']
 
 
 @dataclass(frozen=True, slots=True)
@@ -29,12 +30,27 @@ class Taking(Checked):
 
 
 @dataclass(frozen=True, slots=True)
+class HeadingTypes(Checked):
+    """What is known of the headings before their publishers are seen."""
+
+    ts_message_type: str | None = setting(
+        None, 'message type of the TS headings, if it is known: they are then heard from the '
+        'start of the node, for publishers that wait for nobody, such as ros2 bag play; none: the '
+        'type of the publisher, once it is seen', choices=tuple(HEADING_TYPES))
+    rs_message_type: str | None = setting(
+        None, 'the same for the RS headings', choices=tuple(HEADING_TYPES))
+
+
+@dataclass(frozen=True, slots=True)
 class Sending(Checked):
-    """How headings from a file, a bag or a simulation are published."""
+    """How headings are published: when the first one goes out, and how fast."""
 
     subscribers: int = setting(
         1, 'subscriptions that each topic must have before the first message, so that none is '
         'lost; 0: do not wait', 0, 100)
+    start_wait_s: float = setting(
+        10.0, 'how long a live driver keeps its first readings for these subscriptions; then they '
+        'go out without [s]', 0.0, 60.0)
     max_rate_hz: float = setting(
         2000.0, 'most messages per second, at any speed: more would overrun subscribers [Hz]',
         1.0, 100000.0)

@@ -34,7 +34,7 @@ from heading_intercompare.nodes.taking.mark_intake import MarkIntake
 from heading_intercompare.nodes.taking.predecessor import Predecessor
 from heading_intercompare.nodes.taking.raw_subscription import subscribe
 
-from .settings import SynchronizerNode, Taking
+from .settings import HeadingTypes, SynchronizerNode, Taking
 
 __all__ = ['main', 'Synchronizer']
 
@@ -50,7 +50,8 @@ class Synchronizer(Node):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('synchronizer', **OVERRIDES, **kwargs)
-        settings, taking, self._own = declare(self, Settings, Taking, SynchronizerNode)
+        settings, taking, types, self._own = declare(
+            self, Settings, Taking, HeadingTypes, SynchronizerNode)
         settings = choose_streams(settings, self._own.sensor)
         self._started_ns = time.time_ns()
         self._pairer = Pairer(settings)
@@ -62,8 +63,9 @@ class Synchronizer(Node):
         self.sole = SoleNode(self, ['pairs'], self.health)
         self._ledger = self.create_publisher(DiagnosticArray, 'pairs/ledger', qos.LEDGER)
         self._headings = HeadingsIntake(
-            self, self.health, taking, {'ts': (settings.ts_topic, settings.ts_convention),
-                                        'rs': (settings.rs_topic, settings.rs_convention)},
+            self, self.health, taking, {
+                'ts': (settings.ts_topic, settings.ts_convention, types.ts_message_type),
+                'rs': (settings.rs_topic, settings.rs_convention, types.rs_message_type)},
             self._lose, Arrivals(self, self._drain, taking.drain_period_s))
         subscribe(self, DiagnosticArray, MARKER_TOPIC, qos.MARKER, self.health, decode_marks,
                   self._mark)

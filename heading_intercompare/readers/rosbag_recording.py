@@ -174,7 +174,7 @@ class RosbagRecording:
         raise ReaderError(self.path, f'has no topic {topic!r}; it has {present or "no topics"}')
 
     def headings(self, conventions: Mapping[str, str], helpers: int = 0,
-                 lost: Callable[[str, Losses], None] | None = None,
+                 lost: Callable[[str, str, Losses], None] | None = None,
                  ) -> Iterator[dict[str, Headings]]:
         """Return an iterator over the headings of some topics; see `BagReader.headings`."""
         allowed = (*HEADING_TYPES, SENTENCE)

@@ -191,7 +191,7 @@ class StreamRecording:
                           'choose one with --ts-talker or --rs-talker')
 
     def headings(self, conventions: Mapping[str, str], helpers: int = 0,
-                 lost: Callable[[str, Losses], None] | None = None,
+                 lost: Callable[[str, str, Losses], None] | None = None,
                  ) -> Iterator[dict[str, Headings]]:
         """Return an iterator over the headings of some streams; conventions do not matter."""
         chosen = {asked: self.streams[self.resolve(asked)] for asked in conventions}

@@ -21,7 +21,7 @@ from heading_intercompare.core.settings import Settings
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.scalars import SCALARS
-from heading_intercompare.nodes.settings import Taking
+from heading_intercompare.nodes.settings import HeadingTypes, Taking
 from heading_intercompare.nodes.taking.recorded_topics import make_intakes
 
 ROOT = FOLDER.parent
@@ -90,7 +90,7 @@ def test_a_live_layout_shows_what_the_nodes_publish(ros, name):
 @pytest.mark.parametrize('name', ['lichtblick_bag.json', 'plotjuggler_bag.xml'])
 def test_a_layout_for_bags_shows_what_the_recorder_records(ros, name):
     node = ros.add(Node, 'recording')
-    made = make_intakes(node, Settings.from_mapping(NORMS), Taking(), Health(node),
+    made = make_intakes(node, Settings.from_mapping(NORMS), Taking(), HeadingTypes(), Health(node),
                         PartStates(10.0))
     types = {one.intake.full_name: [*one.intake._types] for one in made.values()}
     for topic, field in paths_in(name):

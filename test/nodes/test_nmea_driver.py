@@ -207,3 +207,35 @@ def test_a_burst_is_told_with_the_stamp_of_the_next_heading(ros):
             ros.spin_until(lambda: len(heard) == 2 and told)
     first, second = headings_from(heard, 'enu').stamp_ns.tolist()
     assert losses_from(told) == [('rejected.burst', (second, first, 4))]
+
+
+def send_lines(port, first, n):
+    """Send sentences to a port, and return the headings in them."""
+    said = [round(10.0 + (first + at) / 10, 1) for at in range(n)]
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        for heading_deg in said:
+            sender.sendto(sentence(heading_deg).encode(), ('127.0.0.1', port))
+    return said
+
+
+def test_what_a_live_source_says_before_its_subscribers_are_there_waits_for_them(ros):
+    """On a loaded machine a synchronizer starts seconds later than its drivers."""
+    port = free_port()
+    node = ros.ours(NmeaDriver, source=f'udp://127.0.0.1:{port}', sentence='HDT', subscribers=2,
+                    start_wait_s=60.0)
+    early = ros.listen(Imu, 'ts/heading', qos.PAIRS_TAKEN)
+    said = send_lines(port, 0, 30)
+    ros.spin_until(lambda: len(node._waiting) == 30)
+    assert early == []
+    late = ros.listen(Imu, 'ts/heading', qos.PAIRS_TAKEN)
+    ros.spin_until(lambda: len(early) == len(late) == 30)
+    assert headings_from(late, 'enu').heading_deg.tolist() == pytest.approx(said)
+
+
+def test_a_live_source_does_not_wait_for_ever(ros):
+    port = free_port()
+    ros.ours(NmeaDriver, source=f'udp://127.0.0.1:{port}', sentence='HDT', subscribers=2,
+             start_wait_s=0.5)
+    heard = ros.listen(Imu, 'ts/heading', qos.PAIRS_TAKEN)
+    send_lines(port, 0, 30)
+    ros.spin_until(lambda: len(heard) == 30)

@@ -369,3 +369,22 @@ def test_what_a_driver_lost_is_in_the_ledger(ros, rng):
     ledger = finish(ros, node, [*sensors, told], ledgers)
     assert ledger.total.counts == {'rs_lost.at_source': 7, 'rs_rejected.burst': 3,
                                    'rs_unused': 10}
+
+
+def test_what_was_sent_before_the_synchronizer_listened_has_a_row(ros, rng):
+    sensors = [ros.plain.create_publisher(Imu, f'{role}/heading', QoSProfile(depth=5000))
+               for role in ('ts', 'rs')]
+    headings = stream(rng, 10.0, 20.0)
+    send(sensors[0], headings[:120])
+    pairs = ros.listen(TwistStamped, 'pairs', qos.PAIRS_TAKEN)
+    ledgers = ros.listen(DiagnosticArray, 'pairs/ledger', qos.LEDGER)
+    node = ros.ours(Synchronizer)
+    ros.spin_until(lambda: all(s.get_subscription_count() == 1 for s in sensors))
+    send(sensors[0], headings[120:])
+    send(sensors[1], headings)
+    ledger = finish(ros, node, sensors, ledgers)
+    assert ledger.total.lost('ts') == {'before_start': 120} and ledger.total.lost('rs') == {}
+    assert ledger.paired == 80
+    ros.spin_until(lambda: len(pairs) == 80)
+    inside = ledger.count_between(int(headings.stamp_ns[120]), int(headings.stamp_ns[-1]))
+    assert inside.lost('ts') == {}

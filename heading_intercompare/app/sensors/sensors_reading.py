@@ -209,7 +209,7 @@ def compare_bag(path: str, settings: Settings, table: Spans | None = None, *, na
             for kind, stamp_ns in read_marks(reader):
                 marks.append((kind, stamp_ns))
                 feed.comparison.mark(kind, stamp_ns)
-        told = _Told(reader, sensors, feed)
+        told = _Told(reader, sensors, feed, goes_on=reader is not readers[0])
         for chunk in reader.headings(conventions, helpers, told.take):
             n += sum(map(len, chunk.values()))
             feed.update({one.name: chunk[one.heading_topic] for one in sensors})
@@ -235,13 +235,15 @@ def compare_bag(path: str, settings: Settings, table: Spans | None = None, *, na
 class _Told:
     """What is missing of each sensor in a recording, as numbers, drivers and recorder tell it."""
 
-    def __init__(self, reader: Readable, sensors: Sequence[Sensor], feed: _Feed) -> None:
+    def __init__(self, reader: Readable, sensors: Sequence[Sensor], feed: _Feed, *,
+                 goes_on: bool) -> None:
         self._feed = feed
-        self._of = {one.heading_topic: BagLosses(reader, {one.heading_topic: 'ts'},
-                                                 partial(feed.lose, one.name)) for one in sensors}
+        self._of = {one.heading_topic: BagLosses(
+            reader, {one.heading_topic: 'ts'}, partial(feed.lose, one.name), goes_on=goes_on)
+            for one in sensors}
 
-    def take(self, topic: str, losses: Losses) -> None:
-        self._of[topic].take(topic, losses)
+    def take(self, topic: str, lost_as: str, losses: Losses) -> None:
+        self._of[topic].take(topic, lost_as, losses)
 
     def finish(self) -> None:
         for one in self._of.values():

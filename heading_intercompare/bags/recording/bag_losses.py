@@ -8,6 +8,7 @@ from collections import Counter
 from typing import Callable, Mapping
 
 from heading_intercompare.bags.checked_text import decimal
+from heading_intercompare.bags.rosbag2.provenance import CONTINUES, RECORD
 from heading_intercompare.bags.rosbag2.readable import Readable
 from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.records import Losses
@@ -31,18 +32,26 @@ class BagLosses:
         The sensors, by topic as requested.
     count : callable
         Called with the key of the ledger and the losses.
+    goes_on : bool
+        The bag goes on with another one that is judged with it, which has what was sent before.
 
     """
 
     def __init__(self, reader: Readable, streams: Mapping[str, str],
-                 count: Callable[[LedgerKey, Losses], None]) -> None:
+                 count: Callable[[LedgerKey, Losses], None], *, goes_on: bool = False) -> None:
         self._reader, self._streams, self._count = reader, streams, count
+        self._goes_on = goes_on
         self._by_numbers: Counter[str] = Counter()
 
-    def take(self, topic: str, losses: Losses) -> None:
-        """Take the messages of a topic that are missing among the numbers of its publisher."""
-        self._by_numbers[topic] += int(losses.count.sum())
-        self._count(LedgerKey.of_lost(self._streams[topic], 'on_the_way'), losses)
+    def take(self, topic: str, lost_as: str, losses: Losses) -> None:
+        """Take what the numbers of a publisher say is missing of a topic, as one of `LOST_AS`."""
+        key = LedgerKey.of_told(self._streams[topic], lost_as)
+        if key.lost == 'before_start' and (
+                self._goes_on or self._reader.metadata().get(RECORD, {}).get(CONTINUES)):
+            return
+        if key.lost == 'on_the_way':
+            self._by_numbers[topic] += int(losses.count.sum())
+        self._count(key, losses)
 
     def read_told(self) -> None:
         """

@@ -130,14 +130,16 @@ def _open_files(path: Path, oddities: list[str],
 
 
 def _find_gaps(found: Sequence[Found],
-               numbers: Sequence[Numbering]) -> Iterator[tuple[int, Losses]]:
-    """Yield the gaps among the numbers of a block, each with the index of its topic."""
+               numbers: Sequence[Numbering]) -> Iterator[tuple[int, str, Losses]]:
+    """Yield what the numbers of a block lack: the index of the topic, one of `LOST_AS`, gaps."""
     for each in found:
         for place in np.unique(each.place).tolist():
             mine = np.flatnonzero(each.place == place)
             losses = numbers[place].take(each.sequence[mine], each.headings.stamp_ns[mine])
-            if len(losses):
-                yield place, losses
+            for lost_as, some in (('lost.before_start', numbers[place].take_before()),
+                                  ('lost.on_the_way', losses)):
+                if len(some):
+                    yield place, lost_as, some
 
 
 class BagReader:
@@ -223,7 +225,7 @@ class BagReader:
         raise BagError(f'has no topic {topic!r}; it has {present or "no topics"}{cut}', self.path)
 
     def headings(self, conventions: Mapping[str, str], helpers: int = 0,
-                 lost: Callable[[str, Losses], None] | None = None,
+                 lost: Callable[[str, str, Losses], None] | None = None,
                  ) -> Iterator[dict[str, Headings]]:
         """
         Return an iterator over the headings of some topics.
@@ -237,9 +239,10 @@ class BagReader:
             same. None are started where a fork is unsafe: while other threads run, in a worker of
             `multiprocessing`, or outside Linux.
         lost : callable, optional
-            Called with a requested topic and the messages missing among the numbers of its
-            publisher, before the chunk with the reading after the gap is yielded or later. Never
-            called for a bag of a program that does not keep these numbers.
+            Called with a requested topic, one of `LOST_AS`, and the messages missing among the
+            numbers of its publisher or before the first one, before the chunk with the reading
+            after them is yielded or later. Never called for a bag of a program that does not keep
+            these numbers.
 
         Returns
         -------
@@ -274,7 +277,8 @@ class BagReader:
             raise BagError(f'topic {topic} ({kind}) cannot be read: {problem}', path)
 
     def _headings(self, conventions: Mapping[str, str], helpers: int,
-                  lost: Callable[[str, Losses], None] | None) -> Iterator[dict[str, Headings]]:
+                  lost: Callable[[str, str, Losses], None] | None,
+                  ) -> Iterator[dict[str, Headings]]:
         wanted = {asked: (self.resolve(asked), convention)
                   for asked, convention in conventions.items()}
         once = list(dict.fromkeys(wanted.values()))
@@ -286,9 +290,9 @@ class BagReader:
         # Without helpers, decode ahead in a prefetch thread.
         for minute, gaps in minutes if helpers else run_ahead(minutes):
             found = dict(zip(once, minute))
-            for place, losses in gaps if lost else ():
+            for place, lost_as, losses in gaps if lost else ():
                 for asked in (asked for asked, each in wanted.items() if each == once[place]):
-                    lost(asked, losses)
+                    lost(asked, lost_as, losses)
             yield {asked: found[each] for asked, each in wanted.items()}
 
     def keeps_numbers(self) -> bool:
@@ -301,10 +305,10 @@ class BagReader:
 
     def _minutes(self, wanted: Sequence[tuple[str, str]], helpers: int,
                  numbers: Sequence[Numbering] | None,
-                 ) -> Iterator[tuple[list[Headings], list[tuple[int, Losses]]]]:
+                 ) -> Iterator[tuple[list[Headings], list[tuple[int, str, Losses]]]]:
         """Yield the headings minute by minute, with the gaps found among their numbers."""
         window = Window(len(wanted))
-        gaps: list[tuple[int, Losses]] = []
+        gaps: list[tuple[int, str, Losses]] = []
         unreadable = 0, ''
         for block in self._decode(self._kinds(wanted), helpers):
             unreadable = add_unreadable([unreadable, *(each.unreadable for each in block.found)])

@@ -32,7 +32,7 @@ class Readable(Protocol):
         """Return the name of a topic given with or without a leading slash."""
 
     def headings(self, conventions: Mapping[str, str], helpers: int = 0,
-                 lost: Callable[[str, Losses], None] | None = None,
+                 lost: Callable[[str, str, Losses], None] | None = None,
                  ) -> Iterator[dict[str, Headings]]:
         """Return an iterator over the headings of some topics."""
 

@@ -61,6 +61,7 @@ class Numbering:
     restarts: int = 0
     first: int | None = None
     _newest: list[_Message] = field(default_factory=list)
+    _begun_ns: int | None = None
     _gaps: deque[tuple[_Message, _Message]] = field(default_factory=lambda: deque(maxlen=_GAPS))
     _found: list[tuple[int, int, int]] = field(default_factory=list)
 
@@ -107,6 +108,7 @@ class Numbering:
             return _NOTHING
         if self.first is None:
             self.numbered, self.first = True, int(numbers[0])
+            self._begun_ns = int(stamps[0])
             self._newest.append(_Message(self.first, int(stamps[0])))
             numbers, stamps = numbers[1:], stamps[1:]
         before = self._newest[-1]
@@ -122,6 +124,22 @@ class Numbering:
             self._newest[-1] = _Message(int(numbers[-1]), int(stamps[-1]))
         found, self._found = self._found, []
         return Losses.of(*zip(*found)) if found else _NOTHING
+
+    def take_before(self) -> Losses:
+        """
+        Return, once, what the publisher sent before the first message.
+
+        Returns
+        -------
+        Losses
+            At the stamp just before that of the first message, so in no run; empty if that message
+            was the first of its publisher, or none has come.
+
+        """
+        begun_ns, self._begun_ns = self._begun_ns, None
+        if begun_ns is None or self.first in (None, 1):
+            return _NOTHING
+        return Losses.of([begun_ns - 1], [0], [self.first - 1])
 
     def _goes_on(self, numbers: ArrayLike) -> TypeGuard[list[int]]:
         """Tell whether the numbers of a live batch follow the last one without a gap."""

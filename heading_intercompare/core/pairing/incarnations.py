@@ -165,7 +165,11 @@ class Incarnations:
                     # What an incarnation received before its first cut came after the one before.
                     start_ns = newest_ns + 1
                 left = {} if ledger is ledgers[-1] else _LEFT
+                # The one before took these, or the numbers between the two count them.
+                known = steps[at - 1] if at else {}
                 for key, n in segment.counts.items():
+                    if key.lost == 'before_start' and key.stream in known:
+                        continue
                     counts.setdefault(start_ns, Counter())[left.get(key, key)] += n
                 counts.setdefault(start_ns, Counter())
             newest_ns = max((ns for ns in (newest_ns, ledger.newest_ns) if ns is not None),

@@ -26,8 +26,11 @@ __all__ = ['Ledger', 'LedgerKey', 'LedgerSegment', 'LOSSES', 'REASONS']
 REASONS = ('invalid', 'out_of_range', 'no_stamp', 'stamp_not_increasing', 'jump', 'burst')
 """Reasons to reject a reading before pairing; its driver rejects a `burst`."""
 
-LOSSES = ('on_the_way', 'at_source')
-"""Where a reading was lost: from publisher to subscriber, or before the driver read it."""
+LOSSES = ('on_the_way', 'at_source', 'before_start')
+"""
+Where a reading was lost: from publisher to subscriber, before the driver read it, or because it
+was published before the first one that was taken. The last kind lies in no run.
+"""
 
 
 class LedgerKey(str, Enum):
@@ -53,6 +56,7 @@ class LedgerKey(str, Enum):
     TS_BURST = 'ts_rejected.burst'
     TS_LOST_ON_THE_WAY = 'ts_lost.on_the_way'
     TS_LOST_AT_SOURCE = 'ts_lost.at_source'
+    TS_LOST_BEFORE_START = 'ts_lost.before_start'
     RS_USED = 'rs_used'
     RS_UNUSED = 'rs_unused'
     RS_PENDING = 'rs_pending'
@@ -64,6 +68,7 @@ class LedgerKey(str, Enum):
     RS_BURST = 'rs_rejected.burst'
     RS_LOST_ON_THE_WAY = 'rs_lost.on_the_way'
     RS_LOST_AT_SOURCE = 'rs_lost.at_source'
+    RS_LOST_BEFORE_START = 'rs_lost.before_start'
 
     def __str__(self) -> str:
         return self.value

@@ -75,7 +75,9 @@ def _ledger_shares(run: RunVerdict, share: LedgerSegment, inside: LedgerSegment,
                    'lost at the source': lost.get('at_source', 0),
                    'rejected': sum(inside.rejected(stream).values()) + after,
                    'without partner': unpaired.get(stream, 0)}
-        sent = inside.received(stream) + sum(lost.values()) + after
+        # What came before the first reading lies in no run.
+        sent = (inside.received(stream) + missing['lost on the way']
+                + missing['lost at the source'] + after)
         if sent:
             kinds = [kind for kind, n in missing.items() if n] or ['rejected']
             yield (f'of the {stream.upper()} {" or ".join(kinds)}',

@@ -49,7 +49,7 @@ __all__ = ['Campaign', 'Input', 'LostReadings', 'OperatorNote', 'PairingFigures'
            'VerdictError']
 
 _SCHEMA = 'heading_intercompare/verdict/'
-SCHEMA_VERSION = '2.5'
+SCHEMA_VERSION = '2.6'
 """
 Major and minor version of the mapping.
 

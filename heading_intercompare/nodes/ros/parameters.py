@@ -4,9 +4,10 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, Mapping
 
-from rcl_interfaces.msg import ParameterDescriptor
+from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -15,6 +16,7 @@ from heading_intercompare.core.settings import (
     explain_unknown,
     from_mapping,
     list_settings,
+    Setting,
     SettingsError,
     to_mapping,
 )
@@ -23,6 +25,10 @@ __all__ = ['declare', 'make_overrides', 'OVERRIDES', 'resolve_topic']
 
 OVERRIDES = {'automatically_declare_parameters_from_overrides': True}
 """Arguments that `Node.__init__` needs so that `declare` sees all parameters given to a node."""
+
+#: Parameters hold integers of 64 bits.
+_MOST = 2**63 - 1
+_READ_ONCE = 'read when the node starts: start it again to change it'
 
 # Every rclpy node declares these.
 _OF_ROS = ('use_sim_time', 'start_type_description_service')
@@ -67,10 +73,26 @@ def declare(node: Node, *classes: type) -> tuple[Any, ...]:
             node.declare_parameter(
                 name, 'none' if value is None else value,
                 ParameterDescriptor(description=str(rule.help), read_only=True,
-                                    additional_constraints=str(rule.allowed),
-                                    dynamic_typing=True), ignore_override=True)
+                                    additional_constraints=f'{rule.allowed}; {_READ_ONCE}',
+                                    dynamic_typing=True, **_find_range(rule)),
+                ignore_override=True)
         made.append(settings)
     return tuple(made)
+
+
+def _find_range(rule: Setting) -> dict[str, Any]:
+    """Return the range of a setting that is a number and nothing else; nothing for others."""
+    if rule.lo is None and rule.hi is None:
+        return {}
+    if rule.kinds == (float,):
+        return {'floating_point_range': [FloatingPointRange(
+            from_value=-math.inf if rule.lo is None else float(rule.lo),
+            to_value=math.inf if rule.hi is None else float(rule.hi))]}
+    if rule.kinds == (int,):
+        return {'integer_range': [IntegerRange(
+            from_value=-_MOST - 1 if rule.lo is None else int(rule.lo),
+            to_value=_MOST if rule.hi is None else int(rule.hi))]}
+    return {}
 
 
 def resolve_topic(node: Node, topic: str) -> str:

@@ -12,6 +12,7 @@ from typing import Iterable, Mapping, Sequence
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from heading_intercompare.core.records import Headings
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
@@ -24,6 +25,9 @@ __all__ = ['Allowance', 'Audience', 'await_acknowledgement', 'Backlog', 'FlowCon
 
 # Discovery between processes takes up to two seconds; a longer wait than this is a warning.
 _PATIENCE_S = 5.0
+# A synchronizer opens its inputs 10 s after its start at the latest. One that does not subscribe
+# then hears other topics.
+_JUDGES_S = 15.0
 # DDS gives up a process that hangs after 20 s; after this time its connection must be broken.
 _BROKEN_S = 30.0
 
@@ -43,6 +47,11 @@ _ASKED_EVERY_S = 0.005
 _WINDOW = 4000
 
 
+def _name_node(info: TopicEndpointInfo) -> str:
+    """Return the full name of the node of a publisher or subscription."""
+    return f'{info.node_namespace.rstrip("/")}/{info.node_name}'
+
+
 class Audience:
     """
     Waits until topics have their subscriptions.
@@ -59,6 +68,11 @@ class Audience:
         Shows that the node waits.
     further : mapping of str to int, optional
         How many more a topic must have, by its name before remapping.
+    judged : mapping of str to sequence of str, optional
+        For a topic, the topics of those that judge it, by their names before remapping. Every
+        node that publishes one of these must have subscribed, too: a recorder will not do.
+    patience_s : float
+        Go on without the subscriptions after this time, seconds.
 
     Attributes
     ----------
@@ -68,11 +82,15 @@ class Audience:
     """
 
     def __init__(self, node: Node, publishers: Sequence[Publisher], wanted: int,
-                 health: Health, further: Mapping[str, int] | None = None) -> None:
+                 health: Health, further: Mapping[str, int] | None = None, *,
+                 judged: Mapping[str, Sequence[str]] | None = None,
+                 patience_s: float = math.inf) -> None:
         self._node, self._publishers, self._wanted = node, publishers, wanted
         self._further = {node.resolve_topic_name(topic): n
                          for topic, n in (further or {}).items() if wanted}
-        self._health, self._there = health, False
+        self._judged = {node.resolve_topic_name(topic): [*map(node.resolve_topic_name, by)]
+                        for topic, by in (judged or {}).items()}
+        self._health, self._there, self._patience_s = health, False, patience_s
         self.sole = SoleNode(node, [p.topic_name for p in publishers], health)
         self._began_s = time.monotonic()
         self._words = 'looking for subscribers'
@@ -93,11 +111,29 @@ class Audience:
                 self._words = f'looking for other publishers of {self._publishers[0].topic_name}'
                 return False
             missing = self._find_missing()
-            self._there, self._words = not missing, self._describe(missing)
-            late = missing and time.monotonic() > self._began_s + _PATIENCE_S
-            self._health.note('audience', WARN if late else OK,
-                              self._words or 'all subscribers are there')
+            self._words = self._describe(missing) or self._describe_judges()
+            waited_s = time.monotonic() - self._began_s
+            given_up = bool(self._words) and waited_s > (
+                self._patience_s if missing else min(self._patience_s, _JUDGES_S))
+            self._there = given_up or not self._words
+            words = f'going on without; {self._words}' if given_up else self._words
+            if self._there:
+                # Nor does the end wait for those that never came.
+                self._words, self._wanted = '', 0 if missing else self._wanted
+            self._health.note('audience', WARN if words and waited_s > _PATIENCE_S else OK,
+                              words or 'all subscribers are there')
         return self._there
+
+    def _describe_judges(self) -> str:
+        """Say which nodes judge these topics and have not subscribed to them; '' if all have."""
+        for publisher in self._publishers if self._wanted else ():
+            topic = publisher.topic_name
+            judges = {_name_node(info) for judging in self._judged.get(topic, ())
+                      for info in self._node.get_publishers_info_by_topic(judging)}
+            heard_by = map(_name_node, self._node.get_subscriptions_info_by_topic(topic))
+            if late := sorted(judges.difference(heard_by)):
+                return f'waiting for {" and ".join(late)} to subscribe to {topic}'
+        return ''
 
     def has_heard(self, publishers: Sequence[Publisher]) -> bool:
         """
@@ -125,7 +161,7 @@ class Audience:
         """Return the topics that lack subscriptions, each with the number it has."""
         counts = {p.topic_name: p.get_subscription_count() for p in self._publishers}
         return {topic: n for topic, n in counts.items()
-                if n < self._wanted + self._further.get(topic, 0)}
+                if self._wanted and n < self._wanted + self._further.get(topic, 0)}
 
     def _describe(self, missing: Mapping[str, int]) -> str:
         """Say which topics lack subscribers, given the number that each one has."""

@@ -11,6 +11,7 @@ from rclpy.publisher import Publisher
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagMessage, BagReader
 from heading_intercompare.bags.rosbag2.motion_topics import find_motion_topics, motion_topics
+from heading_intercompare.bags.rosbag2.provenance import CONTINUES, RECORD
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
 from heading_intercompare.core.settings import MotionRule
 from heading_intercompare.messages.ledger_messages import encode_losses, lost_topic
@@ -96,6 +97,8 @@ class ReplayedLosses:
         The bag.
     names : mapping of str to str
         Full name under which a topic of the bag is published.
+    whole : bool
+        The replay begins with the bag, so what was sent before its first heading counts.
 
     Attributes
     ----------
@@ -104,13 +107,15 @@ class ReplayedLosses:
 
     """
 
-    def __init__(self, node: Node, reader: BagReader, names: Mapping[str, str]) -> None:
+    def __init__(self, node: Node, reader: BagReader, names: Mapping[str, str], *,
+                 whole: bool) -> None:
         self._publishers = {topic: LossPublisher(node, name) for topic, name in names.items()}
         self._told = {lost: self._publishers[topic] for topic in names
                       if (lost := lost_topic(topic)) in reader.topics}
         self.topics = [*names, *self._told]
         self._keeps_numbers = reader.keeps_numbers()
         self._round = 0
+        self._whole = whole and not reader.metadata().get(RECORD, {}).get(CONTINUES)
         self._taken: dict[str, list[tuple[int, int]]] = {}
         self._numbering: dict[str, Numbering] = {}
 
@@ -133,5 +138,8 @@ class ReplayedLosses:
         taken, self._taken = self._taken, {}
         for topic, rows in taken.items():
             losses = self._numbering[topic].take(*zip(*rows))
-            if len(losses):
-                self._publishers[topic].publish(encode_losses({'lost.on_the_way': losses}))
+            found = {'lost.on_the_way': losses}
+            if self._whole and self._round == 1:
+                found['lost.before_start'] = self._numbering[topic].take_before()
+            if any(map(len, found.values())):
+                self._publishers[topic].publish(encode_losses(found))

@@ -116,7 +116,7 @@ class Reading:
 
 
 class ReadingNode(Node):
-    """A node that publishes what a source tells, once those who wait for it are there."""
+    """A node that reads a source: a live one at once, a log once all who wait for it are there."""
 
     done: bool
     ended: bool
@@ -136,7 +136,8 @@ class ReadingNode(Node):
         self._reading.source.origin_ns = origin_ns
 
     def _begin(self) -> None:
-        if not self._reading.started and self._audience.is_there():
+        if not self._reading.started and (
+                not self._reading.from_file or self._audience.is_there()):
             self._reading.start()
 
     def _leave(self, publishers: Sequence[Publisher]) -> None:

@@ -28,8 +28,8 @@ from heading_intercompare.messages.marks import MARKER_TOPIC
 from heading_intercompare.nodes.settings import ComplianceNode
 
 __all__ = ['called', 'choose_streams', 'count_judges', 'count_motion_subscribers',
-           'count_subscribers', 'further_subscribers', 'heading_topics', 'place_files',
-           'remap_rules', 'SHARED_TOPICS']
+           'count_subscribers', 'further_subscribers', 'heading_topics', 'judging_topics',
+           'place_files', 'remap_rules', 'SHARED_TOPICS']
 
 SHARED_TOPICS = (MARKER_TOPIC, 'compliance/alarms', 'compliance/acknowledge')
 """Topics that the nodes of all sensors have in common, beside the headings."""
@@ -101,6 +101,17 @@ def heading_topics(settings: Settings) -> list[str]:
     """Return the topics of the headings of all sensors, or of TS and RS."""
     return ([one.heading_topic for one in read_sensors(settings.sensors)]
             or [settings.ts_topic, settings.rs_topic])
+
+
+def judging_topics(settings: Settings) -> dict[str, list[str]]:
+    """Return, for each topic of headings, what those publish that judge them."""
+    sensors = read_sensors(settings.sensors)
+    if not sensors:
+        return {topic: ['pairs'] for topic in heading_topics(settings)}
+    pairs = {one.heading_topic: [f'{one.name}/pairs'] for one in list_tested(sensors)}
+    every = [topic for topics in pairs.values() for topic in topics]
+    return {one.heading_topic: ['sensors/vote', *pairs.get(one.heading_topic, every)]
+            for one in sensors}
 
 
 def count_judges(settings: Settings) -> int:

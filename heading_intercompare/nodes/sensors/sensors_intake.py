@@ -12,7 +12,7 @@ from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.core.sensors.comparison import SensorsComparison
 from heading_intercompare.nodes.runtime.health import Health
-from heading_intercompare.nodes.settings import Taking
+from heading_intercompare.nodes.settings import HeadingTypes, Taking
 from heading_intercompare.nodes.taking.headings_intake import HeadingsIntake
 from heading_intercompare.web.figures.stream_watch import SensorView, StreamWatch
 
@@ -38,10 +38,13 @@ class SensorsIntake:
 
     """
 
-    def __init__(self, node: Node, health: Health, taking: Taking,
+    def __init__(self, node: Node, health: Health, taking: Taking, types: HeadingTypes,
                  comparison: SensorsComparison) -> None:
         self._comparison = comparison
-        streams = {one.name: (one.heading_topic, one.convention) for one in comparison.sensors}
+        streams = {one.name: (
+            one.heading_topic, one.convention,
+            types.rs_message_type if one.is_reference else types.ts_message_type)
+            for one in comparison.sensors}
         self.heard = HeadingsIntake(node, health, taking, streams, self._lose)
         self._watches = {name: StreamWatch(taking.stale_s) for name in streams}
         self.newest_ns: int | None = None

@@ -34,8 +34,8 @@ class HeadingsIntake:
     ----------
     node, health, taking
         As for `Intake`.
-    streams : mapping of str to (str, str)
-        Topic and convention of each stream, by its name.
+    streams : mapping of str to (str, str, str or None)
+        Topic, convention and known type of each stream, by its name.
     lose : callable
         Called with the name of a stream, the fate of some readings (`LOST_AS`), and how many there
         are: lost on the way, and those that a driver says it never published.
@@ -52,16 +52,17 @@ class HeadingsIntake:
     """
 
     def __init__(self, node: Node, health: Health, taking: Taking,
-                 streams: Mapping[str, tuple[str, str]],
+                 streams: Mapping[str, tuple[str, str, str | None]],
                  lose: Callable[[str, str, Losses], None],
                  arrivals: Unwatched | None = None) -> None:
         self._lose_some = lose
-        self._conventions = {name: convention for name, (_, convention) in streams.items()}
+        self._conventions = {name: convention for name, (_, convention, _) in streams.items()}
         self.intakes = {name: Intake(
             node, topic, HEADING_TYPES, qos.HEADINGS_IN, health,
             unreliable=qos.HEADINGS_UNRELIABLE, kept=qos.HEADINGS_KEPT, stale_s=taking.stale_s,
             first_wait_s=taking.first_wait_s, lost_shown_s=taking.lost_shown_s, stamped=True,
-            arrivals=arrivals) for name, (topic, _) in streams.items()}
+            known_type=kind, arrivals=arrivals)
+            for name, (topic, _, kind) in streams.items()}
         for name, intake in self.intakes.items():
             subscribe(node, DiagnosticArray, lost_topic(intake.full_name), qos.LOST, health,
                       decode_losses, partial(self._lose, name))
@@ -73,7 +74,8 @@ class HeadingsIntake:
             intake.bring_back()
         taken = {name: self._take(name, intake) for name, intake in self.intakes.items()}
         for name, intake in self.intakes.items():
-            self._lose(name, {'lost.on_the_way': intake.take_losses()})
+            self._lose(name, {'lost.on_the_way': intake.take_losses(),
+                              'lost.before_start': intake.take_before()})
         return taken
 
     def _take(self, name: str, intake: Intake) -> Headings:

@@ -34,6 +34,10 @@ __all__ = ['Intake']
 
 #: A publisher that was killed stays visible for its lease of 20 s.
 _LEASE_S = 30.0
+#: Publishers that were there before a node have been discovered this long after its start.
+_DISCOVERY_S = 3.0
+#: All that publishers keep was sent after this time.
+_EVER_NS = 1
 
 
 class Intake:
@@ -73,6 +77,9 @@ class Intake:
         Count what is missing; not where any number of publishers may come and go.
     whole : bool
         Begin with what the publishers keep from before, if all of them keep their newest messages.
+    known_type : str, optional
+        The type, where it is known before a publisher is seen. Then the subscription is made at
+        the start, as one that hears publishers of any quality of service.
     arrivals : Unwatched, optional
         Callback group of the subscription: what a `QuickExecutor` does when a message arrives.
 
@@ -101,6 +108,11 @@ class Intake:
     the publisher before the publisher knows it. A publisher that waits for its subscription then
     loses no message, even if the subscription is best effort.
 
+    A publisher that waits for nobody has sent messages by then. If it came when this node already
+    looked for publishers, and keeps its newest messages, the subscription begins with all that it
+    keeps. Of other ones `take_before` counts what came too early, unless the type is known: then a
+    best-effort subscription waits for them, and one as good as the publisher takes over.
+
     A subscription is as reliable as its publishers. When a best-effort publisher joins reliable
     ones, it is made again; what they publish in between is counted as lost. It stays best effort
     until all publishers are gone.
@@ -117,6 +129,7 @@ class Intake:
                  stale_s: float | None = None, first_wait_s: float = 0.0,
                  lost_shown_s: float = 600.0, sole: bool = True, needed: bool = True,
                  stamped: bool = False, counted: bool = True, whole: bool = False,
+                 known_type: str | None = None,
                  arrivals: Unwatched | None = None) -> None:
         self._node, self._topic, self._types = node, topic, types
         self._reliable, self._unreliable, self._kept, self._qos = qos, unreliable, kept, qos
@@ -127,7 +140,9 @@ class Intake:
         self._newest_s = time.monotonic()
         self._first_wait_s, self._begun_s = first_wait_s, self._newest_s
         self._beat_s, self._beat_n, self._latency_s = self._newest_s, 0, 0.0
-        self.type_name: str | None = None
+        self.type_name = self._known_type = known_type
+        self._waits = False
+        self._there_before: set[str] = set()
         self.open = True
         self.received = self.last_sequence = self.refused = self.publishers = 0
         self.resubscribed = 0
@@ -139,7 +154,7 @@ class Intake:
         self._rivals_since_s: float | None = None
         self._ghost = False
         self._after, self._whole = ('', 0), whole
-        self._opened_ns, self._parted = 0, False
+        self._opened_ns = self._since_ns = 0
         health.add_refresher(self._note)
 
     def bring_back(self) -> None:
@@ -149,7 +164,7 @@ class Intake:
     def take(self) -> list[Message]:
         """Return the messages since the last call, each with its info."""
         self._notice_standstill()
-        if not self._reception.there:
+        if self._waits or not self._reception.there:
             self.look()
         taken = self._reception.take()
         if taken:
@@ -174,6 +189,13 @@ class Intake:
         """Return the gaps among the messages taken since the last call, at their stamps."""
         losses, self._losses = Losses.concatenate(self._losses), []
         return losses
+
+    def take_before(self) -> Losses:
+        """Return, once, what the publisher sent before the first message that was taken."""
+        before = self._numbering.take_before()
+        # The predecessor took what came before the number to begin after.
+        resumed = self._after[0] == self._publishers[0] != ''
+        return Losses.empty() if resumed else before
 
     def refuse(self, problems: Sequence[str]) -> None:
         """Count messages that could not be read, given what is wrong with each."""
@@ -215,24 +237,25 @@ class Intake:
         if self.publishers < 2:
             self._rivals_since_s = None
         if not self.publishers:
-            self._part()
-            if self._qos is self._unreliable:
-                self._reception.close()
-                self._qos = self._reliable
+            self._await_publisher()
             return ''
         infos = self._node.get_publishers_info_by_topic(self.full_name)
-        newest = bytes(infos[0].endpoint_gid).hex() if len(infos) == 1 else ''
+        gids = [bytes(info.endpoint_gid).hex() for info in infos]
+        newest = gids[0] if len(gids) == 1 else ''
         self._publishers = self._publishers[0] or newest, newest
+        if time.monotonic() < self._begun_s + _DISCOVERY_S:
+            self._there_before.update(gids)
         found = {info.topic_type for info in infos}
         good = [name for name in self._types if name in found]
-        self._change_qos(infos)
+        came = not self._there_before.intersection(gids)
+        self._change_qos(infos, came)
         wanted = [name for name in good if self.type_name in (None, name)]
         if self.open and wanted and not self._reception.there:
             self.type_name = wanted[0]
             self._opened_ns = self._opened_ns or time.time_ns()
             kept = self._qos is self._kept
             self._reception.open(self._types[wanted[0]], self._qos, self._after[1] * kept,
-                                 self._opened_ns * (kept and self._parted))
+                                 self._since_ns * kept)
         strange = sorted(found - {self.type_name} - set(() if self.type_name else good))
         if strange:
             return (f'{self._topic} has the type {", ".join(strange)}; must be '
@@ -262,33 +285,56 @@ class Intake:
         if not self.received and self._renewal.stood_still(time.monotonic()):
             self._part()
 
+    def _await_publisher(self) -> None:
+        """Without any publisher: wait for the next one with what hears it best."""
+        if self._waits:
+            return
+        self._part()
+        if self._known_type is not None and self._unreliable is not None and self.open and (
+                self._qos is self._unreliable or not self._reception.there):
+            self._waits = True
+            if self._qos is not self._unreliable:
+                self._qos = self._unreliable
+                self._reception.open(self._types[self._known_type], self._qos)
+                self._opened_ns = self._opened_ns or time.time_ns()
+        elif self._qos is self._unreliable:
+            self._reception.close()
+            self._qos = self._reliable
+
     def _part(self) -> None:
         """Begin again where publishers may have given up this process before a message came."""
-        if self._kept is not None and self._reception.there and not self._reception.newest:
-            self._parted = True
+        if (self._kept is not None and self._reception.there and not self._waits
+                and not self._reception.newest):
+            self._since_ns = self._opened_ns
             self._reception.set_aside()
 
     @property
     def _may_look_back(self) -> bool:
         """Whether it is known with which number or time to begin."""
-        return bool(self._whole or self._reception.newest or self._parted
+        return bool(self._whole or self._reception.newest or self._since_ns
                     or self._after[0] == self._publishers[1] != '')
 
-    def _change_qos(self, infos: Sequence[TopicEndpointInfo]) -> None:
-        """Subscribe with what hears all publishers and loses least."""
-        if self._unreliable is not None and (self._qos is self._unreliable or any(
+    def _change_qos(self, infos: Sequence[TopicEndpointInfo], came: bool) -> None:
+        """Subscribe with what hears all publishers and loses least; `came`: all are new here."""
+        waited, self._waits = self._waits, False
+        if self._unreliable is not None and (self._qos is self._unreliable and not waited or any(
                 info.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT for info in infos)):
             best = self._unreliable
-        elif self._kept is not None and self._may_look_back and all(
+        elif self._kept is not None and (self._may_look_back or came) and all(
                 info.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for info in infos):
             best = self._kept
+            if came and (waited or self._since_ns):
+                self._since_ns = _EVER_NS
         else:
             best = self._reliable
         if best is self._qos:
             return
         self._qos = best
-        if best is self._kept and self._reception.there:
-            self._reception.hand_over(best)
+        if waited and best is self._kept and came:
+            # It brings all, in order.
+            self._reception.set_aside()
+        elif self._reception.there and (waited or best is self._kept):
+            self._reception.hand_over(best, seamless=waited)
         else:
             self.resubscribed += self._reception.there
             self._reception.close()
@@ -312,7 +358,7 @@ class Intake:
         self._beat_s, self._beat_n = now_s, self.received
         self._health.note(self._topic, level, words, type=self.type_name,
                           publishers=self.publishers, received=self.received, lost=self.lost,
-                          refused=self.refused or None,
+                          refused=self.refused or None, before_start=self.before or None,
                           resubscribed=self.resubscribed or None, rate_hz=rate_hz, age_s=age_s,
                           latency_s=self._latency_s)
         lost, refused = (count.take(total, now_s) for count, total in zip(

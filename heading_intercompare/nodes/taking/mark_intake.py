@@ -1,19 +1,43 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Marks as they come from a topic: each once, of the two kinds, and not without end."""
+"""Marks of a topic: each once, of the two kinds, not without end; and what one does, in words."""
 
 from __future__ import annotations
 
 from typing import Iterable
 
+from heading_intercompare.core.runs.run_cutter import CutterState
 from heading_intercompare.messages.marks import MARKS
 from heading_intercompare.messages.status_messages import WARN
 from heading_intercompare.nodes.runtime.health import Health
 
-__all__ = ['MarkIntake']
+__all__ = ['explain_mark', 'MarkIntake']
 
 #: Marks that a node takes; a year of watches has 2200.
 _MOST = 10_000
+
+
+def explain_mark(kind: str, state: CutterState) -> str:
+    """
+    Return in words what a mark after the newest pair will do.
+
+    Parameters
+    ----------
+    kind : {'start', 'stop'}
+    state : CutterState
+        Of the cutter of runs, before the mark.
+
+    """
+    if kind == 'stop':
+        return 'the run in progress ends here' if state.in_run else (
+            'no run is in progress; none begins until the next start')
+    if not state.marked:
+        return ('a run begins with the next pair; what came before this first mark belongs to no '
+                'run')
+    if state.in_run:
+        return 'the run in progress ends here, and another one begins with the next pair'
+    return ('nothing changes: a run already begins with the next pair' if state.open else
+            'a run begins with the next pair')
 
 
 class MarkIntake:

@@ -74,6 +74,7 @@ class Reception:
         self._since_ns = self._kept_until_ns = 0
         self._known: dict[tuple[int, int], None] = {}
         self._skip_until = self.newest = 0
+        self._seamless, self._joint = False, 0
         self._first = 0, 0
 
     @property
@@ -109,18 +110,29 @@ class Reception:
         self._left += self._once(aside)
 
     def set_aside(self) -> None:
-        """Give up a subscription of which nothing was taken; `open` says what it held."""
-        assert self._current is not None and not self.newest
+        """Give up a subscription that is to be made again; `open` says what it held."""
+        assert self._current is not None
         self._aside += take_all(self._current)
         self._node.destroy_subscription(self._current)
         self._current = None
 
-    def hand_over(self, profile: QoSProfile) -> None:
-        """Subscribe with another profile, too, and keep only that one once it has come as far."""
+    def hand_over(self, profile: QoSProfile, *, seamless: bool = False) -> None:
+        """
+        Subscribe with another profile, too, and keep only that one once it has come as far.
+
+        Parameters
+        ----------
+        profile : QoSProfile
+            Quality of service.
+        seamless : bool
+            Keep the first one until it has brought all that was sent before the other one began.
+
+        """
         assert self._current is not None
         if self._successor is not None:
             self._node.destroy_subscription(self._successor)
         self._successor = self._subscribe(self._current.msg_type, profile)
+        self._seamless, self._joint = seamless, 0
         self._kept_until_ns = time.time_ns() + _KEPT_NS
 
     def take(self) -> list[Message]:
@@ -131,7 +143,9 @@ class Reception:
             taken += self._once([*self._take_older(came), *came])
         if self._successor is not None:
             again = take_all(self._successor)
-            caught_up = bool(again) and number_of(again[-1]) >= self.newest
+            self._joint = self._joint or (number_of(again[0]) if again else 0)
+            caught_up = bool(again) and number_of(again[-1]) >= self.newest and not (
+                self._seamless and self._joint > self.newest + 1)
             taken += self._once(again)
             if caught_up:
                 # What the first one still holds comes to the second one, too.

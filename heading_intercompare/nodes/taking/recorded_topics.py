@@ -40,7 +40,7 @@ from heading_intercompare.nodes.ros.message_types import (
 from heading_intercompare.nodes.ros.parameters import resolve_topic
 from heading_intercompare.nodes.ros.transports import is_alone
 from heading_intercompare.nodes.runtime.health import Health
-from heading_intercompare.nodes.settings import Taking
+from heading_intercompare.nodes.settings import HeadingTypes, Taking
 
 from .intake import Intake
 from .motion_intake import make_motion_intake
@@ -204,8 +204,8 @@ class _Ledgers(Intake):
         return taken
 
 
-def make_intakes(node: Node, settings: Settings, taking: Taking, health: Health,
-                 states: PartStates) -> dict[str, Recorded]:
+def make_intakes(node: Node, settings: Settings, taking: Taking, types: HeadingTypes,
+                 health: Health, states: PartStates) -> dict[str, Recorded]:
     """
     Return the topics by name.
 
@@ -231,15 +231,18 @@ def make_intakes(node: Node, settings: Settings, taking: Taking, health: Health,
         rows.insert(0, (TRUTH_TOPIC, TRUTH_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, False))
     rows += [(lost_topic(resolve_topic(node, topic)), STATUS_TYPES, qos.LOST, qos.LOST, False)
              for topic in headings]
+    reference = find_reference(sensors)
+    known = {**dict.fromkeys(headings, types.ts_message_type), (
+        reference.heading_topic if reference else settings.rs_topic): types.rs_message_type}
     motion = motion_topics(settings.motion) if settings.motion.compare else {}
     recorded = {topic: Recorded(_offer(qos.HEADINGS_OUT), make_motion_intake(
         node, health, what, topic, taking), False) for what, topic in motion.items()}
     found = recorded | {topic: Recorded(_offer(offered), Intake(
         node, topic, types, taken, health, first_wait_s=taking.first_wait_s, sole=False,
-        needed=expected, **_keep(taken)), expected, is_heading=topic in headings)
+        needed=expected, known_type=known.get(topic), **_keep(taken)), expected,
+        is_heading=topic in headings)
         for topic, types, taken, offered, expected in rows}
     heard = [found[topic].intake for topic in headings]
-    reference = find_reference(sensors)
     tested = [one.heading_topic for one in list_tested(sensors)]
     for at, place in enumerate(places):
         found[f'{place}pairs'] = Recorded(_offer(qos.PAIRS_TAKEN), _Pairs(

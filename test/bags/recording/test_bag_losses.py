@@ -169,10 +169,10 @@ def test_the_rows_are_the_same_however_the_bag_is_decoded(tmp_path, helpers, mon
     reader = BagReader(write(tmp_path / 'bag', kept))
     found = []
     for _ in reader.headings({'ts/heading': 'enu', 'rs/heading': 'enu'}, helpers,
-                             lambda topic, losses: found.append((topic, losses))):
+                             lambda *told: found.append(told)):
         pass
-    assert {topic for topic, _ in found} == {'rs/heading'}
-    rows = Losses.concatenate(losses for _, losses in found)
+    assert {told[:2] for told in found} == {('rs/heading', 'lost.on_the_way')}
+    rows = Losses.concatenate(losses for _, _, losses in found)
     gaps = np.flatnonzero(np.diff(kept) > 1)
     assert rows == Losses.of(STAMPS[kept[gaps + 1]], STAMPS[kept[gaps]],
                              np.diff(kept)[gaps] - 1)
@@ -190,3 +190,22 @@ def test_a_recording_that_lacks_messages_says_so_in_its_ledger(tmp_path):
     assert again.to_dict() == found.verdict.to_dict()
     for words in ('the ledger is not complete', '900 messages received but not written'):
         assert words in str(found.verdict) and words in found.verdict._repr_html_()
+
+
+def test_what_was_sent_before_the_recording_began_has_a_row_and_binds_nothing(tmp_path):
+    run, finding = judged(write(tmp_path / 'bag', np.arange(5000, 6000)))
+    assert run.pairing.lost.rs == {'before_start': 5000} and run.pairing.lost.ts == {}
+    assert run.pairing.rs_received == 1000
+    assert finding.effect == 'holds' and 'of the RS rejected 0 %' in finding.evidence
+
+
+def test_a_bag_that_goes_on_with_another_one_does_not_count_what_that_one_has(tmp_path):
+    with BagWriter(tmp_path / 'bag') as bag:
+        bag.metadata(RECORD, {'version': '0', 'continues': 'before'})
+        for topic in ('/ts/heading', '/rs/heading'):
+            bag.add_topic(topic, IMU)
+            readings = Headings.of(STAMPS, np.full(6000, 90.0))[1000:]
+            bag.write_rows([Rows(topic, encode_imu(readings, 'x'), readings.stamp_ns,
+                                 sequence=np.arange(1001, 6001))])
+    run, _ = judged(tmp_path / 'bag')
+    assert run.pairing.lost.ts == run.pairing.lost.rs == {}

@@ -53,6 +53,17 @@ def test_where_the_numbers_begin_is_kept():
     assert (found.first, found.missing) == (1147, 0)
 
 
+@pytest.mark.parametrize('numbers, before', [
+    ([221, 222], [(6999, 0, 220)]), ([1, 2], []), ([0, 0, 5], [(8999, 0, 4)]), ([0, 0], [])])
+def test_what_was_sent_before_the_first_message_is_told_once(numbers, before):
+    found = Numbering()
+    assert len(found.take_before()) == 0
+    found.take(numbers, [7000 + 1000 * at for at in range(len(numbers))])
+    told = found.take_before()
+    assert [*zip(told.stamp_ns.tolist(), told.since_ns.tolist(), told.count.tolist())] == before
+    assert len(found.take_before()) == 0 and found.missing == 0
+
+
 def rows(numbers, size):
     """Return the gaps among numbers that are also the stamps, in seconds."""
     found = Numbering()

@@ -9,7 +9,7 @@ import pytest
 
 from heading_intercompare import Headings, Settings
 from heading_intercompare.core.pairing.incarnations import Incarnations, StreamNumbers
-from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
 from heading_intercompare.core.pairing.pairer import Pairer
 
 STEP_NS = 10 ** 8
@@ -99,6 +99,23 @@ def test_readings_between_two_starts_count_as_lost_if_one_publisher_numbered_the
     assert ('20 gyro1 and 20 ins readings came after' in problem) == counted
     inside = found.total.count_between(int(STAMPS[0]), int(STAMPS[-1]))
     assert inside.lost('ts') == ({'on_the_way': 20} if counted else {})
+
+
+@pytest.mark.parametrize('publisher, before', [('a', 40), ('b', 160)])
+def test_what_came_before_a_successor_is_not_counted_twice(publisher, before):
+    """The first heard from number 41 to 100, the second from 121: of `a` the numbers say it."""
+    found = Incarnations()
+    for name, number, started_ns in (('a', 41, 1), (publisher, 121, 2)):
+        pairer = pairer_of(number - 1, number + 59)
+        pairer.ledger.lose(LedgerKey.TS_LOST_BEFORE_START, STAMPS[[number - 1]] - 1,
+                           np.array([number - 1]))
+        found.take(pairer.ledger, True, started_ns, dict.fromkeys(
+            ('ts', 'rs'), StreamNumbers(name, number, name, number + 59)))
+    lost = found.total.total.lost('ts')
+    assert lost['before_start'] == before
+    assert lost.get('on_the_way') == (20 if publisher == 'a' else None)
+    assert 'before_start' not in found.total.count_between(
+        int(STAMPS[40]), int(STAMPS[99])).lost('ts')
 
 
 def test_readings_that_waited_and_were_taken_again_count_once():

@@ -32,6 +32,23 @@ def test_every_setting_becomes_a_described_read_only_parameter(ros):
         assert node.get_parameter(rule.name).value == ('none' if value is None else value)
 
 
+@pytest.mark.parametrize('name, kind, lo, hi', [
+    ('window_s', 'floating_point_range', 1.0, None), ('runs.keep', 'integer_range', 1, None),
+    ('ts_topic', None, None, None), ('sequential.plan_s', None, None, None)])
+def test_a_number_has_its_range_and_every_parameter_says_when_it_is_read(ros, name, kind, lo, hi):
+    node = node_with(ros, {})
+    declare(node, Settings)
+    rule, = (one for one in list_settings(Settings) if one.name == name)
+    descriptor = node.describe_parameter(name)
+    assert 'read when the node starts' in descriptor.additional_constraints
+    for field in ('floating_point_range', 'integer_range'):
+        ranges = getattr(descriptor, field)
+        assert len(ranges) == (field == kind)
+        if field == kind:
+            assert ranges[0].from_value == rule.lo
+            assert ranges[0].to_value >= (rule.hi or rule.lo)
+
+
 def test_an_integer_is_taken_for_a_real(ros):
     node = node_with(ros, {'norms.sigma_max_deg': 1})
     settings, = declare(node, Settings)

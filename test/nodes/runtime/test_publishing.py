@@ -7,6 +7,7 @@ from __future__ import annotations
 import time
 
 from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import TwistStamped
 import pytest
 from rclpy.node import Node
 from sensor_msgs.msg import Imu
@@ -203,3 +204,54 @@ def test_a_subscriber_that_is_back_gets_time_to_take_what_it_has_missed(ros, sta
     for passed_s, done in ((0.0, False), (9.0, False), (10.1, True)):
         pass_a_tick(monkeypatch, back_s + passed_s)
         assert audience.has_heard([publisher]) is done
+
+
+def audience_of(ros, **kwargs):
+    """Return an audience of the topic `h`, and its node."""
+    node = ros.add(Node, 'sender')
+    publisher = node.create_publisher(Imu, 'h', qos.HEADINGS_OUT)
+    return Audience(node, [publisher], 1, Health(node), **kwargs)
+
+
+def hear(node, topic='h'):
+    """Let a node hear a topic."""
+    node.create_subscription(Imu, topic, lambda _: None, qos.HEADINGS_IN)
+
+
+def test_a_recorder_does_not_stand_in_for_the_synchronizer(ros):
+    """A replay beside a recorder lost 17 s: the first subscriber was not the one that judges."""
+    audience = audience_of(ros, judged={'h': ['pairs']})
+    judge = ros.add(Node, 'synchronizer')
+    judge.create_publisher(TwistStamped, 'pairs', qos.PAIRS)
+    hear(ros.add(Node, 'recorder'))
+    ros.spin_until(lambda: not audience.is_there() and audience.waiting == (
+        'waiting for /synchronizer to subscribe to /h'))
+    hear(judge)
+    ros.spin_until(audience.is_there)
+    assert audience.waiting == ''
+
+
+def test_where_nobody_judges_any_subscriber_will_do(ros):
+    audience = audience_of(ros, judged={'h': ['pairs']})
+    hear(ros.add(Node, 'recorder'))
+    ros.spin_until(audience.is_there)
+
+
+def test_one_that_judges_other_topics_is_not_waited_for_without_end(ros, monkeypatch):
+    audience = audience_of(ros, judged={'h': ['pairs']})
+    ros.add(Node, 'synchronizer').create_publisher(TwistStamped, 'pairs', qos.PAIRS)
+    hear(ros.add(Node, 'recorder'))
+    ros.spin_until(lambda: 'synchronizer' in audience.waiting or audience.is_there())
+    assert not audience.is_there()
+    now_s = time.monotonic()
+    monkeypatch.setattr(publishing.time, 'monotonic', lambda: now_s + 16.0)
+    assert audience.is_there()
+
+
+def test_a_patience_ends_the_wait_for_any_subscriber(ros):
+    heard = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    audience = audience_of(ros, patience_s=0.3)
+    assert not audience.is_there()
+    ros.spin_until(audience.is_there)
+    ros.spin_until(lambda: any('going on without; waiting for a subscriber of /h' in s.message
+                               for m in heard for s in m.status))

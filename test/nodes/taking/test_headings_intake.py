@@ -27,7 +27,8 @@ class Streams:
         self.ros, self.lost = ros, []
         self.node = ros.add(Node, 'taker')
         self.intake = HeadingsIntake(
-            self.node, Health(self.node), Taking(), {'one': ('a', 'enu'), 'two': ('b', 'enu')},
+            self.node, Health(self.node), Taking(),
+            {'one': ('a', 'enu', None), 'two': ('b', 'enu', None)},
             lambda name, lost_as, losses: self.lost.append(
                 (name, lost_as, int(losses.count.sum()))))
         self.publishers = {name: ros.plain.create_publisher(Imu, topic, qos.HEADINGS_OUT)

@@ -413,3 +413,89 @@ def test_messages_that_could_not_be_read_are_counted_with_the_last_reason(ros):
     ros.spin_until(lambda: state(heard, 'refused'))
     assert intake.refused == 2
     assert state(heard, 'refused') == (WARN, '2 messages refused: no CDR')
+
+
+def grown_up(intake):
+    """Let an intake be there for so long that it has seen who was there before it."""
+    intake._begun_s -= 60.0
+    return intake
+
+
+def count_before(intake):
+    """Return how many messages the intake says it did not hear at the start."""
+    return int(intake.take_before().count.sum())
+
+
+def test_a_player_that_waits_for_nobody_is_heard_from_its_first_message(ros):
+    """`ros2 bag play` at 20 times lost 22 s: it sends before its subscriptions are made."""
+    intake, _ = intake_of(ros, unreliable=qos.HEADINGS_UNRELIABLE, kept=qos.HEADINGS_KEPT)
+    grown_up(intake)
+    publisher = ros.plain.create_publisher(Imu, 'h', qos.HEADINGS_OUT)
+    for message in headings(0, 220):
+        publisher.publish(message)
+    assert seconds(take(ros, intake, 220)) == [*range(220)]
+    assert (intake.lost, count_before(intake), intake.resubscribed) == (0, 0, 0)
+
+
+@pytest.mark.parametrize('old, profile', [(True, qos.HEADINGS_OUT), (False, QoSProfile(depth=50)),
+                                          (False, qos.HEADINGS_UNRELIABLE)],
+                         ids=['there before', 'keeps none', 'best effort'])
+def test_what_was_sent_too_early_is_counted(ros, old, profile):
+    intake, heard = intake_of(ros, unreliable=qos.HEADINGS_UNRELIABLE, kept=qos.HEADINGS_KEPT)
+    if not old:
+        grown_up(intake)
+    publisher = ros.plain.create_publisher(Imu, 'h', profile)
+    for message in headings(0, 220):
+        publisher.publish(message)
+    ros.spin_until(lambda: intake.take() == [] and publisher.get_subscription_count() == 1)
+    publisher.publish(headings(220, 221)[0])
+    assert seconds(take(ros, intake, 1)) == [220]
+    assert (intake.lost, count_before(intake), count_before(intake)) == (0, 220, 0)
+    ros.spin_until(lambda: any(value.key == 'before_start' and value.value == '220'
+                               for m in heard for s in m.status for value in s.values))
+
+
+@pytest.mark.parametrize('profile', [qos.HEADINGS_OUT, QoSProfile(depth=5000),
+                                     qos.HEADINGS_UNRELIABLE],
+                         ids=['kept', 'not kept', 'best effort'])
+def test_where_the_type_is_known_the_subscription_waits_for_any_publisher(ros, profile):
+    intake, _ = intake_of(ros, unreliable=qos.HEADINGS_UNRELIABLE, kept=qos.HEADINGS_KEPT,
+                          known_type=IMU)
+    grown_up(intake)
+    assert intake.take() == [] and reliability(ros) == [ReliabilityPolicy.BEST_EFFORT]
+    publisher = ros.plain.create_publisher(Imu, 'h', profile)
+    # Within one process the two know each other by then.
+    ros.spin_until(publisher.get_subscription_count)
+    for message in headings(0, 100):
+        publisher.publish(message)
+    assert seconds(take(ros, intake, 100)) == [*range(100)]
+    for message in headings(100, 120):
+        publisher.publish(message)
+    assert seconds(take(ros, intake, 20)) == [*range(100, 120)]
+    # One as good as the publisher has taken over.
+    ros.spin_until(lambda: intake.look() == '' and intake.take() == []
+                   and reliability(ros) == [profile.reliability])
+    assert (intake.lost, count_before(intake)) == (0, 0)
+
+
+def test_where_the_type_is_known_a_second_best_effort_player_is_waited_for_too(ros):
+    intake, _ = intake_of(ros, unreliable=qos.HEADINGS_UNRELIABLE, kept=qos.HEADINGS_KEPT,
+                          known_type=IMU)
+    grown_up(intake).take()
+    for first in (0, 100):
+        publisher = ros.plain.create_publisher(Imu, 'h', qos.HEADINGS_UNRELIABLE)
+        ros.spin_until(publisher.get_subscription_count)
+        for message in headings(first, first + 50):
+            publisher.publish(message)
+        assert seconds(take(ros, intake, 50)) == [*range(first, first + 50)]
+        ros.plain.destroy_publisher(publisher)
+        ros.spin_until(lambda: intake.look() == '' and not intake.publishers)
+    assert reliability(ros) == [ReliabilityPolicy.BEST_EFFORT]
+
+
+def test_a_publisher_of_another_type_than_the_known_one_is_named(ros):
+    intake, heard = intake_of(ros, unreliable=qos.HEADINGS_UNRELIABLE, known_type=IMU)
+    ros.add(Node, 'other').create_publisher(QuaternionStamped, 'h', qos.HEADINGS_OUT)
+    ros.spin_until(lambda: state(heard, 'has the type'))
+    assert state(heard, 'has the type') == (
+        ERROR, 'h has the type geometry_msgs/msg/QuaternionStamped; must be sensor_msgs/msg/Imu')

@@ -1,0 +1,59 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""
+A player of bags that waits for nobody, as `ros2 bag play`: a process that knows only rclpy.
+
+    python plain_player.py await PAIRS_SUBSCRIBERS
+    python plain_player.py play BAG RATE kept|volatile|best_effort TOPIC...
+
+The first form ends when a synchronizer runs that has done with looking who is there.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+
+import rclpy
+from rclpy.duration import Duration
+from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.messages.ledger_messages import decode_ledger
+from heading_intercompare.nodes.ros.message_types import HEADING_TYPES, STATUS_TYPES
+
+QOS = {'kept': QoSProfile(depth=5000, durability=DurabilityPolicy.TRANSIENT_LOCAL),
+       'volatile': QoSProfile(depth=5000),
+       'best_effort': QoSProfile(depth=5000, reliability=ReliabilityPolicy.BEST_EFFORT)}
+AGE_NS = 4_000_000_000
+
+
+def play(node, bag, rate, kind, *topics):
+    """Publish the messages of some topics at once, and then at their times."""
+    reader = BagReader(bag)
+    publishers = {topic: node.create_publisher(
+        HEADING_TYPES[reader.topics[topic].type_name], topic, QOS[kind]) for topic in topics}
+    began_s, first_ns = time.monotonic(), reader.start_ns
+    for message in reader.messages(list(topics)):
+        due_s = began_s + (message.log_time_ns - first_ns) / 1e9 / float(rate)
+        time.sleep(max(0.0, due_s - time.monotonic()))
+        publishers[message.topic].publish(message.data)
+    # As with --wait-for-all-acked: the end is to arrive, whatever else the machine does.
+    for publisher in publishers.values():
+        publisher.wait_for_all_acked(Duration(seconds=60))
+
+
+def await_graph(node, subscribers):
+    """Wait until a synchronizer is old enough and its pairs have their subscribers."""
+    told = []
+    node.create_subscription(STATUS_TYPES['diagnostic_msgs/msg/DiagnosticArray'], 'pairs/ledger',
+                             told.append, 10, raw=True)
+    while not (told and time.time_ns() - decode_ledger(told[-1]).started_ns > AGE_NS
+               and node.count_subscribers('pairs') >= int(subscribers)):
+        rclpy.spin_once(node, timeout_sec=0.1)
+
+
+if __name__ == '__main__':
+    rclpy.init()
+    {'play': play, 'await': await_graph}[sys.argv[1]](
+        rclpy.create_node('plain_player'), *sys.argv[2:])

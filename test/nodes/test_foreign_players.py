@@ -1,0 +1,86 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""A bag played into a running graph by a program that waits for nobody, at 20 times its speed."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+import signal
+import subprocess
+import sys
+
+from nodes import plain_player
+from nodes.graph_checks import assert_same
+from nodes.launch_files import make_environment, nodes
+from nodes.processes import Processes
+from nodes.ros_nodes import NORMS
+import numpy as np
+import pytest
+from ros_domain import DOMAIN
+import yaml
+
+from heading_intercompare import Headings, judge_bags, Settings
+from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.messages.heading_messages import encode_imu, IMU
+
+pytestmark = [pytest.mark.process, pytest.mark.slow]
+
+N = 1200
+
+
+@pytest.fixture
+def processes(tmp_path):
+    """Return the processes of a test."""
+    made = Processes(tmp_path)
+    yield made
+    made.reap()
+
+
+def write_bag(path):
+    """Write two minutes of two sensors at 10 Hz, without the numbers of their publishers."""
+    rng = np.random.default_rng(17)
+    stamps = 1_700_000_000_000_000_000 + np.arange(N) * 10 ** 8
+    with BagWriter(path) as bag:
+        for topic in ('/ts/heading', '/rs/heading'):
+            bag.add_topic(topic, IMU)
+            headings = Headings.of(stamps, 90.0 + 0.1 * rng.standard_normal(N))
+            bag.write_rows([Rows(topic, encode_imu(headings, 'x'), stamps)])
+    return path
+
+
+def run_player(*arguments):
+    """Run the plain player as a process, and wait for its end."""
+    subprocess.run([sys.executable, plain_player.__file__, *map(str, arguments)], check=True,
+                   env=make_environment(DOMAIN, 'UDPv4'), timeout=240.0)
+
+
+@pytest.mark.parametrize('kind, given', [
+    ('kept', {}), ('volatile', {}), ('best_effort', {}),
+    ('volatile', {'ts_message_type': IMU, 'rs_message_type': IMU})])
+def test_a_bag_played_into_a_running_graph_is_paired_whole_or_what_is_missing_is_counted(
+        processes, tmp_path, kind, given):
+    """The graph has been there for a while. Of 3120 pairs 110 were missing without a word."""
+    config, reports = tmp_path / 'config.yaml', tmp_path / 'reports'
+    config.write_text(yaml.dump({
+        '/**': {'ros__parameters': NORMS},
+        **{name: {'ros__parameters': dict(given)}
+           for name in ('synchronizer', 'recorder') if given}}))
+    for node in nodes('intercompare.launch.py', config=str(config), drivers='false',
+                      output=str(tmp_path / 'bag'), report_dir=str(reports)):
+        processes.start(node)
+    run_player('await', 2)
+    run_player('play', write_bag(tmp_path / 'played'), 20, kind, '/ts/heading', '/rs/heading')
+    processes.signal(signal.SIGINT)
+    processes.wait('synchronizer', 'compliance', 'recorder', timeout_s=60.0)
+    written, = Path(reports).iterdir()
+    report = json.loads(written.read_text('utf-8'))
+    pairing = report['runs'][0]['pairing']
+    for stream in ('ts', 'rs'):
+        lost = pairing['lost'][stream]
+        assert pairing[f'{stream}_received'] + sum(lost.values()) == N
+        # Until the middleware has connected the two, a player that keeps nothing is not heard.
+        assert not lost or (kind != 'kept' and [*lost] == ['before_start'])
+    if kind == 'kept':
+        assert_same(report, judge_bags([tmp_path / 'bag'], Settings.from_mapping(
+            NORMS)).verdict.to_dict())
