@@ -302,7 +302,8 @@ def test_headings_that_the_synchronizer_had_before_the_recorder_are_counted(ros,
         DiagnosticArray))
     ros.spin_until(lambda: node.written == 21)
     said = finish(ros, node, ledgers, sensor).metadata()['recording']
-    assert said['lost_on_the_way./ts/heading'] == '7'
+    assert said['missed_at_first./ts/heading'] == '7'
+    assert said['lost_on_the_way./ts/heading'] == '0'
 
 
 def test_pairs_are_heard_only_once_the_headings_are(ros, tmp_path, monkeypatch):

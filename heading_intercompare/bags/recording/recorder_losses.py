@@ -20,11 +20,16 @@ RECORDING = 'recording'
 
 
 class Counts(NamedTuple):
-    """Messages of a topic: those received, lost before they arrived, and not written."""
+    """
+    Messages of a topic.
+
+    Those received, lost before they arrived, not written, and judged before the first one came.
+    """
 
     received: int
     lost_on_the_way: int
     not_written: int
+    missed_at_first: int = 0
 
 
 def loss_record(faults: int, absent: int, topics: Mapping[str, Counts]) -> dict[str, int]:
@@ -66,9 +71,10 @@ def tell_missing(record: Mapping[str, object]) -> str:
 
 def loss_words(record: Mapping[str, object]) -> str:
     """Return, in words, the messages missing from the bag, also those that never arrived."""
-    on_the_way = _total(record, 'lost_on_the_way')
-    said = f'{count_words(on_the_way, "message")} lost on the way' if on_the_way else ''
-    return ', '.join(filter(None, (tell_missing(record), said)))
+    parts = ((_total(record, 'lost_on_the_way'), 'lost on the way'),
+             (_total(record, 'missed_at_first'), 'judged before the first one came'))
+    said = (f'{count_words(count, "message")} {what}' for count, what in parts if count)
+    return ', '.join(filter(None, (tell_missing(record), *said)))
 
 
 def bag_state(bag: Recording, path: str) -> tuple[int, str]:

@@ -101,11 +101,11 @@ class Recorded(NamedTuple):
     def lost(self) -> int:
         """Messages that did not arrive, also those after the last one that did."""
         if self.intake.before:
-            return self.intake.lost + self._missed_at_first
+            return self.intake.lost
         return max(self.intake.lost, self.count_published() - self.intake.received)
 
     @property
-    def _missed_at_first(self) -> int:
+    def missed_at_first(self) -> int:
         """Messages that somebody took before the first one that came here."""
         first, judged = self.intake.numbers.first, self.first_judged
         return max(0, first - judged) if first and judged else 0
@@ -267,7 +267,7 @@ def count_messages(topics: Mapping[str, Recorded], not_written: Mapping[str, int
     """Return the counts of messages received and lost, by full name of their topic."""
     return {one.intake.full_name: Counts(
         one.intake.received - left_out.get(one.intake.full_name, 0), one.lost,
-        not_written.get(one.intake.full_name, 0))
+        not_written.get(one.intake.full_name, 0), one.missed_at_first)
         for one in topics.values()
         if one.expected or (one.intake.received and one.intake.counted)}
 

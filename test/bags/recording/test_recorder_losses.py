@@ -15,15 +15,17 @@ from heading_intercompare.bags.recording.recorder_losses import (
 def test_a_recording_without_losses_says_nothing():
     record = loss_record(3, 0, {'/ts/heading': Counts(10, 0, 0)})
     assert record == {'faults': 3, 'absent': 0, 'received./ts/heading': 10,
-                      'lost_on_the_way./ts/heading': 0, 'not_written./ts/heading': 0}
+                      'lost_on_the_way./ts/heading': 0, 'not_written./ts/heading': 0,
+                      'missed_at_first./ts/heading': 0}
     assert tell_missing(record) == loss_words(record) == ''
 
 
 def test_losses_of_all_topics_are_added():
-    record = loss_record(1, 1, {'/a': Counts(10, 2, 3), '/b': Counts(10, 4, 5)})
+    record = loss_record(1, 1, {'/a': Counts(10, 2, 3), '/b': Counts(10, 4, 5, 7)})
     there = '8 messages received but not written, 1 message in files that were removed or moved'
     assert tell_missing(record) == there
-    assert loss_words(record) == f'{there}, 6 messages lost on the way'
+    assert loss_words(record) == (f'{there}, 6 messages lost on the way, 7 messages judged before '
+                                  'the first one came')
 
 
 def test_a_record_of_somebody_else_is_understood_as_far_as_it_is_one():
