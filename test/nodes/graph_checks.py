@@ -41,7 +41,7 @@ def offline(path, **settings):
 
 
 def assert_same(a, b, path=''):
-    """Equal words and integers; reals to 1e-12 relative."""
+    """Equal words and integers; reals to 1e-12 relative or 1e-14."""
     if isinstance(a, dict):
         assert a.keys() == b.keys(), path
         for key in a:
@@ -52,6 +52,6 @@ def assert_same(a, b, path=''):
         for at, (x, y) in enumerate(zip(a, b)):
             assert_same(x, y, f'{path}[{at}]')
     elif isinstance(a, float) and isinstance(b, float):
-        assert math.isclose(a, b, rel_tol=1e-12, abs_tol=1e-15), f'{path}: {a!r} {b!r}'
+        assert math.isclose(a, b, rel_tol=1e-12, abs_tol=1e-14), f'{path}: {a!r} {b!r}'
     else:
         assert a == b, path

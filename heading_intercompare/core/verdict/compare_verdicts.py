@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whether two verdicts are the same: equal integers and words, reals to 1e-12 relative."""
+"""Whether two verdicts are the same: equal integers and words, reals to 1e-12 relative or 1e-14."""
 
 from __future__ import annotations
 
@@ -13,6 +13,8 @@ from .verdict_document import Verdict
 __all__ = ['compare_plain', 'drop_sources', 'find_differences']
 
 _REL = 1e-12
+#: The end of an interval may be a small difference of larger figures.
+_ABS = 1e-14
 
 
 def find_differences(a: Verdict, b: Verdict) -> Iterator[str]:
@@ -43,7 +45,7 @@ def compare_plain(a: Any, b: Any, path: str = '') -> Iterator[str]:
         for at, (x, y) in enumerate(zip(a, b)):
             yield from compare_plain(x, y, f'{path}[{at}]')
     elif isinstance(a, float) and isinstance(b, float):
-        if not math.isclose(a, b, rel_tol=_REL, abs_tol=1e-15):
+        if not math.isclose(a, b, rel_tol=_REL, abs_tol=_ABS):
             yield f'{path}: {a!r} and {b!r}'
     elif a != b:
         yield f'{path}: {a!r} and {b!r}'
