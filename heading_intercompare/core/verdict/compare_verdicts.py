@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Whether two verdicts are the same: equal integers and words, reals to 1e-12 relative or 1e-14."""
+"""Whether two verdicts are the same: equal integers and words, reals to 1e-12 relative."""
 
 from __future__ import annotations
 
