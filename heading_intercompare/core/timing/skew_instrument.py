@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,9 +18,6 @@ from .heading_track import Track
 
 __all__ = ['common_tracks', 'Fit', 'HALF_SPAN_S', 'Instrument', 'LEAST_PAIRS', 'LEAST_STRENGTH',
            'Tracks']
-
-Tracks = tuple[Track, Track]
-"""TS and RS on common times."""
 
 _BLOCK_S = 0.1
 """Longest block that pairs are averaged over, seconds."""
@@ -33,6 +31,13 @@ LEAST_STRENGTH = 10.0
 
 LEAST_PAIRS = 64
 """Fewest pairs that show a skew."""
+
+
+class Tracks(NamedTuple):
+    """TS and RS on common times."""
+
+    ts: Track
+    rs: Track
 
 
 def common_tracks(stamps: np.ndarray, x: np.ndarray, rs_deg: np.ndarray,
@@ -67,7 +72,7 @@ def common_tracks(stamps: np.ndarray, x: np.ndarray, rs_deg: np.ndarray,
     ts.heading_deg, rs.heading_deg = average(unwrap_deg(x)), average(unwrap_deg(rs_deg))
     ts.heading_deg += rs.heading_deg
     ts.t_s = rs.t_s = average((stamps - int(stamps[0])) / 1e9)
-    return ts, rs
+    return Tracks(ts, rs)
 
 
 @dataclass(frozen=True, slots=True)
