@@ -24,9 +24,9 @@ INSTALLED := setup.py setup.cfg pyproject.toml heading_intercompare/core/version
 PYTHON312 := $(shell for p in python3.12 "$$(pyenv prefix 3.12 2>/dev/null)/bin/python3.12"; do \
 	"$$p" -c 'import ensurepip, venv' 2>/dev/null && command -v "$$p" && break; done)
 
-# For two cores: two workers for the tests that run graphs, which mostly wait, and two that yield to
+# For two cores: two workers for the tests that run graphs, which mostly wait, and one that yields to
 # them (conftest.py).
-WORKERS ?= 4
+WORKERS ?= 3
 TESTS := -m pytest --numprocesses $(WORKERS) --dist loadgroup --no-loadscope-reorder
 SITE := $(BIN)/python -m sphinx --fail-on-warning --keep-going -q -b html docs docs/_build
 TABLES := A B E cells gaps drift rates runs means looks short

@@ -78,17 +78,27 @@ def _correlation(e: np.ndarray, m: int) -> np.ndarray:
     if power == 0.0:
         return np.concatenate(([1.0], np.zeros(m)))
     step = min(e.size, max(_LONG * m, _SEGMENT))
-    size = scipy.fft.next_fast_len(step + m, real=True)
-    spectrum = np.zeros(size // 2 + 1)
-    for lo in range(0, e.size, step):
-        part = scipy.fft.rfft(e[lo:lo + step], size)
-        spectrum += part.real ** 2 + part.imag ** 2
-    r: Reals = scipy.fft.irfft(spectrum, size)[:m + 1]
+    r = _within_segments(e, m, step)
     if step < e.size and m:
         r[1:] += _cross_boundaries(e, m, range(step, e.size, step))
     r /= power
     r[0] = 1.0
     return r
+
+
+def _within_segments(e: np.ndarray, m: int, step: int) -> np.ndarray:
+    """Return the sums of products, at lags 0 to m, of samples of the same segment."""
+    size = scipy.fft.next_fast_len(step + m, real=True)
+    spectrum = np.zeros(size // 2 + 1)
+    for lo in range(0, e.size, step):
+        squares = scipy.fft.rfft(e[lo:lo + step], size).view(np.float64)
+        squares *= squares
+        spectrum += squares[::2]
+        spectrum += squares[1::2]
+        del squares
+    sums: Reals = scipy.fft.irfft(spectrum, size)
+    # Not a view, which would keep all of them.
+    return sums[:m + 1].copy()
 
 
 def _cross_boundaries(e: np.ndarray, m: int, boundaries: range) -> np.ndarray:
