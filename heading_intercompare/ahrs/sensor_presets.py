@@ -28,7 +28,7 @@ _SENSORS = {
 }
 """Error terms added to the heading: satellite compasses with bases of 2 m, 0.5 m and 5 m, one of
 2 m between cranes and bridges, and strapdown gyros. An AHRS has none, because its errors come from
-the model. docs/ahrs.md says which data sheets give such figures."""
+the model. docs/ahrs.md says where the figures come from."""
 
 _OWN_FIRST = ('markov_tau_s', 'outage_every_s', 'outage_s')
 

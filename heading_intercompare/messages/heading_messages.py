@@ -30,7 +30,7 @@ from .byte_columns import (
     stamped_rows,
 )
 from .errors import MessageError
-from .stamps import TIME_LIMIT_NS
+from .stamps import fits_message
 
 __all__ = ['decode_headings', 'decode_pairs', 'encode_imu', 'encode_pairs', 'HEADING_TYPES',
            'imu_messages', 'IMU', 'pair_messages', 'PAIRS_TYPE', 'read_headings', 'read_pairs']
@@ -108,7 +108,7 @@ def imu_messages(headings: Headings, frame_id: str, *, sigma_deg: ArrayLike = 0.
 
     Readings with a stamp before 1970 or beyond the range of a message are skipped.
     """
-    fits = (headings.stamp_ns >= 0) & (headings.stamp_ns < TIME_LIMIT_NS)
+    fits = fits_message(headings.stamp_ns)
     if not fits.all():
         sigma_deg = np.broadcast_to(sigma_deg, fits.shape)[fits]
         if turn_rate_deg_s is not None:

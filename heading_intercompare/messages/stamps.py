@@ -7,10 +7,12 @@ from __future__ import annotations
 import struct
 from typing import Mapping
 
+import numpy as np
+
 from .cdr import encode
 
-__all__ = ['CLOCK_TYPE', 'encode_clock', 'header_frame', 'header_stamp_ns', 'stamp_fields',
-           'stamp_ns', 'TIME_LIMIT_NS']
+__all__ = ['CLOCK_TYPE', 'encode_clock', 'fits_message', 'header_frame', 'header_stamp_ns',
+           'stamp_fields', 'stamp_ns', 'TIME_LIMIT_NS']
 
 CLOCK_TYPE = 'rosgraph_msgs/msg/Clock'
 
@@ -18,6 +20,11 @@ TIME_LIMIT_NS = 2 ** 31 * 1_000_000_000
 """Stamps of ROS messages are below this (January 2038)."""
 
 _SECOND_NS = 1_000_000_000
+
+
+def fits_message(stamps_ns: np.ndarray) -> np.ndarray:
+    """Tell which stamps a message can hold: from 1970 to January 2038."""
+    return (stamps_ns >= 0) & (stamps_ns < TIME_LIMIT_NS)
 
 
 def stamp_ns(fields: Mapping[str, int]) -> int:

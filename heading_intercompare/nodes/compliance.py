@@ -126,7 +126,8 @@ class Compliance(Node):
         """Set a mark after the newest pair; pairs up to it belong to the run before."""
         self._drain()
         did = explain_mark(kind, self._compliance.keep().cutter)
-        self._mark([(kind, stamp_ns := self._compliance.newest_ns or 0)])
+        stamp_ns = self._compliance.newest_ns or 0
+        self._mark([(kind, stamp_ns)])
         self._marker.publish(encode_mark(kind, stamp_ns))
         response.success, response.message = True, f'{kind} after the pair of {stamp_ns} ns: {did}'
         self._reporting.look(self._pairs.last_sequence)

@@ -62,17 +62,22 @@ def verdict_of(arguments, capsys):
     return code, json.loads(capsys.readouterr().out), screen.splitlines()[0]
 
 
+def sail(tmp_path, capsys, ts, rs, motion_hz):
+    """Simulate the ship; return what `verdict_of` does."""
+    scenario = tmp_path / 'ship.yaml'
+    scenario.write_text(SHIP.format(ts=ts, rs=rs, motion_hz=motion_hz), encoding='utf-8')
+    assert main(['simulate', '--scenario', str(scenario), '-o', str(tmp_path / 'bag'),
+                 '--quiet']) == 0
+    capsys.readouterr()
+    return verdict_of([tmp_path / 'bag'], capsys)
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize('name', SIMULATED)
 def test_a_simulated_trial_gets_outcome_reason_and_words(name, tmp_path, capsys):
     ts, rs, expected_code, outcome, reason, words = SIMULATED[name]
-    scenario = tmp_path / 'ship.yaml'
     # The motion would name most of these errors first.
-    scenario.write_text(SHIP.format(ts=ts, rs=rs, motion_hz=0), encoding='utf-8')
-    assert main(['simulate', '--scenario', str(scenario), '-o', str(tmp_path / 'bag'),
-                 '--quiet']) == 0
-    capsys.readouterr()
-    code, verdict, line = verdict_of([tmp_path / 'bag'], capsys)
+    code, verdict, line = sail(tmp_path, capsys, ts, rs, motion_hz=0)
     (run,) = verdict['runs']
     assert (verdict['outcome'], run['reason']) == (outcome, reason)
     assert words in line and line == f'VERDICT: {verdict["headline"]}'
@@ -86,12 +91,7 @@ def test_a_simulated_trial_gets_outcome_reason_and_words(name, tmp_path, capsys)
     ('', ', offset_deg: 120', 'the RS points 120 deg off the course over ground')])
 def test_the_motion_of_the_simulated_ship_names_the_sensor_that_is_wrong(
         ts, rs, words, tmp_path, capsys):
-    scenario = tmp_path / 'ship.yaml'
-    scenario.write_text(SHIP.format(ts=ts, rs=rs, motion_hz=1), encoding='utf-8')
-    assert main(['simulate', '--scenario', str(scenario), '-o', str(tmp_path / 'bag'),
-                 '--quiet']) == 0
-    capsys.readouterr()
-    code, verdict, line = verdict_of([tmp_path / 'bag'], capsys)
+    code, verdict, line = sail(tmp_path, capsys, ts, rs, motion_hz=1)
     assert (code, verdict['runs'][0]['reason']) == (3, 'void.motion')
     assert words in line
 

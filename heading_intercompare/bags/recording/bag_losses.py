@@ -8,7 +8,7 @@ from collections import Counter
 from typing import Callable, Mapping
 
 from heading_intercompare.bags.checked_text import decimal
-from heading_intercompare.bags.rosbag2.provenance import CONTINUES, RECORD
+from heading_intercompare.bags.rosbag2.provenance import read_continues
 from heading_intercompare.bags.rosbag2.readable import Readable
 from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.records import Losses
@@ -46,8 +46,7 @@ class BagLosses:
     def take(self, topic: str, lost_as: str, losses: Losses) -> None:
         """Take what the numbers of a publisher say is missing of a topic, as one of `LOST_AS`."""
         key = LedgerKey.of_told(self._streams[topic], lost_as)
-        if key.lost == 'before_start' and (
-                self._goes_on or self._reader.metadata().get(RECORD, {}).get(CONTINUES)):
+        if key.lost == 'before_start' and (self._goes_on or read_continues(self._reader)):
             return
         if key.lost == 'on_the_way':
             self._by_numbers[topic] += int(losses.count.sum())

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from .readable import Readable
 
 __all__ = ['CONTINUES', 'describe_origin', 'is_note', 'Note', 'note_lines', 'NOTE_TOPIC', 'Notes',
-           'read_notes', 'read_texts', 'RECORD', 'REPORT_TOPIC',
+           'read_continues', 'read_notes', 'read_texts', 'RECORD', 'REPORT_TOPIC',
            'SENSORS_REPORT_TOPIC', 'TRUTH_TOPIC']
 
 CONTINUES = 'continues'
@@ -166,6 +166,11 @@ class Notes:
 def is_note(name: str) -> bool:
     """Tell from its name whether a metadata record is a note."""
     return name.startswith(_NOTE) and name[len(_NOTE):].isdigit()
+
+
+def read_continues(bag: Readable) -> str | None:
+    """Return the name of the bag before this one; None if there is none."""
+    return bag.metadata().get(RECORD, {}).get(CONTINUES)
 
 
 def read_texts(bag: Readable, topic: str) -> list[tuple[int, str]]:

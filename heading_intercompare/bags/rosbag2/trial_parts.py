@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import Sequence
 
 from .bag_reader import BagReader
-from .provenance import CONTINUES, RECORD
+from .provenance import read_continues
 
 __all__ = ['find_parts', 'find_place', 'name_first', 'name_next']
 
@@ -96,6 +96,6 @@ def _read_continues(path: str) -> str | None:
     if Path(path).suffix == '.csv':
         return None
     try:
-        return BagReader(path).metadata().get(RECORD, {}).get(CONTINUES)
+        return read_continues(BagReader(path))
     except (OSError, ValueError):
         return None

@@ -28,7 +28,7 @@ from heading_intercompare.core.settings import Settings
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.messages.heading_messages import encode_imu, IMU
 from heading_intercompare.messages.motion.motion_messages import encode_motion, MOTION_TYPES
-from heading_intercompare.messages.stamps import TIME_LIMIT_NS
+from heading_intercompare.messages.stamps import fits_message
 
 from .analyze import (
     add_antenna_arguments,
@@ -148,7 +148,7 @@ def _log_times(stamp_ns: Integers) -> Integers:
 
 def _that_fit(rows: _Rows) -> _Rows:
     """Return the rows whose stamps a message of ROS can hold."""
-    return rows[(rows.stamp_ns >= 0) & (rows.stamp_ns < TIME_LIMIT_NS)]
+    return rows[fits_message(rows.stamp_ns)]
 
 
 def _of_headings(topic: str, headings: Headings, frame_id: str) -> _Stream:

@@ -26,7 +26,7 @@ from heading_intercompare.messages.byte_columns import (
     split_rows,
     stamped_rows,
 )
-from heading_intercompare.messages.stamps import TIME_LIMIT_NS
+from heading_intercompare.messages.stamps import fits_message
 
 __all__ = ['decode_motion', 'encode_motion', 'FIX', 'FIX_TYPES', 'MOTION_TYPES',
            'PUBLISHED_TYPES', 'RATE_TYPES', 'read_motion_messages', 'read_told', 'split_motion',
@@ -102,7 +102,7 @@ def split_motion(motion: Motion, what: str, frame_id: str) -> list[bytes]:
 
     Rows with a stamp before 1970 or beyond the range of a message are skipped.
     """
-    rows = motion[(motion.stamp_ns >= 0) & (motion.stamp_ns < TIME_LIMIT_NS)]
+    rows = motion[fits_message(motion.stamp_ns)]
     return split_rows(encode_motion(rows, what, frame_id)) if len(rows) else []
 
 

@@ -14,7 +14,10 @@ from contextlib import contextmanager
 import os
 from typing import Iterator
 
-__all__ = ['is_alone', 'prefer_udp', 'RANGE', 'set_variable']
+__all__ = ['DISCOVERY_S', 'is_alone', 'prefer_udp', 'RANGE', 'set_variable']
+
+#: Processes on a busy computer have discovered each other this long after their start.
+DISCOVERY_S = 3.0
 
 #: How far a context looks for others.
 RANGE = 'ROS_AUTOMATIC_DISCOVERY_RANGE'

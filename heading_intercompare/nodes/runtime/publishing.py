@@ -12,13 +12,12 @@ from typing import Iterable, Mapping, Sequence
 from rclpy.duration import Duration
 from rclpy.node import Node
 from rclpy.publisher import Publisher
-from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from heading_intercompare.core.records import Headings
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 
 from .health import Health
-from .sole_node import SoleNode
+from .sole_node import name_node, SoleNode
 
 __all__ = ['Allowance', 'Audience', 'await_acknowledgement', 'Backlog', 'FlowControl',
            'HeadingQueue']
@@ -45,11 +44,6 @@ _ASKED_EVERY_S = 0.005
 
 # Less than a subscription holds; at 1 kHz four seconds.
 _WINDOW = 4000
-
-
-def _name_node(info: TopicEndpointInfo) -> str:
-    """Return the full name of the node of a publisher or subscription."""
-    return f'{info.node_namespace.rstrip("/")}/{info.node_name}'
 
 
 class Audience:
@@ -128,9 +122,9 @@ class Audience:
         """Say which nodes judge these topics and have not subscribed to them; '' if all have."""
         for publisher in self._publishers if self._wanted else ():
             topic = publisher.topic_name
-            judges = {_name_node(info) for judging in self._judged.get(topic, ())
+            judges = {name_node(info) for judging in self._judged.get(topic, ())
                       for info in self._node.get_publishers_info_by_topic(judging)}
-            heard_by = map(_name_node, self._node.get_subscriptions_info_by_topic(topic))
+            heard_by = map(name_node, self._node.get_subscriptions_info_by_topic(topic))
             if late := sorted(judges.difference(heard_by)):
                 return f'waiting for {" and ".join(late)} to subscribe to {topic}'
         return ''
@@ -142,14 +136,16 @@ class Audience:
         If one is missing, or does not acknowledge, it may have been cut off for a while. It gets
         time to come back and to take what it has missed.
         """
-        now_s = time.monotonic()
-        first = self._asked_s is None
-        if self._asked_s is None:
-            self._asked_s = now_s
-        missing = self._find_missing() if self._there else {}
-        heard = not missing and await_acknowledgement(publishers, _ARRIVAL_S if first else 0.0)
-        if first and (heard or not (self._there and self._wanted)):
+        if not (self._there and self._wanted):
+            await_acknowledgement(publishers)
             return True
+        now_s, missing = time.monotonic(), self._find_missing()
+        first = self._asked_s is None
+        heard = not missing and await_acknowledgement(publishers, _ARRIVAL_S if first else 0.0)
+        if self._asked_s is None:
+            if heard:
+                return True
+            self._asked_s = now_s
         self._whole_s = min(self._whole_s, now_s) if heard else math.inf
         done = now_s > self._whole_s + _CATCH_UP_S or now_s > self._asked_s + _RETURN_S
         words = self._describe(missing) or 'waiting until the last messages have arrived'
@@ -161,7 +157,7 @@ class Audience:
         """Return the topics that lack subscriptions, each with the number it has."""
         counts = {p.topic_name: p.get_subscription_count() for p in self._publishers}
         return {topic: n for topic, n in counts.items()
-                if self._wanted and n < self._wanted + self._further.get(topic, 0)}
+                if n < self._wanted + self._further.get(topic, 0)}
 
     def _describe(self, missing: Mapping[str, int]) -> str:
         """Say which topics lack subscribers, given the number that each one has."""

@@ -11,7 +11,7 @@ from rclpy.publisher import Publisher
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagMessage, BagReader
 from heading_intercompare.bags.rosbag2.motion_topics import find_motion_topics, motion_topics
-from heading_intercompare.bags.rosbag2.provenance import CONTINUES, RECORD
+from heading_intercompare.bags.rosbag2.provenance import read_continues
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
 from heading_intercompare.core.settings import MotionRule
 from heading_intercompare.messages.ledger_messages import encode_losses, lost_topic
@@ -115,7 +115,7 @@ class ReplayedLosses:
         self.topics = [*names, *self._told]
         self._keeps_numbers = reader.keeps_numbers()
         self._round = 0
-        self._whole = whole and not reader.metadata().get(RECORD, {}).get(CONTINUES)
+        self._whole = whole and not read_continues(reader)
         self._taken: dict[str, list[tuple[int, int]]] = {}
         self._numbering: dict[str, Numbering] = {}
 

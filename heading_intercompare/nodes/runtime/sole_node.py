@@ -10,6 +10,7 @@ from typing import Sequence
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 from rclpy.subscription import Subscription
+from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.core.utc_text import utc
@@ -18,20 +19,22 @@ from heading_intercompare.messages.status_messages import decode_statuses, ERROR
 from heading_intercompare.nodes.ros.parameters import resolve_topic
 from heading_intercompare.nodes.ros.qos import DIAGNOSTICS_IN
 from heading_intercompare.nodes.ros.steady_timer import every
-from heading_intercompare.nodes.ros.transports import is_alone
+from heading_intercompare.nodes.ros.transports import DISCOVERY_S, is_alone
 
 from .health import Health
 
-__all__ = ['SoleNode']
+__all__ = ['name_node', 'SoleNode']
 
 #: A node that hears another one gives way for this long after its start.
 _STARTING_S = 8.0
-#: Time of discovery between processes on a busy computer. Without it, the first headings of a
-#: driver would reach nobody, or mix with those of another one.
-_DISCOVERY_S = 3.0
 #: A live node says its state on /diagnostics every second.
 _PATIENCE_S = 3.2
 _LOOK_S = 0.1
+
+
+def name_node(info: TopicEndpointInfo) -> str:
+    """Return the full name of the node of a publisher or subscription."""
+    return f'{info.node_namespace.rstrip("/")}/{info.node_name}'
 
 
 class SoleNode:
@@ -61,8 +64,9 @@ class SoleNode:
         self._topics = [resolve_topic(node, topic) for topic in topics]
         self._own = node.get_fully_qualified_name()
         self._began_s = time.monotonic()
-        # Within one process, nodes know each other at once.
-        self._clear_s = self._began_s + (0.0 if is_alone() else _DISCOVERY_S)
+        # Within one process, nodes know each other at once. Otherwise the first headings of a
+        # driver would reach nobody, or mix with those of another one.
+        self._clear_s = self._began_s + (0.0 if is_alone() else DISCOVERY_S)
         self._others: dict[str, str] = {}
         self._subscription: Subscription | None = None
         self._heard_s = -_PATIENCE_S
@@ -83,7 +87,7 @@ class SoleNode:
         self._others = {}
         for topic in self._topics:
             if self._node.count_publishers(topic) > 1:
-                names = [f'{info.node_namespace.rstrip("/")}/{info.node_name}'
+                names = [name_node(info)
                          for info in self._node.get_publishers_info_by_topic(topic)]
                 if self._own in names:
                     names.remove(self._own)

@@ -25,6 +25,7 @@ from heading_intercompare.messages.stamps import header_stamp_ns
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 from heading_intercompare.nodes.ros.batches import Unwatched
 from heading_intercompare.nodes.ros.parameters import resolve_topic
+from heading_intercompare.nodes.ros.transports import DISCOVERY_S
 from heading_intercompare.nodes.runtime.health import Health
 
 from .reception import Message, number_of, Reception
@@ -34,8 +35,6 @@ __all__ = ['Intake']
 
 #: A publisher that was killed stays visible for its lease of 20 s.
 _LEASE_S = 30.0
-#: Publishers that were there before a node have been discovered this long after its start.
-_DISCOVERY_S = 3.0
 #: All that publishers keep was sent after this time.
 _EVER_NS = 1
 
@@ -243,7 +242,8 @@ class Intake:
         gids = [bytes(info.endpoint_gid).hex() for info in infos]
         newest = gids[0] if len(gids) == 1 else ''
         self._publishers = self._publishers[0] or newest, newest
-        if time.monotonic() < self._begun_s + _DISCOVERY_S:
+        # Later ones came when this node already looked for them.
+        if time.monotonic() < self._begun_s + DISCOVERY_S:
             self._there_before.update(gids)
         found = {info.topic_type for info in infos}
         good = [name for name in self._types if name in found]

@@ -38,7 +38,7 @@ from heading_intercompare.nodes.ros.message_types import (
     TRUTH_TYPES,
 )
 from heading_intercompare.nodes.ros.parameters import resolve_topic
-from heading_intercompare.nodes.ros.transports import is_alone
+from heading_intercompare.nodes.ros.transports import DISCOVERY_S, is_alone
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.settings import HeadingTypes, Taking
 
@@ -50,9 +50,8 @@ __all__ = ['ALARMS_TOPIC', 'count_messages', 'make_intakes', 'Recorded', 'report
 
 ALARMS_TOPIC = 'compliance/alarms'
 
-#: A publisher knows a new subscription, and a new node the publishers, within these times, unless
-#: the computer is very busy.
-_KNOWN_S, _FOUND_S = 1.0, 3.0
+#: A publisher knows a new subscription within this time, unless the computer is very busy.
+_KNOWN_S = 1.0
 
 
 class Recorded(NamedTuple):
@@ -165,7 +164,7 @@ class _Pairs(Intake):
                          first_wait_s=first_wait_s, **_keep(qos.PAIRS_TAKEN))
         self._headings = headings
         # Within one process, nodes know each other at once.
-        self._known_s, found_s = (0.0, 0.0) if is_alone() else (_KNOWN_S, _FOUND_S)
+        self._known_s, found_s = (0.0, 0.0) if is_alone() else (_KNOWN_S, DISCOVERY_S)
         self._found_s = time.monotonic() + found_s
         self._since_s: float | None = None
         self.open = False

@@ -172,13 +172,19 @@ def test_a_source_that_nobody_has_heard_waits_for_nobody_at_its_end(stage):
     assert audience.has_heard([publisher])
 
 
-def test_a_source_stays_for_a_subscriber_that_is_cut_off(ros, stage, monkeypatch):
-    """Before, it ended, and what it had published was gone with it."""
+def cut_off(ros, stage):
+    """Let a subscriber come and go; return the stage."""
     audience, publisher, subscribe = stage
     taker = subscribe()
     ros.spin_until(audience.is_there)
     ros.plain.destroy_subscription(taker)
     ros.spin_until(lambda: publisher.get_subscription_count() == 0)
+    return stage
+
+
+def test_a_source_stays_for_a_subscriber_that_is_cut_off(ros, stage, monkeypatch):
+    """Before, it ended, and what it had published was gone with it."""
+    audience, publisher, _ = cut_off(ros, stage)
     began_s = time.monotonic()
     shown = {}
     monkeypatch.setattr(audience._health, 'note', lambda part, level, words: shown.update(
@@ -192,11 +198,7 @@ def test_a_source_stays_for_a_subscriber_that_is_cut_off(ros, stage, monkeypatch
 
 
 def test_a_subscriber_that_is_back_gets_time_to_take_what_it_has_missed(ros, stage, monkeypatch):
-    audience, publisher, subscribe = stage
-    taker = subscribe()
-    ros.spin_until(audience.is_there)
-    ros.plain.destroy_subscription(taker)
-    ros.spin_until(lambda: publisher.get_subscription_count() == 0)
+    audience, publisher, subscribe = cut_off(ros, stage)
     assert not audience.has_heard([publisher])
     subscribe()
     ros.spin_until(lambda: publisher.get_subscription_count() == 1)
