@@ -558,7 +558,7 @@ def test_sensors_that_go_on_when_the_graph_ends_do_not_hold_it_up(processes, tmp
         processes.running[name].send_signal(signal.SIGINT)
     for name in names:
         assert processes.running[name].wait(30.0) == 0, (tmp_path / f'{name}.log').read_text()
-    assert time.monotonic() - began_s < 9.0, 'nobody waits for sensors that never end'
+    assert time.monotonic() - began_s < 20.0, 'nobody waits for sensors that never end'
     assert processes.running['sensors'].poll() is None
     if how == 'launch':
         report, = (tmp_path / 'reports').glob('verdict_*.json')

@@ -49,25 +49,25 @@ def test_a_log_is_not_begun_before_it_is_heard(ros, tmp_path):
 
 
 def test_a_log_is_played_at_its_own_pace_times_the_speed(ros, tmp_path):
-    node = ros.ours(NmeaDriver, source=log(tmp_path / 'gyro.log', 31), speed=5.0)
-    heard = ros.listen(Imu, 'ts/heading', qos.PAIRS_TAKEN)
-    ros.spin_until(lambda: heard)
+    """The log lasts 8 s."""
     began_s = time.monotonic()
+    node = ros.ours(NmeaDriver, source=log(tmp_path / 'gyro.log', 81), speed=10.0)
+    ros.listen(Imu, 'ts/heading', qos.PAIRS_TAKEN)
     ros.spin_until(lambda: node.done)
-    assert time.monotonic() - began_s == pytest.approx(0.6, abs=0.25)
+    assert 0.78 < time.monotonic() - began_s < 6.0
 
 
 def test_logs_that_begin_apart_are_played_in_step_from_one_origin(ros, tmp_path):
-    """The second log begins 1 s later: at twice the speed, half a second."""
+    """The second log begins 10 s later: at 20 times the speed, half a second."""
     early = log(tmp_path / 'a.log', 30)
     late = log(tmp_path / 'b.log', 10, '2014-08-01T00:01:')
     node = ros.ours(NmeaDriver, source=late, topic='rs/heading', speed=20.0)
     assert node.first_ns == 1406851260 * 10 ** 9
-    node.play_from(node.first_ns - 10 * 10 ** 9)
     heard = ros.listen(Imu, 'rs/heading', qos.PAIRS_TAKEN)
     began_s = time.monotonic()
+    node.play_from(node.first_ns - 10 * 10 ** 9)
     ros.spin_until(lambda: heard)
-    assert time.monotonic() - began_s == pytest.approx(0.5, abs=0.25)
+    assert 0.48 < time.monotonic() - began_s < 5.0
     other = ros.ours(NmeaDriver, name='other', source=early, origin_ns=node.first_ns, speed=0.0)
     assert other.first_ns == 1406851200 * 10 ** 9
 

@@ -144,7 +144,7 @@ def test_notes_given_at_the_start_and_while_recording_are_in_the_bag(ros, tmp_pa
     # Its publisher goes on, and is not waited for.
     began_s = time.monotonic()
     bag = finish(ros, node)
-    assert time.monotonic() - began_s < 3.0
+    assert time.monotonic() - began_s < 5.9
     early, ship, turn = read_notes(bag)
     assert early == (1406851500 * 10 ** 9, 'left port')
     assert ship.text == 'MV Example' and ship.stamp_ns < before_ns

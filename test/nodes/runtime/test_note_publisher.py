@@ -25,7 +25,7 @@ def test_a_note_that_nobody_hears_is_an_error():
     began_s = time.monotonic()
     with pytest.raises(SettingsError, match='nobody listens to operator/note'):
         publish_note('course change', patience_s=0.2)
-    assert time.monotonic() - began_s < 3.0
+    assert time.monotonic() - began_s < 4.9
 
 
 @pytest.mark.slow

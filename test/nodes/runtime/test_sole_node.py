@@ -69,8 +69,8 @@ def test_one_that_was_killed_holds_nobody_up_for_longer_than_it_takes_to_be_sure
     node = ros.ours(Compliance)
     assert not node.sole.clear
     began_s = time.monotonic()
-    ros.spin_until(lambda: node.sole.clear, 5.0)
-    assert time.monotonic() - began_s < 4.0
+    ros.spin_until(lambda: node.sole.clear, 15.0)
+    assert time.monotonic() - began_s < 12.0
     spin_for(ros, 3.5)
 
 
