@@ -67,7 +67,9 @@ class Collected:
         Parameters
         ----------
         what : {'fix', 'velocity', 'rate'}
+            What it tells.
         stream : str
+            Name of the stream.
         stamp_ns : int
             Nanoseconds UTC.
         first, second : float
@@ -163,7 +165,7 @@ class StreamRecording:
 
     @property
     def words_present(self) -> str:
-        """The streams with their counts, and what was not taken."""
+        """Return the streams with their counts, and what was not taken."""
         found = ', '.join(f'{name} ({info.type_name}, {info.count})'
                           for name, info in sorted(self.topics.items())) or 'no heading'
         lacking = ', '.join(f'{n} {why}' for why, n in self.not_taken.items())

@@ -64,7 +64,7 @@ class ImportedLog:
 
     @property
     def origin(self) -> dict[str, Any]:
-        """The provenance as a bag keeps it."""
+        """Return the provenance as a bag keeps it."""
         default = DriverSettings()
         given = {name: getattr(self.driver, name) for name in _READING
                  if getattr(self.driver, name) != getattr(default, name)}
@@ -77,7 +77,7 @@ class ImportedLog:
 
     @property
     def words_not_taken(self) -> str:
-        """The lines that gave no heading, in words."""
+        """Return the lines that gave no heading, in words."""
         return ', '.join(f'{n} {reason}' for reason, n in sorted(self.not_taken.items())
                          if n) or 'nothing'
 

@@ -129,7 +129,7 @@ class Reporting:
 
     @property
     def paired(self) -> int:
-        """Number of pairs in the ledger of the synchronizer as last started."""
+        """Return the number of pairs in the ledger of the synchronizer as last started."""
         return self._ledgers.paired
 
     def look(self, n_pairs: int) -> None:

@@ -93,7 +93,7 @@ class SensorsReporting:
 
     @property
     def awaited(self) -> list[str]:
-        """The sensors whose compliance node is there, so that a report may yet come."""
+        """Return the sensors whose compliance node is there, so that a report may yet come."""
         return [name for name in self._tested
                 if self._node.count_publishers(f'{self._node.get_namespace().rstrip("/")}/{name}'
                                                '/compliance/report')]
