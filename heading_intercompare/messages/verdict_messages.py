@@ -38,7 +38,7 @@ def verdict_level(outcome: Outcome, effect: str) -> int:
 
 
 def encode_no_verdict(ns: int) -> bytes:
-    """Return what stands in the place of a verdict before the first run has ended."""
+    """Return what is published before the first run has ended."""
     return encode_statuses(ns, [Status('verdict', WARN, NO_VERDICT, {'runs': 0})])
 
 
