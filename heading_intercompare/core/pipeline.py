@@ -74,6 +74,8 @@ class Compliance:
     ----------
     motion : RunMotion
         The motion of the ship during the run in progress.
+    rolling : Rolling
+        The rolling window.
 
     Raises
     ------
@@ -106,7 +108,7 @@ class Compliance:
         # How many runs were too short, and how many too old for the verdict; the newest such cut.
         self._n_short = self._n_earlier = 0
         self._earlier_ns: int | None = None
-        self._rolling = Rolling(settings.window_s)
+        self.rolling = Rolling(settings.window_s)
         self.motion = RunMotion(keeper)
 
     def take_motion(self, motion: Motion) -> None:
@@ -123,7 +125,7 @@ class Compliance:
                 self._end_run()
                 self._run = self._begin_run(piece.key, piece.cut_ns, piece.since_ns)
             self._run.update(pairs[piece.lo:piece.hi], differences[piece.lo:piece.hi])
-        self._rolling.update(differences)
+        self.rolling.update(differences)
         self.newest_ns = int(pairs.stamp_ns[-1])
         self._end_run_if_cut()
 
@@ -183,7 +185,7 @@ class Compliance:
             differences = self._subtract(pairs)
             self._run = self._begin_run(state.cutter.key, cut_ns, state.cutter.since_ns)
             self._run.update(pairs, differences)
-            self._rolling.update(differences)
+            self.rolling.update(differences)
 
     @property
     def run_start_ns(self) -> int | None:
@@ -257,19 +259,19 @@ class Compliance:
 
     def rolling_figures(self) -> dict[str, Any]:
         """Return the figures of the rolling window; ``n`` is 0 before the first pair."""
-        if self._rolling.start_ns is None:
+        if self.rolling.start_ns is None:
             return {'n': 0}
         if self._run is not None and len(self._run):
             self._limits = self._run.limits(self.settings.norms, self.settings.model)
-        return {'start_ns': self._rolling.start_ns, 'newest_ns': self.newest_ns,
-                **compute_figures(self._rolling, self._limits, self.settings)}
+        return {'start_ns': self.rolling.start_ns, 'newest_ns': self.newest_ns,
+                **compute_figures(self.rolling, self._limits, self.settings)}
 
     def rolling_moments(self) -> dict[str, Any]:
         """Return those of the rolling figures that cost little; ``n`` is 0 before a pair."""
-        if self._rolling.start_ns is None:
+        if self.rolling.start_ns is None:
             return {'n': 0}
-        return {'start_ns': self._rolling.start_ns, 'newest_ns': self.newest_ns,
-                **name_moments(self._rolling.moments())}
+        return {'start_ns': self.rolling.start_ns, 'newest_ns': self.newest_ns,
+                **name_moments(self.rolling.moments())}
 
     def results(self, ledger: Ledger | None = None) -> list[RunResult]:
         """
@@ -381,11 +383,10 @@ def _show_whole(verdict: Verdict, results: Sequence[RunResult],
     n, analysed = sum(one.n for one in stretches), sum(run.n for run in whole.runs)
     taken_out = TakenOut(n, n / analysed if analysed else 0.0, stretches, AsRecorded(
         whole.outcome, whole.validity_effect, whole.headline, analysed, None))
-    line = verdict.headline
-    if n and (len(verdict.runs) > 1 or line != verdict.runs[0].headline):
+    if n and (len(verdict.runs) > 1 or verdict.headline != verdict.runs[0].headline):
         same = find_taken_out(verdict.outcome, verdict.validity_effect, taken_out)
-        line = f'{line}; of all runs {same.words}'
-    return replace(verdict, taken_out=taken_out, headline=line)
+        verdict = replace(verdict, headline=f'{verdict.headline}; of all runs {same.words}')
+    return replace(verdict, taken_out=taken_out)
 
 
 class Intercomparison:

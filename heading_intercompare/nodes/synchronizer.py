@@ -50,7 +50,7 @@ class Synchronizer(Node):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('synchronizer', **OVERRIDES, **kwargs)
         settings, taking, types, self._own = declare(
-            self, PAIRED, Taking, HeadingTypes, SynchronizerNode)
+            self, PAIRED, Taking, HeadingTypes, SynchronizerNode, followed=('stale_s',))
         settings = choose_streams(settings, self._own.sensor)
         self._started_ns = time.time_ns()
         self._pairer = Pairer(settings)

@@ -18,6 +18,7 @@ from nodes.ros_nodes import NORMS
 import numpy as np
 import pytest
 from rclpy.duration import Duration
+from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import Imu
@@ -142,6 +143,19 @@ def test_before_the_first_run_has_ended_the_verdict_says_so(ros):
     assert (said.level, said.message) == (DiagnosticStatus.WARN, 'no run has ended')
     shown = light_lamp(decode_statuses(serialize_message(graph.heard['verdict'][0]))[1], 0)
     assert (shown.tone, shown.what) == (Tone.NONE, 'at the end of the run')
+
+
+def test_the_window_can_be_changed_while_the_node_runs(ros, rng):
+    """It keeps what it holds; the verdict is the same."""
+    graph = Graph(ros, window_s=100.0)
+    graph.send(some_pairs(rng, 0, 400))
+    for window_s, n in ((50.0, 50), (200.0, 150)):
+        graph.node.set_parameters([Parameter('window_s', value=window_s)])
+        if window_s == 200.0:
+            graph.send(some_pairs(rng, 400, 500))
+        ros.spin_until(lambda n=n: graph.heard['rolling'] and abs(
+            int(values(graph.heard['rolling'][-1])['n']) - n) <= 5)
+    assert graph.end()['settings']['window_s'] == 100.0
 
 
 def test_the_last_report_is_the_verdict_of_the_pure_part(ros, rng):

@@ -1,13 +1,19 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Settings classes as ROS parameters: read-only, described, checked, unknown names rejected."""
+"""Settings classes as ROS parameters: described, checked, unknown names rejected."""
 
 from __future__ import annotations
 
+from functools import partial
 import math
-from typing import Any, Mapping
+from typing import Any, Callable, Mapping, Sequence
 
-from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    SetParametersResult,
+)
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -22,7 +28,7 @@ from heading_intercompare.core.settings import (
     Used,
 )
 
-__all__ = ['declare', 'make_overrides', 'OVERRIDES', 'resolve_topic']
+__all__ = ['declare', 'follow', 'make_overrides', 'OVERRIDES', 'resolve_topic']
 
 OVERRIDES = {'automatically_declare_parameters_from_overrides': True}
 """Arguments that `Node.__init__` needs so that `declare` sees all parameters given to a node."""
@@ -30,12 +36,14 @@ OVERRIDES = {'automatically_declare_parameters_from_overrides': True}
 #: Parameters hold integers of 64 bits.
 _MOST = 2**63 - 1
 _READ_ONCE = 'read when the node starts: start it again to change it'
+_FOLLOWED = 'a change takes effect at once; the verdict names the value at the start'
 
 # Every rclpy node declares these.
 _OF_ROS = ('use_sim_time', 'start_type_description_service')
 
 
-def declare(node: Node, *classes: type | Used) -> tuple[Any, ...]:
+def declare(node: Node, *classes: type | Used,
+            followed: Sequence[str] = ()) -> tuple[Any, ...]:
     """
     Declare the settings of a node as parameters, and return them.
 
@@ -45,6 +53,8 @@ def declare(node: Node, *classes: type | Used) -> tuple[Any, ...]:
         A node made with `OVERRIDES`.
     *classes : type or Used
         Settings classes without a setting name in common.
+    followed : sequence of str
+        Settings that can be changed while the node runs; see `follow`. All others are read-only.
 
     Returns
     -------
@@ -77,12 +87,36 @@ def declare(node: Node, *classes: type | Used) -> tuple[Any, ...]:
             rule = names[name]
             node.declare_parameter(
                 name, 'none' if value is None else value,
-                ParameterDescriptor(description=str(rule.help), read_only=True,
-                                    additional_constraints=f'{rule.allowed}; {_READ_ONCE}',
-                                    dynamic_typing=True, **_find_range(rule)),
-                ignore_override=True)
+                ParameterDescriptor(
+                    description=str(rule.help), read_only=name not in followed,
+                    additional_constraints=f'{rule.allowed}; '
+                    f'{_FOLLOWED if name in followed else _READ_ONCE}',
+                    dynamic_typing=True, **_find_range(rule)), ignore_override=True)
         made.append(settings)
+    owners = {name: cls for cls, names in rules.items() for name in names if name in followed}
+    if owners:
+        node.add_on_set_parameters_callback(partial(_check, owners))
     return tuple(made)
+
+
+def _check(owners: Mapping[str, type], parameters: Sequence[Parameter]) -> SetParametersResult:
+    """Tell whether new values are allowed, in the words of a wrong setting."""
+    try:
+        for one in parameters:
+            if one.name in owners:
+                from_mapping(owners[one.name], {one.name: one.value})
+    except SettingsError as error:
+        return SetParametersResult(successful=False, reason=str(error))
+    return SetParametersResult(successful=True)
+
+
+def follow(node: Node, name: str, change: Callable[[Any], object]) -> None:
+    """Call a function with the new value when a followed parameter of a node is changed."""
+    def pass_on(parameters: Sequence[Parameter]) -> None:
+        for one in parameters:
+            if one.name == name:
+                change(one.value)
+    node.add_post_set_parameters_callback(pass_on)
 
 
 def _find_range(rule: Setting) -> dict[str, Any]:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 import time
 from typing import Mapping, Sequence
 
@@ -25,7 +26,7 @@ from heading_intercompare.messages.stamps import header_stamp_ns
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 from heading_intercompare.nodes.ros.batches import Unwatched
 from heading_intercompare.nodes.ros.message_types import find_heading_type
-from heading_intercompare.nodes.ros.parameters import resolve_topic
+from heading_intercompare.nodes.ros.parameters import follow, resolve_topic
 from heading_intercompare.nodes.ros.transports import DISCOVERY_S
 from heading_intercompare.nodes.runtime.health import Health
 
@@ -158,6 +159,8 @@ class Intake:
         self._after, self._whole = ('', 0), whole
         self._opened_ns = self._since_ns = 0
         health.add_refresher(self._note)
+        if stale_s is not None:
+            follow(node, 'stale_s', partial(setattr, self, '_stale_s'))
 
     def bring_back(self) -> None:
         """Take what a subscription held that was set aside; call it before the last `take`."""

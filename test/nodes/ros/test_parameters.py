@@ -10,7 +10,7 @@ from rclpy.parameter import Parameter
 
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.core.settings import list_settings, Settings, SettingsError, to_mapping
-from heading_intercompare.nodes.ros.parameters import declare, make_overrides, OVERRIDES
+from heading_intercompare.nodes.ros.parameters import declare, follow, make_overrides, OVERRIDES
 from heading_intercompare.nodes.settings import PAIRED, PUBLISHED, SHOWN
 
 
@@ -116,6 +116,22 @@ def test_a_parameter_cannot_be_changed_while_the_node_runs(ros):
     result, = node.set_parameters([Parameter('window_s', value=60.0)])
     assert not result.successful
     assert node.get_parameter('window_s').value == 600.0
+
+
+def test_a_parameter_that_is_followed_changes_while_the_node_runs(ros):
+    node, found = node_with(ros, {}), []
+    declare(node, Settings, followed=('window_s',))
+    follow(node, 'window_s', found.append)
+    descriptor = node.describe_parameter('window_s')
+    assert not descriptor.read_only and 'takes effect at once' in descriptor.additional_constraints
+    result, = node.set_parameters([Parameter('window_s', value=60.0)])
+    assert result.successful and found == [60.0]
+    for wrong in (0.5, 'long'):
+        result, = node.set_parameters([Parameter('window_s', value=wrong)])
+        assert not result.successful and 'window_s' in result.reason
+    assert found == [60.0] and node.get_parameter('window_s').value == 60.0
+    result, = node.set_parameters([Parameter('variant', value='A')])
+    assert not result.successful
 
 
 def test_parameters_of_ros_itself_are_not_unknown(ros):
