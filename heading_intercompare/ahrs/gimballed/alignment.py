@@ -249,7 +249,7 @@ def _revolution(ahrs: Machine, sense: float,
 
 def _motion(rates: Rates, platform: Platform) -> tuple[float, float]:
     """Return the rates commanded, and those by which the platform has left the gyro vertical."""
-    return rates[0] + platform.slip_x_rad / GRID_S, rates[1] + platform.slip_y_rad / GRID_S
+    return rates[0] + platform.slip_x_rad_s, rates[1] + platform.slip_y_rad_s
 
 
 class _Window:

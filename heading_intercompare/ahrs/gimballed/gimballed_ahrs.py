@@ -430,8 +430,7 @@ class GimballedAhrs:
         computer = self.computer
         message, self._messages = '; '.join(self._messages), []
         mode_s = round((self._step - self._entered) * GRID_S, 3)
-        drifts = (computer.drift_x_rad_s, computer.drift_y_rad_s, computer.drift_z_rad_s,
-                  computer.meter_x_rad_s, computer.meter_y_rad_s)
+        platform = self.platform
         return AhrsStatus(
             t_s=self.now_s, mode=self.mode.name, mode_s=mode_s, progress=progress(
                 self.mode, mode_s, self.validity, self.instruments.thermostat.away_k,
@@ -441,11 +440,14 @@ class GimballedAhrs:
             flags=('DEGRADED', *sorted(self._flags)) if self._flags else (),
             faults=tuple(self._faults), sigma_deg=math.degrees(self.sigma_rad),
             temperature_c=self.instruments.thermostat.SET_C + self.instruments.thermostat.away_k,
-            drifts_deg_h=tuple(drift / RAD_PER_DEG_H for drift in drifts),
-            biases_ug=tuple(bias / UG_M_S2 for bias in (
-                computer.bias_x_m_s2, computer.bias_y_m_s2, computer.bias_z_m_s2)),
-            currents_a=tuple(torque(rate)[1] for rate in (
-                self.platform.ux_rad_s, self.platform.uy_rad_s, self.platform.uz_rad_s)))
+            drifts_deg_h=(
+                computer.drift_x_rad_s / RAD_PER_DEG_H, computer.drift_y_rad_s / RAD_PER_DEG_H,
+                computer.drift_z_rad_s / RAD_PER_DEG_H, computer.meter_x_rad_s / RAD_PER_DEG_H,
+                computer.meter_y_rad_s / RAD_PER_DEG_H),
+            biases_ug=(computer.bias_x_m_s2 / UG_M_S2, computer.bias_y_m_s2 / UG_M_S2,
+                       computer.bias_z_m_s2 / UG_M_S2),
+            currents_a=(torque(platform.ux_rad_s)[1], torque(platform.uy_rad_s)[1],
+                        torque(platform.uz_rad_s)[1]))
 
 
 @cache

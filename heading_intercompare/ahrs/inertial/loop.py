@@ -31,9 +31,6 @@ HOLD, FINE, GYROCOMPASS, SCHULER = range(4)
 """The laws that `run` knows."""
 
 MOORED_M_S = 0.25
-FRICTION = 5e-5
-"""Share of the rates of the gimbals with which their friction drags the platform along: what the
-feed-forward leaves, k - k_fr in S (2), (7)."""
 LOG_MEMORY_S = 60.0
 PICK_OFF_RAD = 2.0 * math.pi / 2**20
 
@@ -97,22 +94,20 @@ def step(p: 'Platform', i: 'Instruments', t: 'Thermostat', row, ux: float, uy: f
     p.ux_rad_s, p.uy_rad_s, p.uz_rad_s = ux, uy, uz
     north, east, down = row[0], row[1], row[2]
     warm, soak = t.away_k, i.soak
-    px = (ux + i.torquer[0] * ux + row[11] + i.gyro_bias[0] + i.gyro_heat[0] * warm
-          + i.gyro_soak[0] * soak)
-    py = (uy + i.torquer[1] * uy + row[12] + i.gyro_bias[1] + i.gyro_heat[1] * warm
-          + i.gyro_soak[1] * soak)
-    slip_z = FRICTION * row[20]
-    pz = (uz + row[13] + i.gyro_bias[2] + i.gyro_heat[2] * warm + i.gyro_soak[2] * soak
-          + i.torquer[2] * uz + slip_z)
+    scale, bias, heat, still = i.torquer, i.gyro_bias, i.gyro_heat, i.gyro_soak
+    px = ux + scale[0] * ux + row[11] + bias[0] + heat[0] * warm + still[0] * soak
+    py = uy + scale[1] * uy + row[12] + bias[1] + heat[1] * warm + still[1] * soak
+    slip_z = row[20]
+    pz = uz + row[13] + bias[2] + heat[2] * warm + still[2] * soak + scale[2] * uz + slip_z
     alpha, beta, azimuth = p.alpha_rad, p.beta_rad, p.azimuth_rad
     turn = GRID_S * pz
     middle = azimuth if -1e-3 < turn < 1e-3 else azimuth + 0.5 * turn
     c, s = math.cos(middle), math.sin(middle)
     wx, wy = north * c + east * s, east * c - north * s
     # The gimbals drag the platform along, and its gyros see by how much.
-    slip_x, slip_y = FRICTION * (row[9] * c + row[10] * s), FRICTION * (row[10] * c - row[9] * s)
+    slip_x, slip_y = row[9] * c + row[10] * s, row[10] * c - row[9] * s
     px, py = px + slip_x, py + slip_y
-    p.slip_x_rad, p.slip_y_rad, p.slip_z_rad = GRID_S * slip_x, GRID_S * slip_y, GRID_S * slip_z
+    p.slip_x_rad_s, p.slip_y_rad_s, p.slip_z_rad_s = slip_x, slip_y, slip_z
     if middle == azimuth:
         new_alpha = alpha + GRID_S * (px - wx + beta * pz)
         new_beta = beta + GRID_S * (py - wy - alpha * pz)
@@ -139,8 +134,8 @@ def step(p: 'Platform', i: 'Instruments', t: 'Thermostat', row, ux: float, uy: f
     if not p.stuck:
         p.force_x_m_s2, p.force_y_m_s2 = fx, fy
 
-    mx = row[14] + (i.gyro_bias[3] + i.gyro_heat[3] * warm + i.gyro_soak[3] * soak)
-    my = row[15] + (i.gyro_bias[4] + i.gyro_heat[4] * warm + i.gyro_soak[4] * soak)
+    mx = row[14] + (bias[3] + heat[3] * warm + still[3] * soak)
+    my = row[15] + (bias[4] + heat[4] * warm + still[4] * soak)
     c, s = math.cos(p.angle_rad), math.sin(p.angle_rad)
     p.rate_x_rad_s = px * c + py * s + mx + i.spin_axis * p.angle_rate_rad_s
     p.rate_y_rad_s = py * c - px * s + my
@@ -251,9 +246,9 @@ def free(c: 'Computer', p: 'Platform') -> Rates:
     north = c.earth_north + c.east_m_s / c.normal_m
     east = -c.north_m_s / c.meridian_m
     c.correction_rad_s = 0.0
-    return (north * cosine + east * sine - c.drift_x_rad_s + c.ix - p.slip_x_rad / GRID_S,
-            east * cosine - north * sine - c.drift_y_rad_s + c.iy - p.slip_y_rad / GRID_S,
-            c.transport_down - c.earth_up - c.drift_z_rad_s - p.slip_z_rad / GRID_S)
+    return (north * cosine + east * sine - c.drift_x_rad_s + c.ix - p.slip_x_rad_s,
+            east * cosine - north * sine - c.drift_y_rad_s + c.iy - p.slip_y_rad_s,
+            c.transport_down - c.earth_up - c.drift_z_rad_s - p.slip_z_rad_s)
 
 
 def gyrocompass(c: 'Computer', p: 'Platform') -> Rates:

@@ -17,6 +17,10 @@ from .instruments import Instruments
 
 __all__ = ['Platform', 'rows_of']
 
+FRICTION = 5e-5
+"""Share of the rates of the gimbals with which their friction drags the platform along: what the
+feed-forward leaves, k - k_fr in S (2), (7)."""
+
 SERVO_1_S2 = 4.0
 SERVO_RATE_1_S = 2.8
 MOTOR_1_S = 2.5
@@ -37,8 +41,8 @@ def rows_of(ship: ShipBlock, first: int, random: dict[str, np.ndarray]) -> np.nd
 
     Notes
     -----
-    Columns 9, 10 and 20 are the rates of the gimbals about north, east and down. The roll gimbal
-    turns about the ship's axis.
+    Columns 9, 10 and 20 are the rates with which the friction of the gimbals drags the platform
+    along, about north, east and down. The roll gimbal turns about the ship's axis.
 
     """
     n = random['log'].size
@@ -48,9 +52,9 @@ def rows_of(ship: ShipBlock, first: int, random: dict[str, np.ndarray]) -> np.nd
         return 0.5 * (values[start] + values[stop])
 
     bow_rad = mean(ship.heading_rad)
-    c, s = np.cos(bow_rad), np.sin(bow_rad)
+    c, s = FRICTION * np.cos(bow_rad), FRICTION * np.sin(bow_rad)
     roll, pitch = mean(ship.roll_rate_rad_s), mean(ship.pitch_rate_rad_s)
-    yaw = (ship.heading_rad[stop] - ship.heading_rad[start]) / GRID_S
+    yaw = (FRICTION / GRID_S) * (ship.heading_rad[stop] - ship.heading_rad[start])
     return np.column_stack((
         mean(ship.turn_north_rad_s), mean(ship.turn_east_rad_s), mean(ship.turn_down_rad_s),
         mean(ship.force_north_m_s2), mean(ship.force_east_m_s2), mean(ship.force_down_m_s2),
@@ -85,9 +89,9 @@ class Platform:
         while the platform was caged.
     pick_off_rad : float
         Angle from x of the platform to the ship's axis.
-    slip_x_rad, slip_y_rad, slip_z_rad : float
-        Changes of the signals of the gyro vertical and of the course gyro over the last step: by
-        how much the platform has left its gyros.
+    slip_x_rad_s, slip_y_rad_s, slip_z_rad_s : float
+        Changes of the signals of the gyro vertical and of the course gyro over the last step, per
+        second: how fast the platform has left its gyros.
     speed_m_s, latitude_rad : float
         Log and position.
     satellite_rad : float
@@ -116,7 +120,7 @@ class Platform:
         self.rate_x_rad_s = self.rate_y_rad_s = 0.0
         self.pick_off_rad = self.satellite_rad = 0.0
         self.speed_m_s = self.latitude_rad = 0.0
-        self.slip_x_rad = self.slip_y_rad = self.slip_z_rad = 0.0
+        self.slip_x_rad_s = self.slip_y_rad_s = self.slip_z_rad_s = 0.0
         self.ux_rad_s = self.uy_rad_s = self.uz_rad_s = 0.0
         self.quantum_m_s = step_m_s
         self.part_x_m_s = self.part_y_m_s = self.part_z_m_s = 0.0
@@ -174,8 +178,9 @@ class Platform:
         drift = [noise + bias + heat * warm + still * soak for noise, bias, heat, still in zip(
             row[11:16], parts.gyro_bias, parts.gyro_heat, parts.gyro_soak)]
         c, s = math.cos(self.azimuth_rad), math.sin(self.azimuth_rad)
-        north, east = row[0] + row[9], row[1] + row[10]
-        x, y, z = north * c + east * s, east * c - north * s, row[2] + row[20]
+        north, east, z = (level + gimbal / FRICTION for level, gimbal in zip(
+            row[0:3], (row[9], row[10], row[20])))
+        x, y = north * c + east * s, east * c - north * s
         scale_x, scale_y, scale_z = parts.torquer
         spin = 1.0 if self.spinning else 0.0
         cos_unit, sin_unit = math.cos(self.angle_rad), math.sin(self.angle_rad)

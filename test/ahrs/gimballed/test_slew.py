@@ -38,7 +38,7 @@ class Bench:
         t_s = 0.1 * len(self.rates_deg_s)
         row = self.row.copy()
         row[6], row[7] = math.radians(self.heading_deg(t_s + 0.1)), self.speed_m_s
-        row[20] = (row[6] - math.radians(self.heading_deg(t_s))) / 0.1
+        row[20] = 5e-5 * (row[6] - math.radians(self.heading_deg(t_s))) / 0.1
         before = self.platform.azimuth_rad
         self.platform.step(row, ux, uy, uz)
         self.computer.take()

@@ -121,7 +121,7 @@ def test_signals_of_the_gyro_vertical_take_the_friction_out(law, heading_deg):
     platform, computer, rows = bench()
     w, amplitude = 2.0 * math.pi / 10.0, math.radians(5.0)
     rate = amplitude * w * np.cos(w * 0.1 * (np.arange(600) + 0.5))
-    rows[:, 9 if heading_deg == 0.0 else 10] = rate
+    rows[:, 9 if heading_deg == 0.0 else 10] = KAPPA * rate
     states = run(law, platform, computer, rows)[-200:]
     tilt, other = states[:, 2:].T if heading_deg == 0.0 else states[:, :1:-1].T
     wanted = KAPPA * amplitude * w * disturbance_gain(
@@ -138,7 +138,7 @@ def test_signals_of_the_gyro_vertical_take_the_friction_out(law, heading_deg):
 def test_rate_of_the_course_gyro_keeps_the_azimuth_while_the_ship_turns(law, left):
     """S (21): a turn by 90 degrees drags the azimuth by 5e-5 of it, 16.2", unless it is seen."""
     platform, computer, rows = bench()
-    rows[50:500, 20] = math.radians(2.0)
+    rows[50:500, 20] = KAPPA * math.radians(2.0)
     states = run(law, platform, computer, rows)
     assert (states[-1, 0] - states[0, 0]) / ARCSEC == pytest.approx(16.2 * left, abs=0.1)
 
