@@ -6,8 +6,10 @@ from __future__ import annotations
 
 import argparse
 from collections import Counter
+from dataclasses import replace
+import os
 import time
-from typing import Iterator, Sequence
+from typing import Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -18,6 +20,7 @@ from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.simulator import SimulatedChunk, Simulation
 from heading_intercompare.app.config import load_config, settings_for
 from heading_intercompare.app.scenarios import read_scenario, ScenarioFile
+from heading_intercompare.app.simulation.voyage import read_voyage
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
 from heading_intercompare.bags.rosbag2.motion_topics import motion_topics
@@ -57,6 +60,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help='the rosbag2 directory to write')
     parser.add_argument('--seed', metavar='N', type=int,
                         help='seed of the random numbers (default: that of the scenario)')
+    parser.add_argument('--track', metavar='F',
+                        help='bag, log or csv of a voyage that the ship repeats (default: the '
+                        'setting track.file of the scenario, otherwise its legs)')
+    parser.add_argument('--track-heading', metavar='NAME',
+                        help='topic, sentence or column of its headings (default: the setting '
+                        'track.heading)')
     add_note_argument(parser)
     add_settings_arguments(parser)
 
@@ -64,8 +73,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Simulate, write the bag, and print its contents."""
     settings = settings_for(load_config(arguments.config), arguments.set)
-    source = read_scenario(arguments.scenario, arguments.seed)
-    scenario = source.scenario
+    source = _choose_track(read_scenario(arguments.scenario, arguments.seed), arguments)
+    voyage = (read_voyage(source.scenario.track, source.folder)
+              if source.scenario.track.file else None)
+    simulation = Simulation(source.scenario, track=None if voyage is None else voyage.track)
+    scenario = simulation.scenario
+    source = source._replace(scenario=scenario)
     moved = motion_topics(settings.motion) if scenario.motion_hz > 0.0 else {}
     topics = {'ts': settings.ts_topic, 'rs': settings.rs_topic, 'truth': TRUTH_TOPIC,
               **{name: f'{name}/heading' for name in scenario.sensors
@@ -77,14 +90,15 @@ def run(arguments: argparse.Namespace) -> int:
                                         if name not in ('ts', 'rs')))
     counts: Counter[str] = Counter()
     with Progress(arguments.output, arguments.quiet) as progress, _begin(
-            arguments.output, source, topics, settings.to_mapping(), read_notes(arguments)) as bag:
-        simulation = Simulation(scenario)
+            arguments.output, source, topics, settings.to_mapping(), read_notes(arguments),
+            {} if voyage is None else voyage.origin) as bag:
         for chunk in simulation.chunks():
             _write(bag, chunk, topics, scenario, simulation.start_ns, counts)
             progress.show(f'{min(chunk.end_s, scenario.duration_s):,.0f} of '
                           f'{scenario.duration_s:,.0f} s simulated')
     say_lines([f'{source.name}: {scenario.duration_s:g} s, seed {scenario.seed}'
                + (f': {scenario.title}' if scenario.title else '')])
+    say_lines([] if voyage is None else list(voyage.words))
     for role in scenario.sensors:
         shown = role.upper() if role in ('ts', 'rs') else role
         say_lines([f'{shown} {counts[role]} headings on {topics[role]}, '
@@ -96,8 +110,19 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
+def _choose_track(source: ScenarioFile, arguments: argparse.Namespace) -> ScenarioFile:
+    """Return the scenario with the voyage that the command line names."""
+    given = {'file': arguments.track and os.path.abspath(arguments.track),
+             'heading': arguments.track_heading}
+    named = {name: value for name, value in given.items() if value is not None}
+    if 'heading' in named and not (arguments.track or source.scenario.track.file):
+        raise SettingsError('--track-heading: needs a voyage; give its file with --track')
+    return source._replace(scenario=replace(
+        source.scenario, track=replace(source.scenario.track, **named)))
+
+
 def _begin(path: str, source: ScenarioFile, topics: dict[str, str],
-           settings: dict[str, object], notes: str) -> BagWriter:
+           settings: dict[str, object], notes: str, track: Mapping[str, object]) -> BagWriter:
     """Return a bag with its topics, and with everything needed to repeat the trial."""
     bag = BagWriter(path)
     for what, topic in topics.items():
@@ -107,6 +132,8 @@ def _begin(path: str, source: ScenarioFile, topics: dict[str, str],
     Notes(bag.metadata).add(notes, time.time_ns())
     bag.metadata('scenario', {
         'file': source.name, **source.scenario.to_mapping()})
+    if track:
+        bag.metadata('track', track)
     bag.attachment(source.name, 'application/yaml', source.data)
     return bag
 
