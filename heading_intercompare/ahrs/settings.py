@@ -296,7 +296,7 @@ class Scenario(Checked):
 
     @property
     def topics(self) -> dict[str, str]:
-        """The usual topic of each simulated sensor."""
+        """Return the usual topic of each simulated sensor."""
         return {name: f'{name}/heading' for name in self.sensors}
 
     @property

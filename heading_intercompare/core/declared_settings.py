@@ -38,8 +38,9 @@ _GONE = {
 }
 """Settings of earlier versions, and what to do instead."""
 
-_ADDED: dict[str, Any] = {'pairing.jump_s': 10.0, 'runs.every_h': None, 'runs.cut_at_utc': None,
-                          'runs.keep': 31, 'alignment.clock_range_s': 600.0,
+_ADDED: dict[str, Any] = {'pairing.jump_s': 10.0, 'pairing.silent_wait_s': 60.0,
+                          'runs.every_h': None, 'runs.cut_at_utc': None, 'runs.keep': 31,
+                          'alignment.clock_range_s': 600.0,
                           'exclusions': None, 'sensors': None, 'norms.systematic_max_deg': None,
                           'motion.compare': True,
                           'motion.least_speed_kn': 3.0, 'motion.current_max_kn': 3.0,
@@ -74,7 +75,7 @@ class Setting:
 
     @property
     def allowed(self) -> str:
-        """The allowed values, in words."""
+        """Return the allowed values, in words."""
         words = []
         if bool in self.kinds:
             words.append('true or false')

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from copy import copy
 from dataclasses import replace
-from typing import Any, Callable, Iterable, Sequence
+from typing import Any, Callable, Sequence
 
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.sequential import find_standing, Look, LookVerdict
@@ -207,7 +207,7 @@ class Compliance:
 
     @property
     def early(self) -> LookVerdict | None:
-        """The result that stands after the looks at the current run; None until one decides."""
+        """Return the result after the looks at the current run; None until one decides."""
         return find_standing(self._looks)
 
     def _end_run_if_cut(self) -> None:
@@ -233,7 +233,7 @@ class Compliance:
 
     @property
     def finished_runs(self) -> int:
-        """Number of runs judged so far."""
+        """Return the number of runs judged so far."""
         return self._n_earlier + len(self._finished)
 
     @property
@@ -338,13 +338,13 @@ class Compliance:
         return taken
 
     def verdict(self, ledger: Ledger | None = None,
-                inputs: Iterable[Input] = ()) -> Verdict:
+                inputs: Sequence[Input] = ()) -> Verdict:
         """Return the verdict on the runs judged so far."""
         return join(self.results(ledger), self.settings, inputs)
 
 
 def join(results: Sequence[RunResult], settings: Settings,
-         inputs: Iterable[Input] = (), *, incomplete: bool = False) -> Verdict:
+         inputs: Sequence[Input] = (), *, incomplete: bool = False) -> Verdict:
     """
     Return the verdict on runs, and number them in the order given.
 
@@ -353,22 +353,21 @@ def join(results: Sequence[RunResult], settings: Settings,
     results : sequence of RunResult
         Runs of one input or of several.
     settings : Settings
-    inputs : iterable of Input
+        By which the runs were judged.
+    inputs : sequence of Input
         The sources of the runs.
     incomplete : bool
         Whether an input could not be judged; then the verdict is never compliant.
 
     """
     runs = compare_runs(results)
-    results = [r.place_among(at + 1, runs) for at, r in enumerate(results)]
-    verdicts = [r.verdict for r in results]
+    results = [r.place_among(at, runs) for at, r in enumerate(results, 1)]
     outcome, coverage, campaign = conclude_campaign(results, runs, settings, incomplete)
-    verdict = Verdict.of(verdicts, outcome, campaign, coverage, settings, tuple(inputs))
+    whole = Verdict.of([r.verdict for r in results], outcome, campaign, coverage, settings, inputs)
     if incomplete:
-        verdict = replace(verdict, paper_outcome=worst(
-            [verdict.paper_outcome, Outcome.INDETERMINATE]))
+        whole = replace(whole, paper_outcome=worst([whole.paper_outcome, Outcome.INDETERMINATE]))
     exclusions = read_exclusions(settings.exclusions)
-    return _show_whole(verdict, results, exclusions, incomplete) if exclusions else verdict
+    return _show_whole(whole, results, exclusions, incomplete) if exclusions else whole
 
 
 def _show_whole(verdict: Verdict, results: Sequence[RunResult],
@@ -450,7 +449,7 @@ class Intercomparison:
 
     @property
     def ledger(self) -> Ledger:
-        """The account of every reading so far."""
+        """Return the account of every reading so far."""
         if not len(self._before):
             return self.pairer.ledger
         whole = self._before.copy()
@@ -495,6 +494,6 @@ class Intercomparison:
         """Return the runs judged so far, to `join` with those of other inputs."""
         return self.compliance.results(self.ledger)
 
-    def verdict(self, inputs: Iterable[Input] = ()) -> Verdict:
+    def verdict(self, inputs: Sequence[Input] = ()) -> Verdict:
         """Return the verdict on the runs judged so far."""
         return join(self.results(), self.compliance.settings, inputs)

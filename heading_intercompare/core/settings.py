@@ -102,6 +102,9 @@ class Pairing(Checked):
     tolerance_s: float = setting(0.05, "largest lag of a pair, method 'nearest' [s]", 0.0, 60.0)
     max_wait_s: float = setting(
         5.0, 'live only: how long a reading waits for its partner [s]', 0.0, 600.0)
+    silent_wait_s: float = setting(
+        60.0, 'live only: the same while the other sensor is silent: what it has sent may still '
+        'come, all at once, when a connection is made or is back [s]', 0.0, 3600.0)
     jump_s: float = setting(10.0, 'a longer step of the stamps is a jump [s]', 0.1, 86400.0)
 
 

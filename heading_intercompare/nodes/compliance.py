@@ -88,12 +88,12 @@ class Compliance(Node):
 
     @property
     def n_pairs(self) -> int:
-        """Number of pairs taken."""
+        """Return the number of pairs taken."""
         return self._pairs.received
 
     @property
     def verdict(self) -> Verdict | None:
-        """The verdict of the last report; None before the first."""
+        """Return the verdict of the last report; None before the first."""
         return self._reporting.verdict
 
     def _drain(self) -> None:

@@ -92,7 +92,7 @@ class Replayer(Node):
 
     @property
     def state(self) -> str:
-        """What the node does, and its place in the bag, in words."""
+        """Return what the node does, and its place in the bag, in words."""
         words = f'{"paused" if self._replay.paused else "replaying"} at {self._replay.place}'
         waiting = self._audience.waiting or 'waiting for synchronizer and compliance'
         return words if self._begun else f'{waiting}; then {words}'

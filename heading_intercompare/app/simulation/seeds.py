@@ -19,7 +19,7 @@ from heading_intercompare.core.offline import analyze
 from heading_intercompare.core.records import Headings, Motion, Reals
 from heading_intercompare.core.settings import Settings
 
-__all__ = ['Repeated', 'repeat_trial', 'SeedResult']
+__all__ = ['repeat_trial', 'Repeated', 'SeedResult']
 
 _TWO_SIGMA = 2.0
 

@@ -220,7 +220,7 @@ class Intake:
 
     @property
     def numbers(self) -> StreamNumbers:
-        """The first and the newest number taken, and the publishers that gave them."""
+        """Return the first and the newest number taken, and the publishers that gave them."""
         first, last = self._publishers
         return StreamNumbers(first, self._numbering.first or 0, last, self.last_sequence)
 
