@@ -18,6 +18,7 @@ __all__ = ['draw_seeds', 'draw_trace']
 
 _GREYS = ('#f2f2f2', '#dcdcdc')
 _HEIGHT_MM = 60.0
+_TRUE: dict[str, Any] = {'color': '#c3d3e6', 'linewidth': 4.0}
 
 
 def draw_trace(trace: Trace, number: int) -> tuple[str, str]:
@@ -33,7 +34,7 @@ def draw_trace(trace: Trace, number: int) -> tuple[str, str]:
     """
     def fill_heading(axes: Any) -> None:
         """Draw the true heading, the readings, and the modes as bands with their names."""
-        for points, look, label in ((trace.true_deg, MEAN, 'true heading'),
+        for points, look, label in ((trace.true_deg, _TRUE, 'true heading'),
                                     (trace.heading_deg, SERIES, 'reading')):
             axes.plot(trace.t_h, _break_turns(points), label=label, **look)
         axes.set_ylim(0.0, 360.0)
@@ -47,8 +48,8 @@ def draw_trace(trace: Trace, number: int) -> tuple[str, str]:
         for sign in (1.0, -1.0):
             axes.plot(trace.t_h, sign * 2.0 * trace.sigma_deg, **SIGMA,
                       label='twice the claimed standard deviation' if sign > 0.0 else None)
-        axes.axhline(0.0, **RANGE)
-        _mark_modes(axes, trace)
+        axes.axhline(0.0, zorder=1, **RANGE)
+        _mark_modes(axes, trace, named=False)
 
     return (draw(fill_heading, name=f'heading{number}',
                  title=f'{trace.name}: heading, {trace.n} readings', x_label='time [h]',
@@ -89,13 +90,13 @@ def _break_turns(heading_deg: Reals) -> Reals:
     return broken
 
 
-def _mark_modes(axes: Any, trace: Trace) -> None:
-    """Shade the modes in turn, and write the name of each at its beginning."""
+def _mark_modes(axes: Any, trace: Trace, named: bool = True) -> None:
+    """Shade the modes in turn, and write the name of each long one at its beginning."""
     if not trace.modes:
         return
     ends = [*(begin for begin, _ in trace.modes[1:]), float(trace.t_h[-1])]
     for number, ((begin, name), end) in enumerate(zip(trace.modes, ends)):
         axes.axvspan(begin, end, color=_GREYS[number % 2], zorder=0)
-        if end - begin > 0.03 * float(trace.t_h[-1]) or len(trace.modes) == 1:
+        if named and end - begin > 0.03 * float(trace.t_h[-1]):
             axes.text(begin, 0.98, f' {name}', transform=axes.get_xaxis_transform(), va='top',
                       fontsize=5.5, color='#444444')

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Summaries of a series in bounded memory: bins, rate of turn, shifts, spectra, tracks and traces."""
+"""Summaries of a series in bounded memory: bins, turning, shifts, spectra, tracks, traces."""
 
 from typing import TYPE_CHECKING
 
