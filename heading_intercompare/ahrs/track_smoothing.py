@@ -22,6 +22,7 @@ __all__ = ['Smoothed', 'smooth_track', 'SmoothTrack', 'TrackRecord']
 
 #: A sample is no spike unless it is further than this from its neighbours, by unit.
 _LEAST = {'deg': 2.0, 'm/s': 1.0}
+_MOST_SPIKES = 0.1
 _SAMPLES_A_PERIOD = 4.0
 _SHORTEST_S = 10.0
 
@@ -123,7 +124,7 @@ def smooth_track(record: TrackRecord, settings: TrackSettings) -> SmoothTrack:
     Raises
     ------
     SettingsError
-        If the record is too short, or has a gap that is too long.
+        If the record is too short, has a gap that is too long, or is full of outliers.
 
     Notes
     -----
@@ -194,6 +195,10 @@ class _Maker:
         if turns:
             values = np.unwrap(values, period=360.0)
         spikes = find_spikes(values, _LEAST[unit])
+        if spikes.sum() > _MOST_SPIKES * spikes.size:
+            raise SettingsError(f'track: {int(spikes.sum())} of {spikes.size} samples of {what} '
+                                f'are outliers; must be at most {_MOST_SPIKES:.0%}: give the '
+                                'samples of one sensor')
         t_s, values = t_s[~spikes], values[~spikes]
         if turns:
             # A spike may have led to a wrong turn.

@@ -53,7 +53,8 @@ def find_attitude(path: str | os.PathLike[str], driver: DriverSettings) -> Attit
     name = os.fspath(path)
     if has_one_sensor(name) and len(rows := attitude_of_log(name, driver)):
         return rows
-    return attitude_of_table(name) if name.endswith('.csv') else Attitude.empty()
+    is_table = name.endswith('.csv') and os.path.isfile(name)
+    return attitude_of_table(name) if is_table else Attitude.empty()
 
 
 def attitude_of_log(path: str, driver: DriverSettings) -> Attitude:

@@ -47,6 +47,15 @@ def test_outliers_are_left_out_and_counted(rng):
     assert account.removed == pytest.approx(0.02, rel=0.3)
 
 
+def test_two_sensors_in_one_record_are_no_voyage():
+    """Four samples of one sensor, then one of another that is 40 degrees off."""
+    t_s = np.arange(0.0, 300.0, 0.5)
+    mixed = (turning(t_s) + 40.0 * (np.arange(t_s.size) % 5 == 4)) % 360.0
+    with pytest.raises(SettingsError, match=r'120 of 600 samples of heading are outliers; must be '
+                       r'at most 10%: give the samples of one sensor'):
+        smooth_track(TrackRecord(Headings(stamps(t_s), mixed)), TrackSettings(**FILE))
+
+
 def test_a_gap_is_bridged_and_said():
     t_s = np.concatenate((np.arange(0.0, 100.0, 0.5), np.arange(120.0, 300.0, 0.5)))
     made = smooth_track(TrackRecord(Headings(stamps(t_s), turning(t_s))), TrackSettings(**FILE))

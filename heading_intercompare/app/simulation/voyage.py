@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+import glob
 import os
 from pathlib import Path
 from typing import Mapping
@@ -89,16 +90,24 @@ def read_voyage(settings: TrackSettings, folder: Path = Path()) -> Voyage:
 
 
 def _hash(path: str) -> str:
-    """Return the hash of a file, or of the files of a folder in the order of their names."""
-    place = Path(path)
-    return hash_files(sorted(one for one in place.rglob('*') if one.is_file())
-                      if place.is_dir() else [place])
+    """Return the hash of a file, or of several files in the order of their names."""
+    return hash_files(_files_of(path))
+
+
+def _files_of(path: str) -> list[str]:
+    """Return the files of a file, a folder, or a pattern of names; OSError if there are none."""
+    if os.path.isdir(path):
+        return sorted(os.fspath(one) for one in Path(path).rglob('*') if one.is_file())
+    found = [path] if os.path.exists(path) else sorted(glob.glob(path))
+    if not found:
+        os.stat(path)
+    return found
 
 
 def _read(path: str, stream: str, needs_heading: bool = True) -> tuple[str, TrackRecord]:
     """Return the stream taken, and what a file tells of a voyage."""
-    os.stat(path)
-    table = path.endswith('.csv')
+    _files_of(path)
+    table = path.endswith('.csv') and os.path.isfile(path)
     if not table and has_one_sensor(path):
         return _read_log(path, stream, needs_heading)
     recording = (StreamRecording(path, 'csv', read_table) if table

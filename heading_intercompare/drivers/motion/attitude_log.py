@@ -14,7 +14,7 @@ from typing import Mapping
 import numpy as np
 
 from heading_intercompare.core.records import Attitude
-from heading_intercompare.drivers.csv_log import is_csv_file
+from heading_intercompare.drivers.csv_log import is_csv_file, open_csv
 from heading_intercompare.drivers.log_lines.log_order import open_log
 from heading_intercompare.drivers.settings import DriverSettings
 
@@ -75,7 +75,8 @@ def read_log_attitude(path: str | os.PathLike[str],
 
     """
     rule = settings or DriverSettings()
-    if is_csv_file(os.fspath(path)):
+    files = open_csv(os.fspath(path), rule) or open_log(os.fspath(path), rule)
+    if is_csv_file(files.paths[0]):
         return LoggedAttitude()
     for token, places in _FIELDS.items():
         found = _read(path, rule, token, places)

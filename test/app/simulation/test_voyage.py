@@ -89,6 +89,18 @@ def test_a_file_of_several_sensors_needs_a_choice(tmp_path):
     assert math.degrees(track.heading_rad.read(np.array([10.0]))[0]) == pytest.approx(11.0)
 
 
+def test_a_log_in_several_files(tmp_path):
+    """The log of `write_log`, cut in two; a pattern names both."""
+    lines = write_log(tmp_path / 'whole.log').read_text(encoding='ascii').splitlines(True)
+    for name, part in (('day1.log', lines[:400]), ('day2.log', lines[400:])):
+        (tmp_path / name).write_text(''.join(part), encoding='ascii')
+    whole = read_voyage(TrackSettings(file='whole.log'), tmp_path)
+    parts = read_voyage(TrackSettings(file='day*.log'), tmp_path)
+    at = np.linspace(0.0, 89.0, 99)
+    assert parts.track.heading_rad.read(at).tolist() == whole.track.heading_rad.read(at).tolist()
+    assert parts.track.roll_rad.read(at).tolist() == whole.track.roll_rad.read(at).tolist()
+
+
 def test_a_file_that_is_absent(tmp_path):
     with pytest.raises(FileNotFoundError):
         read_voyage(TrackSettings(file='none.csv'), tmp_path)
