@@ -106,6 +106,19 @@ def test_derivatives_are_those_of_the_motion_also_in_a_turn():
         assert np.all(np.abs(steps - exact).max(axis=1) < 0.02 * np.abs(exact).max(axis=1))
 
 
+def test_a_course_that_is_steady_enough_is_a_steady_one(monkeypatch):
+    """Twenty minutes after a turn: one response a block, or one an instant, to 1e-5."""
+    def make():
+        return WaveSea(Waves(3.0), Hull(), Steering([Leg(0.0, 0.0, 15.0), Leg(30.0, 90.0, 12.0)],
+                                                    45.0), 3)
+    quick = make().block(25)
+    monkeypatch.setattr('heading_intercompare.ahrs.ship.wave_sea._STEADY', -1.0)
+    exact = make().block(25)
+    assert quick.tolist() != exact.tolist()
+    for one, other in zip(quick, exact):
+        assert one == pytest.approx(other, abs=1e-5 * np.abs(other).max())
+
+
 def test_blocks_join():
     sea = sail(Waves(3.0), 70.0)
     for order in range(3):
