@@ -130,7 +130,7 @@ TESTS_OF_SEVERAL = {
     'report/test_in_browser',
     'web/test_in_browser',
     'test_ahrs_equations', 'test_architecture', 'test_benchmarks', 'test_documented_commands',
-    'test_environment',
+    'test_ament_lint', 'test_environment',
     'test_equations', 'test_examples', 'test_packaging', 'test_plain_english', 'test_settings',
     'test_procedures', 'test_site',
 }

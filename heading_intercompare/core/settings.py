@@ -26,6 +26,7 @@ from .declared_settings import (
     settings_sha256,
     SettingsError,
     to_mapping,
+    Used,
 )
 from .rows.sensor_table import read_sensors, SENSOR_CLASS_NAMES
 from .time_rules.clock_cuts import ClockCuts
@@ -35,7 +36,7 @@ __all__ = ['Alignment', 'Antennas', 'CampaignRule', 'Checked', 'Detectors', 'exp
            'flatten', 'from_mapping', 'LARGEST_SKEW_S', 'leave_out_added', 'leave_out_gone',
            'list_settings', 'MotionRule', 'Norms', 'Pairing', 'Risk', 'RunCutting', 'Sequential',
            'Setting', 'setting', 'Settings', 'settings_sha256', 'SettingsError', 'to_mapping',
-           'Trial']
+           'Trial', 'Used']
 
 
 @dataclass(frozen=True, slots=True)

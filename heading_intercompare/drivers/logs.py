@@ -117,7 +117,7 @@ class LogReader:
 
     @property
     def sentence(self) -> str | None:
-        """Return talker and kind of the sentence (HEHDT); None if unknown, and for a csv."""
+        """Return talker and kind in one word, HEHDT; None if unknown, and for a csv."""
         name = None if self._nmea is None else self._nmea.chosen
         return None if name is None else str(name)
 

@@ -16,7 +16,7 @@ from std_srvs.srv import Trigger
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.paced_replay import Replay
-from heading_intercompare.core.settings import Settings, SettingsError
+from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.messages.marks import MARKER_TOPIC
 from heading_intercompare.messages.stamps import encode_clock
 from heading_intercompare.messages.status_messages import OK, WARN
@@ -36,7 +36,7 @@ from heading_intercompare.nodes.runtime.publishing import (
 )
 from heading_intercompare.nodes.sensors import places
 
-from .settings import ReplayerNode, Sending
+from .settings import PUBLISHED, ReplayerNode, Sending
 
 __all__ = ['main', 'Replayer']
 
@@ -51,7 +51,7 @@ class Replayer(Node):
     def __init__(self, *, remapped: Collection[str] = (),
                  clock_ns: Callable[[], int] = time.monotonic_ns, **kwargs: Any) -> None:
         super().__init__('replayer', **OVERRIDES, **kwargs)
-        settings, sending, own = declare(self, Settings, Sending, ReplayerNode)
+        settings, sending, own = declare(self, PUBLISHED, Sending, ReplayerNode)
         if own.bag is None:
             raise SettingsError('bag is required: an .mcap file or a rosbag2 folder')
         self.done = self.ended = self._begun = False

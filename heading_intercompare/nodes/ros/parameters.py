@@ -19,6 +19,7 @@ from heading_intercompare.core.settings import (
     Setting,
     SettingsError,
     to_mapping,
+    Used,
 )
 
 __all__ = ['declare', 'make_overrides', 'OVERRIDES', 'resolve_topic']
@@ -34,7 +35,7 @@ _READ_ONCE = 'read when the node starts: start it again to change it'
 _OF_ROS = ('use_sim_time', 'start_type_description_service')
 
 
-def declare(node: Node, *classes: type) -> tuple[Any, ...]:
+def declare(node: Node, *classes: type | Used) -> tuple[Any, ...]:
     """
     Declare the settings of a node as parameters, and return them.
 
@@ -42,7 +43,7 @@ def declare(node: Node, *classes: type) -> tuple[Any, ...]:
     ----------
     node : Node
         A node made with `OVERRIDES`.
-    *classes : type
+    *classes : type or Used
         Settings classes without a setting name in common.
 
     Returns
@@ -58,17 +59,21 @@ def declare(node: Node, *classes: type) -> tuple[Any, ...]:
     """
     given = {name: parameter.value for name, parameter in node.get_parameters_by_prefix('').items()
              if name not in _OF_ROS}
-    rules = {cls: {rule.name: rule for rule in list_settings(cls)} for cls in classes}
+    used = [cls if isinstance(cls, Used) else None for cls in classes]
+    rules = {cls: {rule.name: rule for rule in list_settings(cls)} for cls in (
+        one.settings_class if isinstance(one, Used) else one for one in classes)}
     known = [name for names in rules.values() for name in names]
     for name in given:
         if name not in known:
             raise explain_unknown('parameter', name, known)
     made = []
-    for cls, names in rules.items():
+    for (cls, names), some in zip(rules.items(), used):
         settings = from_mapping(cls, {n: v for n, v in given.items() if n in names})
         for name, value in to_mapping(settings).items():
             if name in given:
                 node.undeclare_parameter(name)
+            if some is not None and not some.has(name):
+                continue
             rule = names[name]
             node.declare_parameter(
                 name, 'none' if value is None else value,
