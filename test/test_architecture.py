@@ -20,8 +20,8 @@ import pytest
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = ROOT / 'heading_intercompare'
 
-MESSAGES = {'diagnostic_msgs', 'geometry_msgs', 'nav_msgs', 'rcl_interfaces', 'rosgraph_msgs',
-            'sensor_msgs', 'std_msgs', 'std_srvs'}
+MESSAGES = {'compass_interfaces', 'compass_msgs', 'diagnostic_msgs', 'geometry_msgs', 'nav_msgs',
+            'rcl_interfaces', 'rosgraph_msgs', 'sensor_msgs', 'std_msgs', 'std_srvs'}
 
 
 class Allowed(NamedTuple):

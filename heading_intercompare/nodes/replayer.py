@@ -21,7 +21,7 @@ from heading_intercompare.messages.marks import MARKER_TOPIC
 from heading_intercompare.messages.stamps import encode_clock
 from heading_intercompare.messages.status_messages import OK, WARN
 from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.message_types import HEADING_TYPES
+from heading_intercompare.nodes.ros.message_types import find_heading_type
 from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.remapping import published_names
@@ -65,7 +65,7 @@ class Replayer(Node):
         for topic, name in zip(heard, names):
             in_bag = self._reader.resolve(topic)
             self._headings[in_bag] = self.create_publisher(
-                HEADING_TYPES[self._reader.topics[in_bag].type_name], topic, qos.HEADINGS_OUT,
+                find_heading_type(self._reader.topics[in_bag].type_name), topic, qos.HEADINGS_OUT,
                 event_callbacks=self.health.of_publisher(name))
         self._lost = beside.ReplayedLosses(self, self._reader, dict(zip(self._headings, names)),
                                            whole=not own.start_s)

@@ -16,7 +16,7 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.records import Attitude
 from heading_intercompare.drivers.motion.attitude_log import read_log_attitude
 from heading_intercompare.drivers.settings import DriverSettings
-from heading_intercompare.messages.heading_messages import HEADING_TYPES, read_attitude
+from heading_intercompare.messages.heading_messages import ORIENTATION_TYPES, read_attitude
 
 from .errors import ReaderError
 from .registry import has_one_sensor
@@ -102,6 +102,7 @@ def attitude_of_bag(bag: Readable, topic: str, convention: str) -> Attitude:
     Parameters
     ----------
     bag : Readable
+        The recording.
     topic : str
         A topic of a heading.
     convention : {'enu', 'ned'}
@@ -110,7 +111,7 @@ def attitude_of_bag(bag: Readable, topic: str, convention: str) -> Attitude:
     """
     name = bag.resolve(topic)
     kind = bag.topics[name].type_name
-    if kind not in HEADING_TYPES:
+    if kind not in ORIENTATION_TYPES:
         return Attitude.empty()
     chunks: list[Attitude] = []
     waiting: list[bytes] = []

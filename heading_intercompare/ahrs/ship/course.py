@@ -87,6 +87,7 @@ def interpolate_way(ways_m: Reals, speeds_m_s: Reals, step_s: float, t_s: Reals)
     ways_m, speeds_m_s : ndarray, shape (m,)
         Of each step of the grid.
     step_s : float
+        Step of the grid, seconds.
     t_s : ndarray, shape (n,)
         Seconds, none beyond the grid.
 

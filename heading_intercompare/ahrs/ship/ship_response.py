@@ -48,6 +48,7 @@ def respond(hull: Hull, wave_number_1_m: Reals, ahead: Reals, aside: Reals,
     Parameters
     ----------
     hull : Hull
+        The ship.
     wave_number_1_m : ndarray, shape (n,)
         Wave numbers, rad/m.
     ahead, aside : ndarray, shape (..., n)

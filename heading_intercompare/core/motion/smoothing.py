@@ -62,6 +62,7 @@ class Smooth:
         t_s : ndarray, shape (n,)
             Seconds. Before the first and after the last knot the function is a straight line.
         derivative : {0, 1, 2}
+            0 for the value.
 
         Returns
         -------

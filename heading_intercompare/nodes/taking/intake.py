@@ -24,6 +24,7 @@ from heading_intercompare.core.records import Losses
 from heading_intercompare.messages.stamps import header_stamp_ns
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 from heading_intercompare.nodes.ros.batches import Unwatched
+from heading_intercompare.nodes.ros.message_types import find_heading_type
 from heading_intercompare.nodes.ros.parameters import resolve_topic
 from heading_intercompare.nodes.ros.transports import DISCOVERY_S
 from heading_intercompare.nodes.runtime.health import Health
@@ -140,6 +141,8 @@ class Intake:
         self._first_wait_s, self._begun_s = first_wait_s, self._newest_s
         self._beat_s, self._beat_n, self._latency_s = self._newest_s, 0, 0.0
         self.type_name = self._known_type = known_type
+        if known_type is not None and known_type not in types:
+            find_heading_type(known_type)
         self._waits = False
         self._there_before: set[str] = set()
         self.open = True

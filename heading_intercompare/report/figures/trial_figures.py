@@ -28,6 +28,7 @@ def draw_trace(trace: Trace, number: int) -> tuple[str, str]:
     Parameters
     ----------
     trace : Trace
+        What it showed.
     number : int
         Number of the sensor on the page.
 
