@@ -1,5 +1,17 @@
-# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
-# SPDX-License-Identifier: Apache-2.0
+# Copyright 2026 The heading_intercompare authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """A recorded voyage made smooth, so that rates and accelerations can be taken from it."""
 
 from __future__ import annotations
@@ -9,7 +21,7 @@ import math
 
 import numpy as np
 
-from heading_intercompare.core.motion.smoothing import bridge_gaps, find_spikes, Smooth, smooth
+from heading_intercompare.core.motion.smoothing import bridge_gaps, find_spikes, fit_smooth, Smooth
 from heading_intercompare.core.motion.tangent_plane import steps_m
 from heading_intercompare.core.records import Attitude, Headings, Integers, Motion, Reals
 from heading_intercompare.core.settings import SettingsError
@@ -18,7 +30,7 @@ from .settings import TrackSettings
 from .ship.earth import KNOT_M_S
 from .ship.track_course import Track, TrackCourse
 
-__all__ = ['Smoothed', 'smooth_track', 'SmoothTrack', 'TrackRecord']
+__all__ = ['Smoothed', 'fit_track', 'SmoothTrack', 'TrackRecord']
 
 #: A sample is no spike unless it is further than this from its neighbours, by unit.
 _LEAST = {'deg': 2.0, 'm/s': 1.0}
@@ -84,7 +96,7 @@ class Smoothed:
 
     @property
     def words(self) -> str:
-        """The account in one line."""
+        """Return the account in one line."""
         lacking = ', '.join(text for n, text in (
             (self.repeated, f'{self.repeated} with the stamp of another'),
             (self.spikes, f'{self.spikes} outliers')) if n)
@@ -106,11 +118,11 @@ class SmoothTrack:
 
     @property
     def words(self) -> tuple[str, ...]:
-        """What a reader should know, a line each."""
+        """Return what a reader should know, a line each."""
         return (*(account.words for account in self.accounts), *self.remarks)
 
 
-def smooth_track(record: TrackRecord, settings: TrackSettings) -> SmoothTrack:
+def fit_track(record: TrackRecord, settings: TrackSettings) -> SmoothTrack:
     """
     Return the voyage as smooth functions of time.
 
@@ -215,7 +227,7 @@ class _Maker:
                 f'track.longest_gap_s = {self._longest_gap_s!r}: the record has no {what} for '
                 f'{longest_s:.1f} s; begin after the gap with track.begin_s, or raise it')
         full_s, full = bridge_gaps(*_reach_ends(t_s, values, self._duration_s), period_s)
-        made = smooth(full_s, full, period_s)
+        made = fit_smooth(full_s, full, period_s)
         removed = float(np.std(values - made.read(t_s)))
         self.accounts.append(Smoothed(what, unit, t_s.size, repeated, int(spikes.sum()),
                                       gaps.size, longest_s, period_s, removed))
@@ -251,8 +263,8 @@ def _find_velocity(make: _Maker, motion: Motion, heading: Smooth, settings: Trac
         angle = np.radians(heading.read(t_s))
         remarks.append(f'no velocity and no positions: {settings.speed_kn:g} kn along the '
                        f'heading, smoothed over {period_s:g} s')
-        return (smooth(t_s, speed_m_s * np.sin(angle), period_s),
-                smooth(t_s, speed_m_s * np.cos(angle), period_s))
+        return (fit_smooth(t_s, speed_m_s * np.sin(angle), period_s),
+                fit_smooth(t_s, speed_m_s * np.cos(angle), period_s))
     return (make.smooth('velocity to the east', 'm/s', stamps, east, period_s),
             make.smooth('velocity to the north', 'm/s', stamps, north, period_s))
 

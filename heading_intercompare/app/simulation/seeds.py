@@ -1,5 +1,17 @@
-# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
-# SPDX-License-Identifier: Apache-2.0
+# Copyright 2026 The heading_intercompare authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """One trial with many seeds: the spread of its figures, and the coverage of the analysis."""
 
 from __future__ import annotations
@@ -64,7 +76,7 @@ class Repeated:
 
     @property
     def words(self) -> Iterator[str]:
-        """A line per figure, over the seeds that have it."""
+        """Yield a line per figure, over the seeds that have it."""
         n = len(self.results)
         counts = Counter(result.outcome for result in self.results)
         yield f'outcomes of {n} seeds: ' + ', '.join(
@@ -91,7 +103,7 @@ class Repeated:
 
     @property
     def table(self) -> dict[str, Reals]:
-        """The figures that are drawn, a column each; nan where a seed has none."""
+        """Return the figures that are drawn, a column each; nan where a seed has none."""
         rows = [(result.seed, result.true_mean_deg, result.mean_deg, *result.interval_deg)
                 for result in self.results]
         return dict(zip(('seed', 'true_mean_deg', 'mean_deg', 'low_deg', 'high_deg'),
@@ -105,7 +117,7 @@ class Repeated:
     @property
     def coverage(self) -> tuple[int, int]:
         """
-        The seeds whose interval holds the mean, and the seeds that have an interval.
+        Return the seeds whose interval holds the mean, and the seeds that have an interval.
 
         The mean is that of the other seeds. Its own uncertainty widens the interval.
         """

@@ -1,5 +1,17 @@
-# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
-# SPDX-License-Identifier: Apache-2.0
+# Copyright 2026 The heading_intercompare authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """The recorded voyage that a simulated ship repeats, read from a bag, a log or a csv."""
 
 from __future__ import annotations
@@ -12,7 +24,7 @@ from typing import Mapping
 
 from heading_intercompare.ahrs.settings import TrackSettings
 from heading_intercompare.ahrs.ship.track_course import Track
-from heading_intercompare.ahrs.track_smoothing import smooth_track, TrackRecord
+from heading_intercompare.ahrs.track_smoothing import fit_track, TrackRecord
 from heading_intercompare.app.logs.log_import import import_log
 from heading_intercompare.app.logs.log_motion import find_motion
 from heading_intercompare.app.sources.file_hash import hash_files
@@ -79,7 +91,7 @@ def read_voyage(settings: TrackSettings, folder: Path = Path()) -> Voyage:
         record = replace(record, motion=other.motion, attitude=(
             other.attitude if len(other.attitude) else record.attitude))
     try:
-        made = smooth_track(record, settings)
+        made = fit_track(record, settings)
     except SettingsError as error:
         raise SettingsError(f'{path}: {error}') from error
     origin: dict[str, object] = {'file': path, 'heading': stream, 'sha256': _hash(path)}

@@ -1,5 +1,17 @@
-# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
-# SPDX-License-Identifier: Apache-2.0
+# Copyright 2026 The heading_intercompare authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """
 The motion of the ship against its headings: course over ground and rate of turn.
 
@@ -16,7 +28,7 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'motion_check': ('check_motion', 'MotionCheck', 'SensorMotion'),
     'motion_record': ('find_newest', 'leave_out_known', 'MotionRecord', 'RunMotion'),
     'motion_words': ('describe_motion', 'explain_motion'),
-    'smoothing': ('Smooth', 'smooth'),
+    'smoothing': ('fit_smooth', 'Smooth'),
     'tangent_plane': ('radii_m', 'steps_m'),
     'turn_rate': ('compare_turns', 'TurnRate'),
 })
@@ -39,6 +51,6 @@ if TYPE_CHECKING:
         RunMotion as RunMotion,
     )
     from .motion_words import describe_motion as describe_motion, explain_motion as explain_motion
-    from .smoothing import Smooth as Smooth, smooth as smooth
+    from .smoothing import fit_smooth as fit_smooth, Smooth as Smooth
     from .tangent_plane import radii_m as radii_m, steps_m as steps_m
     from .turn_rate import compare_turns as compare_turns, TurnRate as TurnRate

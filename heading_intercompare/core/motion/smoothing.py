@@ -1,5 +1,17 @@
-# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
-# SPDX-License-Identifier: Apache-2.0
+# Copyright 2026 The heading_intercompare authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """A recorded quantity as a smooth function of time: a quintic spline with a stated bandwidth."""
 
 from __future__ import annotations
@@ -12,7 +24,7 @@ import scipy
 
 from heading_intercompare.core.records import Reals
 
-__all__ = ['bridge_gaps', 'find_spikes', 'Smooth', 'smooth']
+__all__ = ['bridge_gaps', 'find_spikes', 'fit_smooth', 'Smooth']
 
 _KNOTS_A_PERIOD = 8
 #: Pieces of the quintic B-spline over one knot interval: coefficients of 1, u, ... u^5.
@@ -50,7 +62,7 @@ class Smooth:
 
     @property
     def end_s(self) -> float:
-        """The last knot, seconds."""
+        """Return the last knot, seconds."""
         return self.start_s + self.step_s * len(self.pieces)
 
     def read(self, t_s: Reals, derivative: int = 0) -> Reals:
@@ -158,7 +170,7 @@ def bridge_gaps(t_s: Reals, values: Reals, longest_s: float) -> tuple[Reals, Rea
     return at[order], joined[order]
 
 
-def smooth(t_s: Reals, values: Reals, period_s: float) -> Smooth:
+def fit_smooth(t_s: Reals, values: Reals, period_s: float) -> Smooth:
     """
     Return a smooth function through samples.
 

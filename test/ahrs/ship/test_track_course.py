@@ -1,5 +1,17 @@
-# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
-# SPDX-License-Identifier: Apache-2.0
+# Copyright 2026 The heading_intercompare authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
 """A ship that repeats a recorded voyage."""
 
 from __future__ import annotations
@@ -13,7 +25,7 @@ from heading_intercompare.ahrs.ship.course import Current
 from heading_intercompare.ahrs.ship.earth import EARTH_RATE_RAD_S, KNOT_M_S, radii
 from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
 from heading_intercompare.ahrs.ship.track_course import Track
-from heading_intercompare.core.motion.smoothing import smooth
+from heading_intercompare.core.motion.smoothing import fit_smooth
 
 T_S = np.arange(0.0, 301.0)
 
@@ -23,8 +35,8 @@ def make_track(heading_deg=None, **given):
     heading = np.full(T_S.size, 45.0) if heading_deg is None else heading_deg
     parts = {'east_m_s': np.full(T_S.size, 6.0 * math.sin(math.pi / 4.0)),
              'north_m_s': np.full(T_S.size, 6.0 * math.cos(math.pi / 4.0)), **given}
-    return Track(10**18, 300.0, smooth(T_S, np.radians(heading), 4.0), position_deg=(50.0, 3.0),
-                 **{name: smooth(T_S, values, 4.0) for name, values in parts.items()})
+    return Track(10**18, 300.0, fit_smooth(T_S, np.radians(heading), 4.0), position_deg=(50.0, 3.0),
+                 **{name: fit_smooth(T_S, values, 4.0) for name, values in parts.items()})
 
 
 def test_the_heading_is_that_of_the_record_at_any_instant():
