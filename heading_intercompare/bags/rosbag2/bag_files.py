@@ -43,6 +43,13 @@ class BagFiles(NamedTuple):
     unlisted: list[str]
 
     @property
+    def missing(self) -> list[str]:
+        """Which files are missing, in words; of many only the first are named."""
+        more = len(self.absent) - _MOST_NAMED
+        return [f'{name} is missing' for name in self.absent[:_MOST_NAMED]] + (
+            [f'{more} more files are missing'] if more > 0 else [])
+
+    @property
     def oddities(self) -> list[str]:
         """What a user should know about the files that are left out, in words."""
         if not self.unlisted:
@@ -85,12 +92,13 @@ def find_files(path: Path, listed: list[str] | None = None) -> BagFiles:
                      for names in ([each.name for each in everything], listed))
     absent = [name for name in listed if not (path / name).is_file()
               and plain_name(name) not in there]
-    known = [each for each in everything if plain_name(each.name) in wanted]
+    known = {each for each in everything if plain_name(each.name) in wanted}
     if not known:
         return BagFiles(everything, absent, [])
     stems = {_stem(name) for name in listed} - {None}
     paths = [each for each in everything if each in known or _stem(each.name) in stems]
-    return BagFiles(paths, absent, [each.name for each in everything if each not in paths])
+    kept = set(paths)
+    return BagFiles(paths, absent, [each.name for each in everything if each not in kept])
 
 
 def _stem(name: str) -> str | None:

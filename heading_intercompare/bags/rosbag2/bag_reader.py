@@ -106,7 +106,7 @@ def _open_files(path: Path, oddities: list[str],
     """Return the files of a bag in order, and why some are missing; say what else is odd."""
     files = find_files(path)
     oddities += files.oddities
-    absent = [f'{name} is missing' for name in files.absent]
+    absent = files.missing
     paths = []
     for each in files.paths:
         if each.name.endswith(PACKED):
