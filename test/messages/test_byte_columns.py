@@ -42,8 +42,9 @@ def test_rows_are_split_into_messages():
 
 def test_an_empty_message_takes_no_other_with_it():
     """It has the offset of the message after it."""
-    rows = [row.tobytes() for row in encode_imu(Headings.of(10**18 + np.arange(4), np.arange(4.0)), 'x')]
-    rows[1:3] = b'', b''
+    sent = Headings.of(10**18 + np.arange(4), np.arange(4.0))
+    rows = [row.tobytes() for row in encode_imu(sent, 'x')]
+    rows[1:3] = [b''] * 2
     data, start, stop = join_messages(rows)
     found, readable, problem = decode_readable(
         partial(decode_headings, IMU, 'enu', data), start, stop)

@@ -157,7 +157,7 @@ class _Copying:
         self._of_epoch: dict[int, list[tuple[int, int]]] = {}
         for (epoch, number), new in numbers.items():
             self._of_epoch.setdefault(epoch, []).append((number, new))
-        self.salvage = Salvage(file)
+        self.salvage = Salvage(file, found.unproven > 0)
         self._runs = ChunkRuns(self._read, self.salvage.size)
         self._same: dict[object, bool] = {}
         self._tables: tuple[int, np.ndarray] = (-1, np.empty(0, np.int64))
@@ -258,7 +258,7 @@ class _Copying:
         self.flush()
         at, end = piece.chunk.start, piece.chunk.end
         if piece.kind == Kind.FRAGMENT:
-            item = self.salvage.fragment(at, end)
+            item = self.salvage.fragment(at, end) or self.salvage.unproved(at)
             block = item.block if item is not None else None
         else:
             data = self._read(at, end - at)

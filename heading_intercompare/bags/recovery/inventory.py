@@ -176,6 +176,8 @@ class Inventory:
         The metadata records `recovery` in it, from earlier recoveries.
     indexed : list of ChunkRow
         What its index says of the chunks.
+    unproven : int
+        Messages that are kept though the checksum of their chunk is wrong.
     large : dict of int to Large
         What the large chunks hold, by their first bytes.
     doubtful : list
@@ -197,6 +199,7 @@ class Inventory:
     extras: int = 0
     earlier: list[dict[str, str]] = field(default_factory=list)
     indexed: list[ChunkRow] = field(default_factory=list)
+    unproven: int = 0
     large: dict[int, Large] = field(default_factory=dict)
     doubtful: list[tuple[int, int, Chunk]] = field(default_factory=list)
 
@@ -264,7 +267,8 @@ def split_epochs(definitions: Definitions, start: int, epoch: int,
     yield epoch, slice(lo, len(at))
 
 
-def take_inventory(path: Path, progress: Callable[[str], None]) -> Inventory:
+def take_inventory(path: Path, progress: Callable[[str], None],
+                   unproven: bool = False) -> Inventory:
     """
     Read a whole file, and list its contents.
 
@@ -274,6 +278,8 @@ def take_inventory(path: Path, progress: Callable[[str], None]) -> Inventory:
         The file.
     progress : callable
         Called with the progress in words.
+    unproven : bool
+        Also keep the possible messages of chunks whose checksum is wrong.
 
     Raises
     ------
@@ -287,7 +293,7 @@ def take_inventory(path: Path, progress: Callable[[str], None]) -> Inventory:
     #: Whether message indexes here belong to a damaged chunk; None: no chunk precedes them.
     indexing: bool | None = None
     with open_with_holes(path, found.holes) as file:
-        salvage = Salvage(file)
+        salvage = Salvage(file, unproven)
         found.size = salvage.size
         for item in salvage.scan():
             index = isinstance(item, Sound) and item.record.opcode == Opcode.MESSAGE_INDEX
@@ -313,6 +319,7 @@ def take_inventory(path: Path, progress: Callable[[str], None]) -> Inventory:
                                            True, item.lost))
                 indexing = True
                 kept = item.large.messages if item.large else len(item.block.start)
+                found.unproven += kept if item.unproven else 0
             _take(found, item, salvage, file)
             if item.block is not None or item.large is not None:
                 progress(f'{item.end / salvage.size:.0%} examined')

@@ -92,6 +92,8 @@ class Sound:
         Consecutive chunks, each whole.
     large : Large or None
         A chunk that is too large for a block, or what is intact of it.
+    unproven : bool
+        Its checksum is wrong; its messages are possible, and nothing more is known of them.
     sure : int
         Up to this byte no other record can be hidden in it.
     begins : bool
@@ -107,6 +109,7 @@ class Sound:
     fault: str = ''
     run: ChunkRun | None = None
     large: Large | None = None
+    unproven: bool = False
     sure: int = 0
     begins: bool = False
     lost: int = 0
@@ -142,11 +145,14 @@ class Salvage:
     ----------
     file : binary file
         Open for reading, seekable.
+    unproven : bool
+        Also keep the messages of chunks whose checksum is wrong, as far as they are possible.
 
     """
 
-    def __init__(self, file: BinaryIO) -> None:
+    def __init__(self, file: BinaryIO, unproven: bool = False) -> None:
         self._file = file
+        self._unproven = unproven
         self._stream = RecordStream(file)
         self.size = self._stream.size
         self._window, self._window_at = b'', 0
@@ -183,7 +189,7 @@ class Salvage:
                 at += len(MAGIC)
                 begins = True
                 continue
-            found = self._sound(at)
+            found = self._sound(at) or self.unproved(at)
             if found is not None:
                 unsure = found.sure
                 at = self._next = found.end
@@ -390,6 +396,28 @@ class Salvage:
         lost = end - at - (HEAD.size + len(content) * kept // len(data) if data else 0)
         return Sound(Record(Opcode.CHUNK, at + HEAD.size, len(content)), end,
                      block_of(data[:kept], at), fault, sure=end, lost=lost)
+
+    def unproved(self, at: int) -> Sound | None:
+        """Return the possible messages of a chunk whose checksum is wrong, if they are wanted."""
+        head = find_chunk_head(self._read(at, HEAD_BYTES)) if self._unproven else None
+        if head is None or head.first_ns > head.last_ns:
+            return None
+        end = at + HEAD.size + head.length
+        record = Record(Opcode.CHUNK, at + HEAD.size, head.length)
+        fault = f'{self._fault}; what it holds is kept without proof'
+        if end > self.size:
+            return None
+        if head.size > LARGE_BYTES:
+            large = survey(self._file, at, end, head, proved=False)
+            if large is None or not large.messages:
+                return None
+            return Sound(record, end, None, fault, sure=end, large=large, unproven=True)
+        data = decompress_begun(self._read(at + HEAD.size, head.length))
+        block = block_of(data[:measure_leading(data, (head.first_ns, head.last_ns))], at)
+        if not len(block.start):
+            return None
+        lost = head.packed * (len(data) - len(block.data)) // len(data)
+        return Sound(record, end, block, fault, sure=end, lost=lost, unproven=True)
 
     def _find_next(self, at: int) -> int:
         """Return where the next intact record begins after damage at a byte."""

@@ -32,7 +32,7 @@ class BagFiles(NamedTuple):
     paths : list of Path
         The files to read, in natural order of their names.
     absent : list of str
-        Names of listed files that do not exist.
+        Names of files that do not exist: listed ones, and links that lead nowhere.
     unlisted : list of str
         Names of files that are left out, because the list names others.
 
@@ -92,6 +92,9 @@ def find_files(path: Path, listed: list[str] | None = None) -> BagFiles:
                      for names in ([each.name for each in everything], listed))
     absent = [name for name in listed if not (path / name).is_file()
               and plain_name(name) not in there]
+    # A link that leads nowhere, or to itself.
+    absent += sorted({each.name for each in path.glob('*.mcap*') if each.is_symlink()
+                      and not each.exists()} - {*absent})
     known = {each for each in everything if plain_name(each.name) in wanted}
     if not known:
         return BagFiles(everything, absent, [])

@@ -169,3 +169,11 @@ def test_a_survey_tells_what_is_intact():
     assert sum(len(block.start) for block in read_blocks(file, 0, len(data), found)) == N
     assert find_fault(io.BytesIO(data[:-9]), 0, head)
     assert survey(file, 0, 20, head, False).messages == 0
+
+
+@pytest.mark.usefixtures('of_pieces')
+def test_a_large_chunk_with_a_wrong_checksum_is_kept_if_asked_for(tmp_path):
+    path = write(tmp_path / 'x.mcap', large('zstd', crc=1), small(N, 5))
+    total = recover(path, tmp_path / 'new', unproven=True)
+    assert (total.messages, total.messages_unproven) == (N + 5, N)
+    assert sent(tmp_path / 'new') == as_sent(range(N + 5))
