@@ -45,7 +45,7 @@ class Result:
 
     @property
     def markdown(self) -> str:
-        """The row in Markdown."""
+        """Return the row in Markdown."""
         return f'| {" | ".join(self.cells)} |'
 
 
@@ -74,12 +74,12 @@ class Bounds:
 
     @property
     def medians(self) -> str:
-        """The median L / U."""
+        """Return the median L / U."""
         return f'{np.median(self.lower):.3g} / {np.median(self.upper):.3g}'
 
     @property
     def accepts(self) -> str:
-        """The accepted shares of sensors that are better than the limit."""
+        """Return the accepted shares of sensors that are better than the limit."""
         return ' / '.join(f'{np.mean(s * s * self.upper <= 1.0):.2f}' for s in SIGMAS)
 
 

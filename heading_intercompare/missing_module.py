@@ -20,6 +20,7 @@ def explain_missing(error: ModuleNotFoundError) -> str | None:
     Parameters
     ----------
     error : ModuleNotFoundError
+        As raised by the import.
 
     Returns
     -------

@@ -146,6 +146,7 @@ def load_yaml(text: str, most_bytes: int = _MOST_BYTES) -> Any:
     Parameters
     ----------
     text : str
+        One document.
     most_bytes : int
         A longer text is rejected.
 

@@ -52,6 +52,7 @@ def add_sensors(policy: str, namespace: str, topics: dict, reference: str | None
     policy : str
         That of two sensors, with the namespace filled in.
     namespace : str
+        Of the graph.
     topics : dict of str to str
         Topic of each sensor, by name.
     reference : str or None

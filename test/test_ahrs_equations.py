@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""The table of equations in docs/ahrs.md and the docstrings name each other."""
+"""The table of equations in docs/ahrs.md, the docstrings and the tests name each other."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ import pytest
 
 ROOT = Path(__file__).resolve().parent.parent
 TEXT = (ROOT / 'docs' / 'ahrs.md').read_text(encoding='utf-8')
-ROWS = re.findall(r'^\| \((\d+)\) \| ([PRC]) \| (.+) \| `([\w.]+)` \|$', TEXT, re.MULTILINE)
+ROWS = re.findall(r'^\| \((\d+)\) \| ([PRC]) \| (.+) \| `([\w.]+)` \| (`.+`) \|$', TEXT,
+                  re.MULTILINE)
 NUMBER = re.compile(r'\((\d+)\)(?:-\((\d+)\))?')
 
 
@@ -40,14 +41,28 @@ def module_of(name):
     return importlib.import_module('.'.join(path.relative_to(ROOT).with_suffix('').parts))
 
 
-@pytest.mark.parametrize('number, origin, form, function', ROWS, ids=[row[0] for row in ROWS])
-def test_function_of_the_row_names_the_equation(number, origin, form, function):
+@pytest.mark.parametrize('number, origin, form, function, tests', ROWS,
+                         ids=[row[0] for row in ROWS])
+def test_function_of_the_row_names_the_equation(number, origin, form, function, tests):
     module, *names = function.split('.')
     found = module_of(module)
     for name in names:
         found = getattr(found, name)
     assert int(number) in named_in(found.__doc__), f'{function} does not name S ({number})'
     assert form
+
+
+@pytest.mark.parametrize('number, origin, form, function, tests', ROWS,
+                         ids=[row[0] for row in ROWS])
+def test_tests_of_the_row_exist_and_are_of_the_simulator(number, origin, form, function, tests):
+    assert re.fullmatch('`[^`]+`(, `[^`]+`)*', tests), tests
+    for test in re.findall('`([^`]+)`', tests):
+        path, _, name = test.partition('::')
+        tree = ast.parse((ROOT / path).read_text(encoding='utf-8'))
+        assert name.startswith('test_')
+        assert name in {n.name for n in tree.body if isinstance(n, ast.FunctionDef)}, test
+        imported = {n.module for n in ast.walk(tree) if isinstance(n, ast.ImportFrom) and n.module}
+        assert any(m.startswith('heading_intercompare.ahrs.') for m in imported), test
 
 
 @pytest.mark.parametrize('function', sorted(set(

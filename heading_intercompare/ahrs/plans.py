@@ -32,11 +32,13 @@ EVENTS = {
     'fail_gyro': 'a gyro loses its spin',
     'fail_accelerometer': 'an accelerometer sticks',
     'fail_gimbal': 'a gimbal reaches its stop',
+    'fail_servo': 'the motors of rotation unit and azimuth gimbal stand still',
     'repair': 'all injected failures end',
 }
 """Events that can happen to a running gimballed AHRS."""
 
-FIXED = ('drift_x', 'drift_y', 'drift_z', 'meter_x', 'meter_y', 'bias_x', 'bias_y')
+FIXED = ('drift_x', 'drift_y', 'drift_z', 'meter_x', 'meter_y', 'bias_x', 'bias_y',
+         'bias_z')
 """Errors that can be fixed instead of random: gyro drifts and meter biases in deg/h, accelerometer
 biases in micro-g."""
 

@@ -95,6 +95,9 @@ class Ahrs(Checked):
         None, 'azimuth of the platform at the start; if aligned, its error [deg]; none: random',
         -180.0, 180.0)
     sigma_1_s: float = setting(2e-3, 'tuning of the gyrocompass [1/s]', 1e-4, 1e-2)
+    start: str = setting(
+        'successive', "calibration of the course gyro and alignment in azimuth: 'successive', or "
+        "'mutual' in one turning of the course gyro", choices=('successive', 'mutual'))
     hold_s: float = setting(600.0, 'levelling before the course gyro is calibrated [s]', 10.0)
     alignment_s: float = setting(
         600.0, 'time over which the rates are averaged for the alignment [s]', 10.0)
@@ -222,7 +225,7 @@ class Scenario(Checked):
 
     @property
     def topics(self) -> dict[str, str]:
-        """The usual topic of each simulated sensor."""
+        """Return the usual topic of each simulated sensor."""
         return {name: f'{name}/heading' for name in self.sensors}
 
     @property

@@ -61,18 +61,18 @@ class SimulatedChunk:
 
     @property
     def sent(self) -> dict[str, tuple[Readings, tuple[AhrsStatus, ...]]]:
-        """Readings and statuses of all sensors: 'ts', 'rs', and the others by name."""
+        """Return the readings and statuses of all sensors: 'ts', 'rs', and the others by name."""
         return {'ts': (self.ts_readings, self.ts_statuses),
                 'rs': (self.rs_readings, self.rs_statuses), **self.others}
 
     @property
     def ts(self) -> Headings:
-        """Readings of the TS."""
+        """Return the readings of the TS."""
         return self.ts_readings.headings
 
     @property
     def rs(self) -> Headings:
-        """Readings of the RS."""
+        """Return the readings of the RS."""
         return self.rs_readings.headings
 
 

@@ -66,6 +66,7 @@ def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | Non
     paths : sequence of str
         The inputs.
     settings : Settings
+        By which each of them is judged.
     table : sequence of (start_ns, stop_ns, source), optional
         Runs; those with a source apply only to the input of that name.
     takers : iterable of callable

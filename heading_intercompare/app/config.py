@@ -117,6 +117,7 @@ def settings_for(config: Config, assignments: Sequence[str] = (),
     Parameters
     ----------
     config : Config
+        The parameter file, as read.
     assignments : sequence of str
         The ``name=value`` of ``--set``.
     overrides : object

@@ -33,6 +33,7 @@ def write_page(histories: Sequence[History], path: str, since_ns: int | None = N
     Parameters
     ----------
     histories : sequence of History
+        A chart each, in their order.
     path : str
         The file.
     since_ns : int, optional

@@ -135,6 +135,7 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
     path : str
         A recording that `open_recording` reads, a csv of pairs or a journal of a live run.
     settings : Settings
+        By which it is judged.
     table : sequence of (start_ns, stop_ns, source), optional
         Runs; those with a source apply only to the input of that name, see `assign_runs`.
     takers : sequence of callable

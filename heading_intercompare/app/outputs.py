@@ -62,6 +62,7 @@ def check_outputs(outputs: Outputs, inputs: Sequence[str], *, config: str | None
     Parameters
     ----------
     outputs : Outputs
+        The files that a command will write.
     inputs : sequence of str
         The inputs to judge.
     config, runs : str, optional

@@ -67,7 +67,7 @@ class FormerVerdict:
 
     @property
     def words(self) -> str:
-        """The outcome, whether it is doubtful, and its rule, in words."""
+        """Return the outcome, whether it is doubtful, and its rule, in words."""
         doubt = ', DOUBTFUL' if is_doubtful(self.outcome, self.validity_effect) else ''
         rule = 'an unnumbered rule' if self.rule_version is None else f'rule {self.rule_version}'
         return f'{OUTCOME_WORDS[self.outcome.value]}{doubt} by {rule}'
@@ -113,7 +113,7 @@ class Rejudged:
 
     @property
     def line(self) -> str:
-        """The result in one line."""
+        """Return the result in one line."""
         if self.status == UNJUDGED:
             return f'{self.path}: not judged: {self.error}'
         if self.former is None:
@@ -126,7 +126,7 @@ class Rejudged:
 
     @property
     def rank(self) -> tuple[int, int, int]:
-        """The sort key: changed recordings first, the most severe change before the rest."""
+        """Return the sort key: changed recordings first, by how severe the change is."""
         now = 0 if self.outcome is None else _WORSE[self.outcome]
         then = now if self.former is None else _WORSE[self.former.outcome]
         return _ORDER.index(self.status), then - now, -now

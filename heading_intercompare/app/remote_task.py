@@ -58,6 +58,7 @@ def judge_there(job: Job, path: str, place: str, libraries: str) -> Judged:
     Parameters
     ----------
     job : Job
+        What to do with the input.
     path : str
         Name of the input in the verdict.
     place : str

@@ -20,12 +20,13 @@ from typing import (
     Iterable,
     Iterator,
     Mapping,
+    NamedTuple,
     Union,
 )
 
 __all__ = ['Checked', 'explain_unknown', 'flatten', 'from_mapping', 'leave_out_added',
            'leave_out_gone', 'list_settings', 'name_keywords', 'Setting', 'setting',
-           'settings_sha256', 'SettingsError', 'to_mapping']
+           'settings_sha256', 'SettingsError', 'to_mapping', 'Used']
 
 
 _NO_GATE = ('is gone: the decision has no gate any more, its bounds widen if the record says '
@@ -38,8 +39,9 @@ _GONE = {
 }
 """Settings of earlier versions, and what to do instead."""
 
-_ADDED: dict[str, Any] = {'pairing.jump_s': 10.0, 'runs.every_h': None, 'runs.cut_at_utc': None,
-                          'runs.keep': 31, 'alignment.clock_range_s': 600.0,
+_ADDED: dict[str, Any] = {'pairing.jump_s': 10.0, 'pairing.silent_wait_s': 60.0,
+                          'runs.every_h': None, 'runs.cut_at_utc': None, 'runs.keep': 31,
+                          'alignment.clock_range_s': 600.0,
                           'exclusions': None, 'sensors': None, 'norms.systematic_max_deg': None,
                           'motion.compare': True,
                           'motion.least_speed_kn': 3.0, 'motion.current_max_kn': 3.0,
@@ -74,7 +76,7 @@ class Setting:
 
     @property
     def allowed(self) -> str:
-        """The allowed values, in words."""
+        """Return the allowed values, in words."""
         words = []
         if bool in self.kinds:
             words.append('true or false')
@@ -232,6 +234,27 @@ def leave_out_added(given: Mapping[str, Any]) -> dict[str, Any]:
     """
     return {name: value for name, value in given.items()
             if name not in _ADDED or value != _ADDED[name]}
+
+
+class Used(NamedTuple):
+    """
+    The settings of a class that a program uses, which is given one file with those of others.
+
+    Attributes
+    ----------
+    settings_class : type
+        The class.
+    names : tuple of str
+        Names of settings, or of groups of settings.
+
+    """
+
+    settings_class: type
+    names: tuple[str, ...]
+
+    def has(self, name: str) -> bool:
+        """Tell whether a setting is one of them."""
+        return any(name == one or name.startswith(f'{one}.') for one in self.names)
 
 
 def from_mapping(settings_class: type, mapping: Mapping[str, Any]) -> Any:

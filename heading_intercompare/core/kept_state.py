@@ -84,7 +84,7 @@ class KeptState:
 
     @property
     def n_judged(self) -> int:
-        """Number of runs judged so far."""
+        """Return the number of runs judged so far."""
         return self.n_earlier + len(self.finished)
 
     def to_text(self) -> str:

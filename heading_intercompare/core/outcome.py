@@ -28,6 +28,7 @@ def worst(outcomes: Iterable[Outcome]) -> Outcome:
     Parameters
     ----------
     outcomes : iterable of Outcome
+        In any order.
 
     Returns
     -------

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from copy import copy
 from dataclasses import replace
-from typing import Any, Callable, Iterable, Sequence
+from typing import Any, Callable, Sequence
 
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.sequential import find_standing, Look, LookVerdict
@@ -74,6 +74,8 @@ class Compliance:
     ----------
     motion : RunMotion
         The motion of the ship during the run in progress.
+    rolling : Rolling
+        The rolling window.
 
     Raises
     ------
@@ -106,7 +108,7 @@ class Compliance:
         # How many runs were too short, and how many too old for the verdict; the newest such cut.
         self._n_short = self._n_earlier = 0
         self._earlier_ns: int | None = None
-        self._rolling = Rolling(settings.window_s)
+        self.rolling = Rolling(settings.window_s)
         self.motion = RunMotion(keeper)
 
     def take_motion(self, motion: Motion) -> None:
@@ -123,7 +125,7 @@ class Compliance:
                 self._end_run()
                 self._run = self._begin_run(piece.key, piece.cut_ns, piece.since_ns)
             self._run.update(pairs[piece.lo:piece.hi], differences[piece.lo:piece.hi])
-        self._rolling.update(differences)
+        self.rolling.update(differences)
         self.newest_ns = int(pairs.stamp_ns[-1])
         self._end_run_if_cut()
 
@@ -183,7 +185,7 @@ class Compliance:
             differences = self._subtract(pairs)
             self._run = self._begin_run(state.cutter.key, cut_ns, state.cutter.since_ns)
             self._run.update(pairs, differences)
-            self._rolling.update(differences)
+            self.rolling.update(differences)
 
     @property
     def run_start_ns(self) -> int | None:
@@ -207,7 +209,7 @@ class Compliance:
 
     @property
     def early(self) -> LookVerdict | None:
-        """The result that stands after the looks at the current run; None until one decides."""
+        """Return the result after the looks at the current run; None until one decides."""
         return find_standing(self._looks)
 
     def _end_run_if_cut(self) -> None:
@@ -233,7 +235,7 @@ class Compliance:
 
     @property
     def finished_runs(self) -> int:
-        """Number of runs judged so far."""
+        """Return the number of runs judged so far."""
         return self._n_earlier + len(self._finished)
 
     @property
@@ -257,19 +259,19 @@ class Compliance:
 
     def rolling_figures(self) -> dict[str, Any]:
         """Return the figures of the rolling window; ``n`` is 0 before the first pair."""
-        if self._rolling.start_ns is None:
+        if self.rolling.start_ns is None:
             return {'n': 0}
         if self._run is not None and len(self._run):
             self._limits = self._run.limits(self.settings.norms, self.settings.model)
-        return {'start_ns': self._rolling.start_ns, 'newest_ns': self.newest_ns,
-                **compute_figures(self._rolling, self._limits, self.settings)}
+        return {'start_ns': self.rolling.start_ns, 'newest_ns': self.newest_ns,
+                **compute_figures(self.rolling, self._limits, self.settings)}
 
     def rolling_moments(self) -> dict[str, Any]:
         """Return those of the rolling figures that cost little; ``n`` is 0 before a pair."""
-        if self._rolling.start_ns is None:
+        if self.rolling.start_ns is None:
             return {'n': 0}
-        return {'start_ns': self._rolling.start_ns, 'newest_ns': self.newest_ns,
-                **name_moments(self._rolling.moments())}
+        return {'start_ns': self.rolling.start_ns, 'newest_ns': self.newest_ns,
+                **name_moments(self.rolling.moments())}
 
     def results(self, ledger: Ledger | None = None) -> list[RunResult]:
         """
@@ -338,13 +340,13 @@ class Compliance:
         return taken
 
     def verdict(self, ledger: Ledger | None = None,
-                inputs: Iterable[Input] = ()) -> Verdict:
+                inputs: Sequence[Input] = ()) -> Verdict:
         """Return the verdict on the runs judged so far."""
         return join(self.results(ledger), self.settings, inputs)
 
 
 def join(results: Sequence[RunResult], settings: Settings,
-         inputs: Iterable[Input] = (), *, incomplete: bool = False) -> Verdict:
+         inputs: Sequence[Input] = (), *, incomplete: bool = False) -> Verdict:
     """
     Return the verdict on runs, and number them in the order given.
 
@@ -353,22 +355,21 @@ def join(results: Sequence[RunResult], settings: Settings,
     results : sequence of RunResult
         Runs of one input or of several.
     settings : Settings
-    inputs : iterable of Input
+        By which the runs were judged.
+    inputs : sequence of Input
         The sources of the runs.
     incomplete : bool
         Whether an input could not be judged; then the verdict is never compliant.
 
     """
     runs = compare_runs(results)
-    results = [r.place_among(at + 1, runs) for at, r in enumerate(results)]
-    verdicts = [r.verdict for r in results]
+    results = [r.place_among(at, runs) for at, r in enumerate(results, 1)]
     outcome, coverage, campaign = conclude_campaign(results, runs, settings, incomplete)
-    verdict = Verdict.of(verdicts, outcome, campaign, coverage, settings, tuple(inputs))
+    whole = Verdict.of([r.verdict for r in results], outcome, campaign, coverage, settings, inputs)
     if incomplete:
-        verdict = replace(verdict, paper_outcome=worst(
-            [verdict.paper_outcome, Outcome.INDETERMINATE]))
+        whole = replace(whole, paper_outcome=worst([whole.paper_outcome, Outcome.INDETERMINATE]))
     exclusions = read_exclusions(settings.exclusions)
-    return _show_whole(verdict, results, exclusions, incomplete) if exclusions else verdict
+    return _show_whole(whole, results, exclusions, incomplete) if exclusions else whole
 
 
 def _show_whole(verdict: Verdict, results: Sequence[RunResult],
@@ -382,11 +383,10 @@ def _show_whole(verdict: Verdict, results: Sequence[RunResult],
     n, analysed = sum(one.n for one in stretches), sum(run.n for run in whole.runs)
     taken_out = TakenOut(n, n / analysed if analysed else 0.0, stretches, AsRecorded(
         whole.outcome, whole.validity_effect, whole.headline, analysed, None))
-    line = verdict.headline
-    if n and (len(verdict.runs) > 1 or line != verdict.runs[0].headline):
+    if n and (len(verdict.runs) > 1 or verdict.headline != verdict.runs[0].headline):
         same = find_taken_out(verdict.outcome, verdict.validity_effect, taken_out)
-        line = f'{line}; of all runs {same.words}'
-    return replace(verdict, taken_out=taken_out, headline=line)
+        verdict = replace(verdict, headline=f'{verdict.headline}; of all runs {same.words}')
+    return replace(verdict, taken_out=taken_out)
 
 
 class Intercomparison:
@@ -450,7 +450,7 @@ class Intercomparison:
 
     @property
     def ledger(self) -> Ledger:
-        """The account of every reading so far."""
+        """Return the account of every reading so far."""
         if not len(self._before):
             return self.pairer.ledger
         whole = self._before.copy()
@@ -495,6 +495,6 @@ class Intercomparison:
         """Return the runs judged so far, to `join` with those of other inputs."""
         return self.compliance.results(self.ledger)
 
-    def verdict(self, inputs: Iterable[Input] = ()) -> Verdict:
+    def verdict(self, inputs: Sequence[Input] = ()) -> Verdict:
         """Return the verdict on the runs judged so far."""
         return join(self.results(), self.compliance.settings, inputs)

@@ -26,6 +26,7 @@ from .declared_settings import (
     settings_sha256,
     SettingsError,
     to_mapping,
+    Used,
 )
 from .rows.sensor_table import read_sensors, SENSOR_CLASS_NAMES
 from .time_rules.clock_cuts import ClockCuts
@@ -35,7 +36,7 @@ __all__ = ['Alignment', 'Antennas', 'CampaignRule', 'Checked', 'Detectors', 'exp
            'flatten', 'from_mapping', 'LARGEST_SKEW_S', 'leave_out_added', 'leave_out_gone',
            'list_settings', 'MotionRule', 'Norms', 'Pairing', 'Risk', 'RunCutting', 'Sequential',
            'Setting', 'setting', 'Settings', 'settings_sha256', 'SettingsError', 'to_mapping',
-           'Trial']
+           'Trial', 'Used']
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,6 +103,9 @@ class Pairing(Checked):
     tolerance_s: float = setting(0.05, "largest lag of a pair, method 'nearest' [s]", 0.0, 60.0)
     max_wait_s: float = setting(
         5.0, 'live only: how long a reading waits for its partner [s]', 0.0, 600.0)
+    silent_wait_s: float = setting(
+        60.0, 'live only: the same while the other sensor is silent: what it has sent may still '
+        'come, all at once, when a connection is made or is back [s]', 0.0, 3600.0)
     jump_s: float = setting(10.0, 'a longer step of the stamps is a jump [s]', 0.1, 86400.0)
 
 

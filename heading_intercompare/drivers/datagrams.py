@@ -93,7 +93,7 @@ class UdpSource:
 
     @property
     def status(self) -> str:
-        """The address listened on, and whose datagrams were taken."""
+        """Return the address listened on, and whose datagrams were taken."""
         if not self._senders:
             return self._listening
         names = [host for host, _ in self._senders.most_common(_NAMED)]

@@ -88,7 +88,7 @@ class LogReader:
 
     @property
     def paths(self) -> list[str]:
-        """The files of the log, in the order in which they are read."""
+        """Return the files of the log, in the order in which they are read."""
         return self._files.paths
 
     @property
@@ -98,7 +98,7 @@ class LogReader:
 
     @property
     def remarks(self) -> list[str]:
-        """What a reader of the verdict should know of how the log was read, in words."""
+        """Return what a reader of the verdict should know of how the log was read, in words."""
         words = []
         if len(self.paths) > 1:
             words.append(f'{len(self.paths)} files')
@@ -118,7 +118,7 @@ class LogReader:
 
     @property
     def sentence(self) -> str | None:
-        """Talker and kind of the chosen sentence ('HEHDT'); None if unknown yet, and for a csv."""
+        """Return talker and kind in one word, HEHDT; None if unknown, and for a csv."""
         name = None if self._nmea is None else self._nmea.chosen
         return None if name is None else str(name)
 

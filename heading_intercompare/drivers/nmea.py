@@ -166,12 +166,12 @@ class NmeaDecoder:
 
     @property
     def stamps(self) -> LineStamps:
-        """The stamps of the lines."""
+        """Return the stamps of the lines."""
         return self._stamps
 
     @property
     def days(self) -> Days:
-        """The days of times of day."""
+        """Return the days of times of day."""
         return self._days
 
     def refuse_several_instruments(self, path: str) -> None:

@@ -259,7 +259,7 @@ class DriverSettings(Checked):
 
     @property
     def address(self) -> Address:
-        """The parsed source; SettingsError if no source is set."""
+        """Return the parsed source; SettingsError if no source is set."""
         if self.source is None:
             raise SettingsError(f'source is required: {_FORMS}')
         return parse_address(self.source)

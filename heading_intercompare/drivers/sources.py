@@ -48,7 +48,7 @@ class Source(Protocol):
 
     @property
     def counts(self) -> Mapping[str, int]:
-        """What came and was not returned, by reason."""
+        """Return what came and was not returned, by reason."""
 
     def read(self, timeout_s: float) -> list[Received]:
         """Return the bytes received; wait at most `timeout_s` for some. May return nothing."""

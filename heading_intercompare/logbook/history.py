@@ -57,7 +57,7 @@ class Trend:
 
     @property
     def words(self) -> str:
-        """What the chart says, in a sentence."""
+        """Return what the chart says, in a sentence."""
         name = {'mean': 'mean', 'sd': 'standard deviation'}[self.figure]
         said = f'the {name} was {self.center_deg:.4f} deg in the baseline'
         if self.first_outside_ns is not None:

@@ -100,7 +100,7 @@ class RunRow:
 
     @property
     def key(self) -> RunKey:
-        """The run that the row is about."""
+        """Return the run that the row is about."""
         return RunKey(self.ship, self.start_ns, self.end_ns, self.settings_sha256)
 
     @classmethod
@@ -122,6 +122,7 @@ def make_rows(verdict: Verdict, *, ship: str = '', earlier: Iterable[RunVerdict]
     Parameters
     ----------
     verdict : Verdict
+        On one run or several.
     ship : str
         Name of the ship or station.
     earlier : iterable of RunVerdict

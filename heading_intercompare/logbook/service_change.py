@@ -66,7 +66,7 @@ class ServiceChange:
 
     @property
     def words(self) -> str:
-        """What the runs say, in a sentence."""
+        """Return what the runs say, in a sentence."""
         name = {'mean': 'mean', 'sd': 'standard deviation'}[self.figure]
         runs = f'{self.before} runs before and {self.after} after'
         if self.change is None or self.low is None or self.high is None:

@@ -32,8 +32,9 @@ from .byte_columns import (
 from .errors import MessageError
 from .stamps import fits_message
 
-__all__ = ['decode_headings', 'decode_pairs', 'encode_imu', 'encode_pairs', 'HEADING_TYPES',
-           'imu_messages', 'IMU', 'pair_messages', 'PAIRS_TYPE', 'read_headings', 'read_pairs']
+__all__ = ['AZIMUTH_TYPES', 'decode_headings', 'decode_pairs', 'encode_imu', 'encode_pairs',
+           'HEADING_TYPES', 'imu_messages', 'IMU', 'ORIENTATION_TYPES', 'pair_messages',
+           'PAIRS_TYPE', 'read_headings', 'read_pairs']
 
 IMU = 'sensor_msgs/msg/Imu'
 PAIRS_TYPE = 'geometry_msgs/msg/TwistStamped'
@@ -41,12 +42,17 @@ _QUATERNION_STAMPED = 'geometry_msgs/msg/QuaternionStamped'
 _ODOMETRY = 'nav_msgs/msg/Odometry'
 
 #: Accepted types, each with the number of bytes between its strings and its quaternion.
-HEADING_TYPES = {
+ORIENTATION_TYPES = {
     IMU: 0,
     _QUATERNION_STAMPED: 0,
     'geometry_msgs/msg/PoseWithCovarianceStamped': 24,
     _ODOMETRY: 24,
 }
+AZIMUTH_TYPES = ('compass_interfaces/msg/Azimuth', 'compass_msgs/msg/Azimuth')
+"""Accepted types of other packages: an angle that says its unit, its axes and its north."""
+
+HEADING_TYPES = (*ORIENTATION_TYPES, *AZIMUTH_TYPES)
+"""All accepted types."""
 
 _UNKNOWN = -1.0
 #: Orientation, angular velocity and linear acceleration, each with its covariance.
@@ -158,6 +164,11 @@ def pair_messages(pairs: Pairs, frame_id: str = '') -> list[bytes]:
 _QUATERNION, _IMU_ORIENTATION = np.dtype(('<f8', 4)), np.dtype(('<f8', 5))
 #: Linear and angular velocity of a Twist.
 _TWIST = np.dtype(('<f8', 6))
+#: Azimuth, variance; degrees or radians, NED or ENU, and which north.
+_AZIMUTH = np.dtype([('angle', '<f8'), ('variance', '<f8'), ('degrees', 'u1'), ('ned', 'u1'),
+                     ('north', 'u1')])
+_TRUE_NORTH = 1
+_NORTHS = {0: 'a magnetic azimuth', 2: 'an azimuth from grid north'}
 #: Longer lags do not fit an int64 of nanoseconds.
 _MOST_LAG_S = 9e9
 
@@ -171,7 +182,7 @@ def decode_headings(type_name: str, convention: str, data: bytes, start: Integer
     type_name : str
         A key of `HEADING_TYPES`.
     convention : {'enu', 'ned'}
-        World axes of the orientations.
+        World axes of the orientations; an azimuth says its own.
     data : bytes
         Any bytes that hold the messages.
     start, stop : ndarray of int64, shape (n,)
@@ -186,11 +197,34 @@ def decode_headings(type_name: str, convention: str, data: bytes, start: Integer
     Raises
     ------
     MessageError
-        If a message is too short for its type or does not start as CDR; the offset is its place
-        in `data`.
+        If a message is too short for its type, does not start as CDR, or has an azimuth that is
+        not from true north; the offset is its place in `data`.
 
     """
+    if type_name in AZIMUTH_TYPES:
+        return decode_stamped(type_name, data, start, stop, partial(_azimuths, type_name))
     return decode_stamped(type_name, data, start, stop, partial(_headings, type_name, convention))
+
+
+def _azimuths(type_name: str, data: bytes, start: Integers, size: Integers,
+              header: np.ndarray) -> Headings:
+    """Return the azimuths from true north in messages of one byte order."""
+    sign, end = end_of_strings(header)
+    at = align(end, 8) + 4
+    check_size(type_name, start, size, at + _AZIMUTH.itemsize)
+    rows = gather(data, _AZIMUTH.newbyteorder(sign), start + at)
+    wrong = (rows['north'] != _TRUE_NORTH) | (rows['degrees'] > 1) | (rows['ned'] > 1)
+    if wrong.any():
+        first = int(np.argmax(wrong))
+        what = _NORTHS.get(int(rows['north'][first]), 'an azimuth of an unknown kind')
+        raise MessageError(f'{type_name} message has {what}: a heading is from true north '
+                           '(reference 1), as compass_conversions makes it',
+                           offset=int(start[first]), offsets=start[wrong].tolist())
+    angle = rows['angle'].astype(float)
+    angle = np.where(rows['degrees'] == 1, angle, np.degrees(angle))
+    angle[~np.isfinite(angle)] = np.nan
+    return Headings(read_stamps(header),
+                    angles.wrap360(np.where(rows['ned'] == 1, angle, 90.0 - angle)))
 
 
 def _headings(type_name: str, convention: str, data: bytes, start: Integers, size: Integers,
@@ -201,7 +235,7 @@ def _headings(type_name: str, convention: str, data: bytes, start: Integers, siz
         end = align(end, 4) + 4
         check_size(type_name, start, size, end + 4)
         end = end + gather(data, f'{sign}u4', start + end)
-    at = align(end, 8) + 4 + HEADING_TYPES[type_name]
+    at = align(end, 8) + 4 + ORIENTATION_TYPES[type_name]
     kind = (_IMU_ORIENTATION if type_name == IMU else _QUATERNION).newbyteorder(sign)
     check_size(type_name, start, size, at + kind.itemsize)
     x, y, z, w, *covariance = gather(data, kind, start + at).T

@@ -24,9 +24,18 @@ from .fields import CODES, Definitions, definitions_in, leaves, short_name
 __all__ = ['DEFINITIONS', 'definitions_of', 'layout_problem', 'Schema', 'schema_of',
            'shipped_schema', 'TYPE_HASHES']
 
+_AZIMUTH = (
+    'std_msgs/Header header\nfloat64 azimuth\nfloat64 variance\n'
+    'uint8 UNIT_RAD=0\nuint8 UNIT_DEG=1\nuint8 unit\n'
+    'uint8 ORIENTATION_ENU=0\nuint8 ORIENTATION_NED=1\nuint8 orientation\n'
+    'uint8 REFERENCE_MAGNETIC=0\nuint8 REFERENCE_GEOGRAPHIC=1\nuint8 REFERENCE_UTM=2\n'
+    'uint8 reference\n')
+
 #: Field definitions by package/Type.
 DEFINITIONS = {
     'builtin_interfaces/Time': 'int32 sec\nuint32 nanosec\n',
+    'compass_interfaces/Azimuth': _AZIMUTH,
+    'compass_msgs/Azimuth': _AZIMUTH,
     'diagnostic_msgs/DiagnosticArray': 'std_msgs/Header header\nDiagnosticStatus[] status\n',
     'diagnostic_msgs/DiagnosticStatus':
         'byte OK=0\nbyte WARN=1\nbyte ERROR=2\nbyte STALE=3\nbyte level\nstring name\n'

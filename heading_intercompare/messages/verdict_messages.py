@@ -14,10 +14,13 @@ from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdi
 
 from .status_messages import encode_statuses, ERROR, OK, Status, WARN
 
-__all__ = ['encode_verdict', 'OUTCOME_LEVELS', 'verdict_level']
+__all__ = ['encode_no_verdict', 'encode_verdict', 'NO_VERDICT', 'OUTCOME_LEVELS', 'verdict_level']
 
 OUTCOME_LEVELS = {Outcome.COMPLIANT: OK, Outcome.INDETERMINATE: WARN,
                   Outcome.NON_COMPLIANT: ERROR}
+
+NO_VERDICT = 'no run has ended'
+"""What a verdict says before the first one."""
 
 
 def _run_values(run: RunVerdict) -> dict[str, Any]:
@@ -32,6 +35,11 @@ def verdict_level(outcome: Outcome, effect: str) -> int:
     """Return the level of a verdict: OK only if it is compliant, and neither void nor doubtful."""
     level = OUTCOME_LEVELS[outcome]
     return WARN if level == OK and effect in (DOUBTFUL, VOID) else level
+
+
+def encode_no_verdict(ns: int) -> bytes:
+    """Return what is published before the first run has ended."""
+    return encode_statuses(ns, [Status('verdict', WARN, NO_VERDICT, {'runs': 0})])
 
 
 def encode_verdict(verdict: Verdict, ns: int, early: LookVerdict | None = None) -> bytes:

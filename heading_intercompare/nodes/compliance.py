@@ -51,7 +51,8 @@ class Compliance(Node):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('compliance', **OVERRIDES, **kwargs)
-        settings, taking, own = declare(self, Settings, Taking, ComplianceNode)
+        settings, taking, own = declare(
+            self, Settings, Taking, ComplianceNode, followed=('window_s',))
         self._settings, self._own = settings_of_tested(settings, own.sensor), place_files(own)
         self.health = Health(self, called(self, own.sensor))
         self._compliance = PureCompliance(self._settings, source='live',
@@ -88,12 +89,12 @@ class Compliance(Node):
 
     @property
     def n_pairs(self) -> int:
-        """Number of pairs taken."""
+        """Return the number of pairs taken."""
         return self._pairs.received
 
     @property
     def verdict(self) -> Verdict | None:
-        """The verdict of the last report; None before the first."""
+        """Return the verdict of the last report; None before the first."""
         return self._reporting.verdict
 
     def _drain(self) -> None:

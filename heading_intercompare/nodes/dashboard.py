@@ -11,7 +11,6 @@ from typing import Any, Sequence
 from rclpy.node import Node
 
 from heading_intercompare.core.decision.criteria import Limits
-from heading_intercompare.core.settings import Settings
 from heading_intercompare.nodes.judging.operator_actions import OperatorActions
 from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
 from heading_intercompare.nodes.ros.process import run
@@ -22,7 +21,7 @@ from heading_intercompare.web.bridge.bridge_view import BridgeView
 from heading_intercompare.web.controls import Controls
 from heading_intercompare.web.server import PageServer
 
-from .settings import DashboardNode, Taking
+from .settings import DashboardNode, SHOWN, Taking
 
 __all__ = ['Dashboard', 'main']
 
@@ -36,7 +35,7 @@ class Dashboard(Node):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('dashboard', **OVERRIDES, **kwargs)
-        settings, taking, own = declare(self, Settings, Taking, DashboardNode)
+        settings, taking, own = declare(self, SHOWN, Taking, DashboardNode)
         self.ended = False
         self.health = Health(self)
         limit_deg = (Limits.of(settings.norms, settings.model).count_limit_deg

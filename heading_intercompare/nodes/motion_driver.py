@@ -7,7 +7,6 @@ from __future__ import annotations
 import time
 from typing import Any, Sequence
 
-from heading_intercompare.core.settings import Settings
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.messages.status_messages import OK, WARN
 from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
@@ -18,7 +17,7 @@ from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.publishing import Audience
 from heading_intercompare.nodes.runtime.source_thread import Reading, ReadingNode
 
-from .settings import DriverNode, Sending, Taking
+from .settings import DriverNode, PUBLISHED, Sending, Taking
 
 __all__ = ['main', 'MotionDriver']
 
@@ -29,7 +28,7 @@ class MotionDriver(ReadingNode):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('motion_driver', **OVERRIDES, **kwargs)
         analysis, settings, sending, self._taking, own = declare(
-            self, Settings, DriverSettings, Sending, Taking, DriverNode)
+            self, PUBLISHED, DriverSettings, Sending, Taking, DriverNode)
         self.done = self.ended = False
         self.health = Health(self)
         wake = self.create_guard_condition(self._pass_on)

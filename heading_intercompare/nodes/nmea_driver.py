@@ -11,7 +11,6 @@ from typing import Any, Sequence
 from sensor_msgs.msg import Imu
 
 from heading_intercompare.core.records import Headings
-from heading_intercompare.core.settings import Settings
 from heading_intercompare.drivers.nmea import NmeaDecoder
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.messages.heading_messages import imu_messages
@@ -33,7 +32,7 @@ from heading_intercompare.nodes.runtime.publishing import (
 from heading_intercompare.nodes.runtime.source_thread import Reading, ReadingNode
 from heading_intercompare.nodes.sensors import places
 
-from .settings import DriverNode, Sending, Taking
+from .settings import DriverNode, PUBLISHED, Sending, Taking
 
 __all__ = ['main', 'NmeaDriver']
 
@@ -44,7 +43,7 @@ class NmeaDriver(ReadingNode):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('nmea_driver', **OVERRIDES, **kwargs)
         analysis, settings, sending, self._taking, own = declare(
-            self, Settings, DriverSettings, Sending, Taking, DriverNode)
+            self, PUBLISHED, DriverSettings, Sending, Taking, DriverNode)
         self.done = self.ended = self._flushed = self._ending = False
         self._frame_id = own.frame_id or settings.topic.strip('/').replace('/', '_')
         self._lost = LossPublisher(self, resolve_topic(self, settings.topic))

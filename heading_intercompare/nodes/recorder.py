@@ -78,7 +78,7 @@ class Recorder(Node):
 
     @property
     def written(self) -> int:
-        """Number of messages handed to the bag."""
+        """Return the number of messages handed to the bag."""
         return self._bag.written
 
     def state_sources(self, sources: Mapping[str, Mapping[str, Any]]) -> None:

@@ -16,12 +16,12 @@ from std_srvs.srv import Trigger
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.paced_replay import Replay
-from heading_intercompare.core.settings import Settings, SettingsError
+from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.messages.marks import MARKER_TOPIC
 from heading_intercompare.messages.stamps import encode_clock
 from heading_intercompare.messages.status_messages import OK, WARN
 from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.message_types import HEADING_TYPES
+from heading_intercompare.nodes.ros.message_types import find_heading_type
 from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.remapping import published_names
@@ -36,7 +36,7 @@ from heading_intercompare.nodes.runtime.publishing import (
 )
 from heading_intercompare.nodes.sensors import places
 
-from .settings import ReplayerNode, Sending
+from .settings import PUBLISHED, ReplayerNode, Sending
 
 __all__ = ['main', 'Replayer']
 
@@ -51,7 +51,7 @@ class Replayer(Node):
     def __init__(self, *, remapped: Collection[str] = (),
                  clock_ns: Callable[[], int] = time.monotonic_ns, **kwargs: Any) -> None:
         super().__init__('replayer', **OVERRIDES, **kwargs)
-        settings, sending, own = declare(self, Settings, Sending, ReplayerNode)
+        settings, sending, own = declare(self, PUBLISHED, Sending, ReplayerNode)
         if own.bag is None:
             raise SettingsError('bag is required: an .mcap file or a rosbag2 folder')
         self.done = self.ended = self._begun = False
@@ -65,7 +65,7 @@ class Replayer(Node):
         for topic, name in zip(heard, names):
             in_bag = self._reader.resolve(topic)
             self._headings[in_bag] = self.create_publisher(
-                HEADING_TYPES[self._reader.topics[in_bag].type_name], topic, qos.HEADINGS_OUT,
+                find_heading_type(self._reader.topics[in_bag].type_name), topic, qos.HEADINGS_OUT,
                 event_callbacks=self.health.of_publisher(name))
         self._lost = beside.ReplayedLosses(self, self._reader, dict(zip(self._headings, names)),
                                            whole=not own.start_s)
@@ -92,7 +92,7 @@ class Replayer(Node):
 
     @property
     def state(self) -> str:
-        """What the node does, and its place in the bag, in words."""
+        """Return what the node does, and its place in the bag, in words."""
         words = f'{"paused" if self._replay.paused else "replaying"} at {self._replay.place}'
         waiting = self._audience.waiting or 'waiting for synchronizer and compliance'
         return words if self._begun else f'{waiting}; then {words}'

@@ -20,7 +20,6 @@ from heading_intercompare.ahrs.plans import EVENTS
 from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.simulator import SimulatedChunk, Simulation, Trial
 from heading_intercompare.bags.rosbag2.provenance import TRUTH_TOPIC
-from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.heading_messages import imu_messages
 from heading_intercompare.messages.status_messages import LEVELS, OK
 from heading_intercompare.nodes.ros import qos
@@ -37,7 +36,7 @@ from heading_intercompare.nodes.runtime.publishing import (
 )
 from heading_intercompare.nodes.sensors import places
 
-from .settings import Sending, SimulatorNode
+from .settings import PUBLISHED, Sending, SimulatorNode
 
 __all__ = ['main', 'SensorSimulator']
 
@@ -52,7 +51,7 @@ class SensorSimulator(Node):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('sensor_simulator', **OVERRIDES, **kwargs)
         settings, self._scenario, sending, self._own = declare(
-            self, Settings, Scenario, Sending, SimulatorNode)
+            self, PUBLISHED, Scenario, Sending, SimulatorNode)
         self.health, named = Health(self), {'ts': settings.ts_topic, 'rs': settings.rs_topic}
         topics = {'truth': TRUTH_TOPIC, **self._scenario.topics, **named}
         self._frames = {role: topic.strip('/').replace('/', '_') for role, topic in topics.items()

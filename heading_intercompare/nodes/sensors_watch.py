@@ -85,7 +85,7 @@ class SensorsWatch(Node):
 
     @property
     def verdict(self) -> SensorsVerdict | None:
-        """The last verdict; None before the first."""
+        """Return the last verdict; None before the first."""
         return self._reporting.verdict
 
     def _drain(self) -> None:

@@ -6,11 +6,24 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from heading_intercompare.core.settings import Checked, setting
+from heading_intercompare.core.settings import Checked, setting, Settings, Used
 from heading_intercompare.messages.heading_messages import HEADING_TYPES
 
-__all__ = ['ComplianceNode', 'DashboardNode', 'DriverNode', 'HeadingTypes', 'RecorderNode',
-           'ReplayerNode', 'Sending', 'SensorsNode', 'SimulatorNode', 'SynchronizerNode', 'Taking']
+__all__ = ['ComplianceNode', 'DashboardNode', 'DriverNode', 'HeadingTypes', 'PAIRED',
+           'PUBLISHED', 'RecorderNode', 'ReplayerNode', 'Sending', 'SensorsNode', 'SHOWN',
+           'SimulatorNode', 'SynchronizerNode', 'Taking']
+
+PUBLISHED = Used(Settings, ('ts_topic', 'rs_topic', 'sensors', 'motion'))
+"""What a node that publishes headings uses of the settings of the analysis."""
+
+PAIRED = Used(Settings, (
+    'ts_topic', 'rs_topic', 'ts_convention', 'rs_convention', 'sensors', 'pairing',
+    'alignment.skew_s', 'runs.gap_s', 'runs.every_h', 'runs.cut_at_utc', 'runs.keep'))
+"""What the node that pairs headings uses of them."""
+
+SHOWN = Used(Settings, (*PAIRED.names, 'norms', 'model', 'variant', 'installation_offset_deg',
+                        'wrap_center_deg', 'window_s', 'motion'))
+"""What nodes that show a graph use of them."""
 
 
 @dataclass(frozen=True, slots=True)

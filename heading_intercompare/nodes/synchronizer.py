@@ -14,7 +14,6 @@ from rclpy.node import Node
 from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.records import Losses, Pairs
-from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.heading_messages import pair_messages
 from heading_intercompare.messages.ledger_messages import encode_ledger
 from heading_intercompare.messages.marks import decode_marks, MARKER_TOPIC
@@ -34,7 +33,7 @@ from heading_intercompare.nodes.taking.mark_intake import MarkIntake
 from heading_intercompare.nodes.taking.predecessor import Predecessor
 from heading_intercompare.nodes.taking.raw_subscription import subscribe
 
-from .settings import HeadingTypes, SynchronizerNode, Taking
+from .settings import HeadingTypes, PAIRED, SynchronizerNode, Taking
 
 __all__ = ['main', 'Synchronizer']
 
@@ -51,7 +50,7 @@ class Synchronizer(Node):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('synchronizer', **OVERRIDES, **kwargs)
         settings, taking, types, self._own = declare(
-            self, Settings, Taking, HeadingTypes, SynchronizerNode)
+            self, PAIRED, Taking, HeadingTypes, SynchronizerNode, followed=('stale_s',))
         settings = choose_streams(settings, self._own.sensor)
         self._started_ns = time.time_ns()
         self._pairer = Pairer(settings)

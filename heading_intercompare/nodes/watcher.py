@@ -8,13 +8,12 @@ from typing import Any
 
 from rclpy.node import Node
 
-from heading_intercompare.core.settings import Settings
 from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.taking.bridge_intake import BridgeIntake
 from heading_intercompare.web.bridge.bridge_view import BridgeView
 
-from .settings import Taking
+from .settings import SHOWN, Taking
 
 __all__ = ['Watcher']
 
@@ -26,7 +25,7 @@ class Watcher(Node):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('watcher', **OVERRIDES, **kwargs)
-        settings, taking = declare(self, Settings, Taking)
+        settings, taking = declare(self, SHOWN, Taking)
         self.ended = False
         self.health = Health(self)
         self._graph = BridgeIntake(self, self.health, settings, taking)

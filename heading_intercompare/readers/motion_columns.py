@@ -78,7 +78,9 @@ def make_motion(column: MotionColumn, stamp_ns: Integers,
     Parameters
     ----------
     column : MotionColumn
+        What the values are, and in which units.
     stamp_ns : ndarray of int64, shape (n,)
+        Stamps, nanoseconds UTC.
     values : sequence of ndarray, shape (n,)
         Of each name; nan where a row has none.
 

@@ -9,7 +9,8 @@ only when a file needs it.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
 import os
 from pathlib import Path
 import re
@@ -17,7 +18,9 @@ import sqlite3
 from typing import Callable, TYPE_CHECKING
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.drivers.log_lines.log_files import is_pattern, LogFiles
 from heading_intercompare.drivers.logs import is_log, LogReader
+from heading_intercompare.drivers.settings import DriverError
 from heading_intercompare.natural_order import natural_key
 
 from . import json_lines, nmea2000, tables
@@ -160,6 +163,8 @@ def find_format(path: str | os.PathLike[str]) -> Format | None:
     """
     Return the format that a path has; None for a bag of MCAP and for any other.
 
+    A folder, or a pattern of names, has the format of its files if they are those of one program.
+
     Raises
     ------
     OSError
@@ -168,7 +173,49 @@ def find_format(path: str | os.PathLike[str]) -> Format | None:
     """
     place = Path(path)
     head = _head(place)
-    return next((one for one in FORMATS if one.recognise(place, head)), None)
+    found = next((one for one in FORMATS if one.recognise(place, head)), None)
+    return found or next((replace(form, read=partial(_read_files, form))
+                          for form in _forms_of_files(os.fspath(path)).values()), None)
+
+
+def _files_of(path: str) -> list[str]:
+    """Return the files of a folder or a pattern that may be those of one recording."""
+    if not os.path.isdir(path) and not is_pattern(path):
+        return []
+    try:
+        files = LogFiles(path).paths
+    except DriverError:
+        return []
+    names = [os.path.basename(file) for file in files]
+    bag = any(name.endswith('.mcap') or name == 'metadata.yaml' for name in names)
+    return [] if bag else files
+
+
+def _forms_of_files(path: str) -> dict[str, Format]:
+    """Return the files of a folder or a pattern that have streams, with the format of each."""
+    heads = {file: _head(Path(file)) for file in _files_of(path)}
+    found = {file: next((one for one in FORMATS if one.recognise(Path(file), head)), None)
+             for file, head in heads.items()}
+    return {file: form for file, form in found.items()
+            if form is not None and form.read is not None and form is not _LOG
+            and not has_pairs(file)}
+
+
+def _read_files(form: Format, path: str) -> Collected:
+    """Read the files of a folder or a pattern, in the order of their first stamps."""
+    assert form.read is not None
+    forms = _forms_of_files(path)
+    for file, other in forms.items():
+        if other is not form:
+            first = next(iter(forms))
+            raise ReaderError(path, f'holds {form.name} ({first}) and {other.name} ({file}): give '
+                              'the files of one form, as a pattern in quotes')
+    found = Collected()
+    for part in sorted(map(form.read, forms), key=lambda part: part.start_ns):
+        found.add_all(part)
+    if left_out := len(_files_of(path)) - len(forms):
+        found.not_taken['file_of_another_form'] += left_out
+    return found
 
 
 def refuse_unreadable(path: str | os.PathLike[str]) -> None:
@@ -211,7 +258,7 @@ def open_recording(path: str | os.PathLike[str]) -> Recording:
     Parameters
     ----------
     path : str or path
-        A bag of MCAP, or a file of one of `FORMATS`.
+        A bag of MCAP, or a file of one of `FORMATS`; a folder or a pattern of such files.
 
     Raises
     ------
@@ -273,7 +320,7 @@ def sources_of(path: str | os.PathLike[str]) -> list[Path]:
     """Return the files of a recording that is no MCAP bag, in natural order; [] for others."""
     place = Path(path)
     if not place.is_dir() or not _is_sqlite_bag(place, b''):
-        return []
+        return [*map(Path, _forms_of_files(os.fspath(path)))]
     return sorted((one for one in place.iterdir()
                    if re.search(r'\.db3(\.zstd)?$', one.name)),
                   key=natural_key)

@@ -67,7 +67,9 @@ class Collected:
         Parameters
         ----------
         what : {'fix', 'velocity', 'rate'}
+            What it tells.
         stream : str
+            Name of the stream.
         stamp_ns : int
             Nanoseconds UTC.
         first, second : float
@@ -89,6 +91,21 @@ class Collected:
             self._moved_chunks.setdefault((what, stream), []).append(rows)
         if wrong:
             self.not_taken[f'{stream}.out_of_range'] += wrong
+
+    def add_all(self, later: Collected) -> None:
+        """Take what a later file of the same streams holds."""
+        for stream, headings in later.streams().items():
+            self.add_chunk(stream, later.kinds[stream], headings)
+        for what, streams in later.motion().items():
+            for stream, rows in streams.items():
+                self.add_motion_chunk(what, stream, rows, 0)
+        self.not_taken += later.not_taken
+
+    @property
+    def start_ns(self) -> int:
+        """Return the least stamp of the headings; 0 if there are none."""
+        return min((int(one.stamp_ns.min()) for one in self.streams().values() if len(one)),
+                   default=0)
 
     def motion(self) -> dict[str, dict[str, Motion]]:
         """Return the motion by what it tells, then by stream: the preferred one first."""
@@ -163,7 +180,7 @@ class StreamRecording:
 
     @property
     def words_present(self) -> str:
-        """The streams with their counts, and what was not taken."""
+        """Return the streams with their counts, and what was not taken."""
         found = ', '.join(f'{name} ({info.type_name}, {info.count})'
                           for name, info in sorted(self.topics.items())) or 'no heading'
         lacking = ', '.join(f'{n} {why}' for why, n in self.not_taken.items())

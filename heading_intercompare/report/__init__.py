@@ -82,6 +82,7 @@ def write(verdict: Verdict, path: str | Path,
     Parameters
     ----------
     verdict : Verdict
+        The verdict to write.
     path : str or Path
         Must end in a key of `WRITERS`.
     sketches : sequence of SeriesSketch

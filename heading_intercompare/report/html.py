@@ -73,6 +73,7 @@ def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = (),
     Parameters
     ----------
     verdict : Verdict
+        The verdict to show.
     sketches : sequence of SeriesSketch
         One per input, for the figures; without any there are no figures.
     progress : callable

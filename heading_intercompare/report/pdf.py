@@ -33,7 +33,9 @@ def write(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch] =
     Parameters
     ----------
     verdict : Verdict
+        The verdict to show.
     path : str or Path
+        The file.
     sketches : sequence of SeriesSketch
         One per input, for the figures; without any there are no figures.
     progress : callable

@@ -67,6 +67,7 @@ def write_runs(verdict: Verdict, path: str | Path) -> None:
     Parameters
     ----------
     verdict : Verdict
+        On one recording or several.
     path : path
         The file, UTF-8; a figure that is missing or not finite is an empty cell.
 

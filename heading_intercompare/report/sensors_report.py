@@ -34,6 +34,7 @@ def write_sensors(verdict: SensorsVerdict, path: str | Path,
     Parameters
     ----------
     verdict : SensorsVerdict
+        On all sensors.
     path : str or Path
         The overview: F.html or F.pdf. The protocols are F-NAME.html or F-NAME.pdf.
     sketches : mapping of str to sequence of SeriesSketch, optional

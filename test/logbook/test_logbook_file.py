@@ -159,7 +159,7 @@ def test_a_folder_that_is_read_only_is_named(book, tmp_path):
 
 
 def test_a_full_disk_is_one_line_and_leaves_the_rows_that_were_there(tmp_path):
-    """SQLite refuses pages above max_page_count just as it does when the disk is full."""
+    """Pages are refused above max_page_count just as it does when the disk is full."""
     class Small(Logbook):
         def _connect(self, write):
             connection = super()._connect(write)

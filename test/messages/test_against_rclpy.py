@@ -30,8 +30,8 @@ from heading_intercompare.core.angles import (  # noqa: E402
 )
 from heading_intercompare.core.records import Headings, Pairs  # noqa: E402
 from heading_intercompare.messages.heading_messages import (  # noqa: E402
-    HEADING_TYPES,
     imu_messages,
+    ORIENTATION_TYPES,
     pair_messages,
     read_headings,
     read_pairs,
@@ -91,7 +91,7 @@ def one_by_one(messages, convention):
 
 
 def test_every_type_of_headings_is_tried():
-    assert KINDS.keys() == HEADING_TYPES.keys()
+    assert KINDS.keys() == ORIENTATION_TYPES.keys()
 
 
 @pytest.mark.parametrize('convention', ['enu', 'ned'])

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import struct
+
 import numpy as np
 import pytest
 
@@ -17,13 +19,14 @@ from heading_intercompare.messages.byte_columns import join_messages
 from heading_intercompare.messages.cdr import decode, encode
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.heading_messages import (
+    AZIMUTH_TYPES,
     decode_headings,
     decode_pairs,
     encode_imu,
     encode_pairs,
-    HEADING_TYPES,
     IMU,
     imu_messages,
+    ORIENTATION_TYPES,
     pair_messages,
     PAIRS_TYPE,
     read_headings,
@@ -72,7 +75,7 @@ COMPONENT = st.floats(-2.0, 2.0) | st.sampled_from([0.0, np.nan, np.inf, 1e200])
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize('type_name', HEADING_TYPES)
+@pytest.mark.parametrize('type_name', ORIENTATION_TYPES)
 @hypothesis.given(st.data())
 def test_many_messages_at_once_are_the_single_ones_to_the_bit(type_name, data):
     rows = data.draw(st.lists(st.tuples(
@@ -84,7 +87,7 @@ def test_many_messages_at_once_are_the_single_ones_to_the_bit(type_name, data):
         type_name, convention, messages)
 
 
-@pytest.mark.parametrize('type_name', HEADING_TYPES)
+@pytest.mark.parametrize('type_name', ORIENTATION_TYPES)
 def test_equal_messages_are_the_single_ones_to_the_bit(type_name, rng):
     quaternions = rng.normal(size=(500, 4)).tolist()
     messages = [encode(type_name, message(type_name, 'gyro', STAMP_NS + i, q))
@@ -93,7 +96,7 @@ def test_equal_messages_are_the_single_ones_to_the_bit(type_name, rng):
         type_name, 'enu', messages)
 
 
-@pytest.mark.parametrize('type_name', HEADING_TYPES)
+@pytest.mark.parametrize('type_name', ORIENTATION_TYPES)
 def test_both_byte_orders_may_be_mixed(type_name, rng):
     typesys = pytest.importorskip('rosbags.typesys')
     store = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)
@@ -106,7 +109,7 @@ def test_both_byte_orders_may_be_mixed(type_name, rng):
     assert decode_headings(type_name, 'enu', *join_messages(messages)) == expected
 
 
-@pytest.mark.parametrize('type_name', HEADING_TYPES)
+@pytest.mark.parametrize('type_name', ORIENTATION_TYPES)
 def test_a_message_that_is_too_short_is_refused_with_its_place(type_name):
     whole = encode(type_name, message(type_name, 'gyro', STAMP_NS, (0.0, 0.0, 0.0, 1.0)))
     needed = 4 + 8 + 4 + 8
@@ -256,7 +259,7 @@ FOREIGN = {b'\x00\x02': 'PL_CDR, big-endian', b'\x00\x03': 'PL_CDR, little-endia
 
 
 @pytest.mark.parametrize('start', FOREIGN, ids=FOREIGN.values())
-@pytest.mark.parametrize('type_name', HEADING_TYPES)
+@pytest.mark.parametrize('type_name', ORIENTATION_TYPES)
 def test_messages_that_are_serialized_otherwise_are_refused_and_the_others_read(
         type_name, start, rng):
     messages = [encode(type_name, message(type_name, 'gyro', STAMP_NS + i, tuple(q)))
@@ -279,7 +282,7 @@ def test_pairs_that_are_serialized_otherwise_are_refused_and_the_others_read(sta
     assert refused == [f'{PAIRS_TYPE} message does not start as CDR']
 
 
-@pytest.mark.parametrize('type_name', HEADING_TYPES)
+@pytest.mark.parametrize('type_name', ORIENTATION_TYPES)
 def test_a_chunk_of_big_endian_messages_is_read(type_name, rng):
     messages = [encode(type_name, message(type_name, 'gyro', STAMP_NS + i, tuple(q)))
                 for i, q in enumerate(rng.normal(size=(5, 4)).tolist())]
@@ -314,3 +317,48 @@ def test_a_reading_whose_stamp_no_message_can_hold_is_left_out_with_what_it_clai
     headings = Headings.as_sent([-1, 5, 2**31 * 10**9], [1.0, 2.0, 3.0])
     assert imu_messages(headings, 'ts', sigma_deg=[0.1, 0.2, 0.3]) == imu_messages(
         headings[1:2], 'ts', sigma_deg=0.2)
+
+
+def azimuth(angle: float, unit: int = 1, orientation: int = 1, reference: int = 1) -> dict:
+    """Return the fields of an azimuth: by default degrees from true north, clockwise."""
+    return {'header': {'stamp': {'sec': 1_400_000_000, 'nanosec': 5}, 'frame_id': 'compass'},
+            'azimuth': angle, 'variance': 0.1, 'unit': unit, 'orientation': orientation,
+            'reference': reference}
+
+
+def in_big_endian(fields: dict) -> bytes:
+    """Return a message of an azimuth in the other byte order."""
+    stamp = fields['header']['stamp']
+    return bytes(4) + struct.pack(
+        '>iII8s4xddBBB', stamp['sec'], stamp['nanosec'], 8, b'compass', fields['azimuth'],
+        fields['variance'], fields['unit'], fields['orientation'], fields['reference'])
+
+
+@pytest.mark.parametrize('type_name', AZIMUTH_TYPES)
+@pytest.mark.parametrize('fields, heading_deg', [
+    (azimuth(30.0), 30.0), (azimuth(-30.0), 330.0), (azimuth(np.pi / 2, unit=0), 90.0),
+    (azimuth(30.0, orientation=0), 60.0), (azimuth(np.pi, unit=0, orientation=0), 270.0),
+    (azimuth(np.nan), np.nan)])
+def test_an_azimuth_is_read_as_it_says(type_name, fields, heading_deg):
+    messages = [encode(type_name, fields)] * 3
+    for convention in ('enu', 'ned'):
+        for sent in (messages, [in_big_endian(fields)] * 3):
+            found, refused = read_headings(type_name, convention, sent)
+            assert refused == [] and found.stamp_ns.tolist() == [1_400_000_000_000_000_005] * 3
+            assert found.heading_deg == pytest.approx([heading_deg] * 3, nan_ok=True)
+
+
+@pytest.mark.parametrize('fields, what', [
+    (azimuth(1.0, reference=0), 'a magnetic azimuth'),
+    (azimuth(1.0, reference=2), 'an azimuth from grid north'),
+    (azimuth(1.0, reference=7), 'an azimuth of an unknown kind'),
+    (azimuth(1.0, unit=2), 'an azimuth of an unknown kind'),
+    (azimuth(1.0, orientation=9), 'an azimuth of an unknown kind')])
+def test_an_azimuth_that_is_no_heading_is_refused_and_the_others_read(fields, what):
+    type_name = AZIMUTH_TYPES[0]
+    sent = [encode(type_name, one) for one in (azimuth(5.0), fields, azimuth(6.0))]
+    found, refused = read_headings(type_name, 'enu', sent)
+    assert found.heading_deg.tolist() == [5.0, 6.0]
+    assert [what in words for words in refused] == [True]
+    with pytest.raises(MessageError, match='is too short'):
+        decode_headings(type_name, 'enu', *join_messages([sent[0][:-1]]))

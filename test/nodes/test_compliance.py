@@ -8,7 +8,7 @@ import json
 import shutil
 import time
 
-from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import TwistStamped
 from journals import plain
 from nodes.killed import kill
@@ -18,6 +18,7 @@ from nodes.ros_nodes import NORMS
 import numpy as np
 import pytest
 from rclpy.duration import Duration
+from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import Imu
@@ -34,13 +35,20 @@ from heading_intercompare.core.settings import Settings, SettingsError
 from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.messages.heading_messages import imu_messages, pair_messages
 from heading_intercompare.messages.ledger_messages import decode_ledger, encode_ledger
-from heading_intercompare.messages.status_messages import encode_statuses, OK, Status
+from heading_intercompare.messages.status_messages import (
+    decode_statuses,
+    encode_statuses,
+    OK,
+    Status,
+)
 from heading_intercompare.nodes import compliance
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.runtime.scalars import SCALARS
 from heading_intercompare.nodes.synchronizer import Synchronizer
 from heading_intercompare.nodes.taking.predecessor import LEDGER_TAKEN_TOPIC
+from heading_intercompare.web.bridge.bridge_records import Tone
+from heading_intercompare.web.bridge.verdict_lamp import light_lamp
 
 T0_NS = 1_700_000_000_000_000_000
 S_NS = 1_000_000_000
@@ -125,6 +133,29 @@ def without_ledger(run):
     """Return a run without its share of the ledger, which the pure part has not seen."""
     return {**run, 'pairing': None,
             'validity': [f for f in run['validity'] if f['condition'] != 'losses']}
+
+
+def test_before_the_first_run_has_ended_the_verdict_says_so(ros):
+    """A display that was connected heard nothing, as if no verdict were published."""
+    graph = Graph(ros)
+    ros.spin_until(lambda: graph.heard['verdict'])
+    (said,), = [message.status for message in graph.heard['verdict']]
+    assert (said.level, said.message) == (DiagnosticStatus.WARN, 'no run has ended')
+    shown = light_lamp(decode_statuses(serialize_message(graph.heard['verdict'][0]))[1], 0)
+    assert (shown.tone, shown.what) == (Tone.NONE, 'at the end of the run')
+
+
+def test_the_window_can_be_changed_while_the_node_runs(ros, rng):
+    """It keeps what it holds; the verdict is the same."""
+    graph = Graph(ros, window_s=100.0)
+    graph.send(some_pairs(rng, 0, 400))
+    for window_s, n in ((50.0, 50), (200.0, 150)):
+        graph.node.set_parameters([Parameter('window_s', value=window_s)])
+        if window_s == 200.0:
+            graph.send(some_pairs(rng, 400, 500))
+        ros.spin_until(lambda n=n: graph.heard['rolling'] and abs(
+            int(values(graph.heard['rolling'][-1])['n']) - n) <= 5)
+    assert graph.end()['settings']['window_s'] == 100.0
 
 
 def test_the_last_report_is_the_verdict_of_the_pure_part(ros, rng):
@@ -332,8 +363,8 @@ def test_a_look_at_the_run_in_progress_that_decides_is_a_verdict_but_no_report(r
                   risk__min_duration_s=0.0, norms__sigma_max_deg=1.0,
                   norms__sigma_ref_max_deg=0.5)
     graph.send(some_pairs(rng, 0, 500))
-    ros.spin_until(lambda: graph.heard['verdict'])
-    whole, progress = graph.heard['verdict'][0].status
+    ros.spin_until(lambda: len(graph.heard['verdict']) == 2)
+    whole, progress = graph.heard['verdict'][1].status
     assert (whole.message, progress.name) == ('INDETERMINATE: there is no run', 'run in progress')
     shown = {pair.key: pair.value for pair in progress.values}
     assert (shown['look'], shown['looks'], shown['outcome']) == ('1', '2', 'compliant')

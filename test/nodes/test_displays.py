@@ -116,22 +116,21 @@ def test_the_lamp_is_green_only_for_the_level_of_a_certificate():
 
 
 def test_the_tree_of_states_has_each_node_once(tmp_path):
-    """As the profiles of the policy and the launch files name them."""
+    """As the profiles of the policy and the launch files name them, in any namespace."""
     text = (DISPLAYS / 'diagnostic_aggregator.yaml').read_text('utf-8')
     groups = {key: one for key, one in yaml.safe_load(text)['analyzers']['ros__parameters'].items()
               if isinstance(one, dict)}
-    beginnings = [word for one in groups.values() for word in one['startswith']]
+    words = [word for one in groups.values() for word in one['contains']]
     names = {profile.get('node') for profile in POLICY.iter('profile')}
     config = tmp_path / 'a.yaml'
     config.write_text('/**:\n  ros__parameters: {norms: {sigma_max_deg: 1.0, '
                       'sigma_ref_max_deg: 1.0}}\n')
     names |= {node.name for node in nodes('intercompare.launch.py', config=str(config))}
-    states = {f'{name}: part' for name in names if name in {
-        'ts_driver', 'rs_driver', 'synchronizer', 'compliance', 'recorder', 'replayer',
-        'dashboard', 'sensor_simulator', 'nmea_driver', 'motion_driver'}}
-    assert len(states) >= 7
-    for state in states:
-        assert sum(state.startswith(word) for word in beginnings) == 1, state
+    names &= {'ts_driver', 'rs_driver', 'synchronizer', 'compliance', 'recorder', 'replayer',
+              'dashboard', 'sensor_simulator', 'nmea_driver', 'motion_driver', 'sensors_watch'}
+    assert len(names) >= 7
+    for state in (f'{place}{name}: part' for name in names for place in ('', 'ship1/', 'gyro1/')):
+        assert sum(word in state for word in words) == 1, state
 
 
 def test_the_page_lists_the_files_and_topics():

@@ -118,7 +118,7 @@ def test_a_burst_of_pairs_does_not_overrun_who_takes_them(ros, rng):
 
 
 def test_a_reading_without_a_partner_is_given_up_after_the_wait(ros, rng):
-    _, sensors, _, ledgers = graph(ros, pairing__max_wait_s=0.2)
+    _, sensors, _, ledgers = graph(ros, pairing__max_wait_s=0.2, pairing__silent_wait_s=0.0)
     send(sensors[0], stream(rng, 10.0, 2.0))
     # The last two of twenty are less than 0.2 s older than what came last.
     ros.spin_until(lambda: ledgers and ledger_from(ledgers[-1])[0].total.counts.get(

@@ -164,6 +164,54 @@ def test_info_shows_the_streams(files, capsys):
     assert f'--extract x: {both} is {form}' in refused(capsys, 'info', both, '--extract', 'x')
 
 
+def split(path, folder, after_s):
+    """Write the lines of a file as two files, the later one under the earlier name."""
+    head, *rows = path.read_text().splitlines(keepends=True)
+    if not head.startswith('time'):
+        rows, head = [head, *rows], ''
+    folder.mkdir()
+    later = len(rows) * after_s // N
+    (folder / 'part 2.txt').write_text(head + ''.join(rows[:later]))
+    (folder / 'part 1.txt').write_text(head + ''.join(rows[later:]))
+    return folder
+
+
+def test_a_folder_of_files_of_one_form_is_one_recording(files, capsys, tmp_path):
+    """Hourly files of other programs were refused: holds no .mcap file."""
+    form, (both, ts, rs), names = files
+    if form == 'Parquet':
+        pytest.skip('no lines')
+    whole, _ = verdict_of(capsys, both, '--ts', names[0], '--rs', names[1])
+    folder = split(both, tmp_path / 'hours', 400)
+    (folder / 'readme').write_text('of the ship\n')
+    for given in (folder, folder / 'part*.txt'):
+        assert find_format(given).name == form
+        found, notes = verdict_of(capsys, given, '--ts', names[0], '--rs', names[1])
+        run, of_whole = found['runs'][0], whole['runs'][0]
+        assert {**run, 'source': of_whole['source']} == of_whole
+        assert found['inputs'][0]['sha256'] != whole['inputs'][0]['sha256']
+        assert ('not taken: 1 file_of_another_form' in ''.join(notes)) is (given == folder)
+    sides = [split(path, tmp_path / path.stem, 300) for path in (ts, rs)]
+    of_two, _ = verdict_of(capsys, *sides)
+    assert of_two['runs'][0]['variance_deg2'] == of_whole['variance_deg2']
+    assert main(['import-nmea', '--ts', str(folder), '--ts-talker', names[0], '--rs', str(rs),
+                 '-o', str(tmp_path / 'bag'), '--quiet']) == 0
+    capsys.readouterr()
+    assert main(['info', str(folder)]) == 0
+    assert capsys.readouterr().out.count(f' {N} ') == 2
+
+
+def test_a_folder_of_two_forms_is_refused_and_one_of_a_bag_is_a_bag(tmp_path, capsys):
+    (tmp_path / 'a.txt').write_text(openrvdas(35, 0, 1.0) + '\n')
+    (tmp_path / 'b.txt').write_text(candump(35, 0, 1.0) + '\n')
+    said = refused(capsys, 'analyze', tmp_path, *NORMS)
+    assert said.startswith(
+        f'{tmp_path}: holds OpenRVDAS records ({tmp_path}/a.txt) and NMEA 2000, candump '
+        f'({tmp_path}/b.txt): give the files of one form')
+    (tmp_path / 'metadata.yaml').write_text('x: 1\n')
+    assert find_format(tmp_path) is None
+
+
 def test_two_recordings_of_both_sensors_are_a_campaign(tmp_path, capsys):
     seconds, ts, rs = readings()
     paths = [tmp_path / 'a.log', tmp_path / 'b.log']

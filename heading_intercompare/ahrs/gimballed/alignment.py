@@ -4,8 +4,8 @@
 The procedures of modes 1 to 6, from power-on to an aligned platform.
 
 A procedure is a generator. It yields the rates to command over the next control step, or a law to
-apply over several, or None while the platform is caged, and returns the mode that follows. When it
-resumes after a yield, the computer has taken the measurements of those steps.
+apply over several, or None or an excitation while the platform is caged, and returns the mode that
+follows. When it resumes after a yield, the computer has taken the measurements of those steps.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ from typing import Generator, NamedTuple, Protocol
 
 from heading_intercompare.ahrs.inertial.computer import Computer
 from heading_intercompare.ahrs.inertial.instruments import Instruments
-from heading_intercompare.ahrs.inertial.loop import FINE, HOLD
+from heading_intercompare.ahrs.inertial.loop import FINE, HOLD, Rates
 from heading_intercompare.ahrs.inertial.platform import Platform
 from heading_intercompare.ahrs.settings import Ahrs, Errors
 from heading_intercompare.ahrs.ship.earth import RAD_PER_DEG_H, UG_M_S2
@@ -29,12 +29,17 @@ from .calibration import (
     course_drift_sigma,
     fit_rotation,
     hann,
+    RotationFit,
     WindowedMean,
 )
-from .claims import alignment_sigma, satellite_sigma
+from .claims import alignment_sigma, satellite_sigma, slew_sigma
+from .fixes import Fixes
 from .modes import Mode, Validity
+from .power_on import Excitation, run_self_test, TEST_S
+from .slew import slew
 
-__all__ = ['Machine', 'PROCEDURES', 'Procedure', 'slew', 'Steady', 'steps']
+__all__ = ['count_pairs', 'hold_azimuth', 'Machine', 'PROCEDURES', 'Procedure', 'SECOND', 'Steady',
+           'steps']
 
 
 class Steady(NamedTuple):
@@ -44,9 +49,9 @@ class Steady(NamedTuple):
     steps: int
 
 
-Procedure = Generator[tuple[float, float, float] | Steady | None, None, Mode]
+Procedure = Generator[Rates | Steady | Excitation | None, None, Mode]
 
-POST_S, POST_LIMIT_S = 10.0, 30.0
+POST_LIMIT_S = 30.0
 THERMOSTAT_LIMIT_S = 1800.0
 COARSE_S, COARSE_LIMIT_S = 120.0, 600.0
 COARSE_TAU_S, COARSE_TAU_AT_SEA_S = 10.0, 30.0
@@ -56,7 +61,7 @@ METER_TURN_RAD_S = math.radians(2.0)
 BIAS_LIMIT_RAD_S = 1.0 * RAD_PER_DEG_H
 FIT_LIMIT_RAD_S = 1.0 * RAD_PER_DEG_H
 EARTH_LIMIT_RAD_S = 0.1 * RAD_PER_DEG_H
-SLEW_RAD_S = math.radians(10.0)
+SERVO_RAD = math.radians(1.0)
 POSITION_S = 120.0
 FORCE_LIMIT_M_S2 = 2000.0 * UG_M_S2
 READINGS, READING_S, SATELLITE_READING_S = 6, 90.0, 450.0
@@ -81,6 +86,9 @@ class Machine(Protocol):
     calibrated_deg_h: float
     course_deg_h: float
     calibrated_k: float
+    turned_rad: float
+    azimuth_found: bool
+    fixes: Fixes | None
 
     @property
     def residual_deg_h(self) -> float:
@@ -101,14 +109,22 @@ def steps(span_s: float) -> int:
     return round(span_s / GRID_S)
 
 
+SECOND = steps(1.0)
+
+
 def post(ahrs: Machine) -> Procedure:
-    """Wait for the self-test."""
-    for step in count(1):
-        yield None
-        if step >= steps(POST_S) and 'post' not in ahrs.failures:
+    """Test the hardware, and wait for the test of the computer."""
+    failed = yield from run_self_test(ahrs.platform, ahrs.instruments.thermostat)
+    for part in failed:
+        ahrs.fail(part)
+    if failed:
+        return Mode.FAULT
+    for step in count(steps(TEST_S)):
+        if 'post' not in ahrs.failures:
             return Mode.THERMOSTAT_WAIT
         if step >= steps(POST_LIMIT_S):
             return ahrs.fail('post')
+        yield None
 
 
 def thermostat_wait(ahrs: Machine) -> Procedure:
@@ -119,6 +135,7 @@ def thermostat_wait(ahrs: Machine) -> Procedure:
         if ahrs.forced:
             ahrs.flag('FORCED_ON')
             return Mode.COARSE_LEVELLING
+        ahrs.platform.turn_meter(0.0, 0.0)
         yield None
         if step >= steps(THERMOSTAT_LIMIT_S):
             return ahrs.fail('thermostat')
@@ -133,6 +150,7 @@ def coarse_levelling(ahrs: Machine) -> Procedure:
     first_x = second_x = computer.ay / computer.gravity
     first_y = second_y = computer.ax / computer.gravity
     for step in count(1):
+        ahrs.platform.turn_meter(0.0, 0.0)
         rates = computer.coarse(tau_s)
         commands.append(rates)
         yield rates
@@ -158,20 +176,30 @@ def gyro_calibration(ahrs: Machine) -> Procedure:
     computer = ahrs.computer
     computer.enter_hold()
     yield Steady(HOLD, steps(ahrs.settings.hold_s))
+    pairs = count_pairs(ahrs.settings)
     for _ in range(2):
-        forth = yield from _revolution(ahrs, 1.0)
-        back = yield from _revolution(ahrs, -1.0)
-        bias_x = 0.5 * (forth.bias_x + back.bias_x)
-        bias_y = 0.5 * (forth.bias_y + back.bias_y)
-        residual = max(forth.residual, back.residual)
+        window = _Window(computer, 2 * pairs * SECTORS * SECTOR_STEPS)
+        fits = []
+        for sense in (1.0, -1.0) * pairs:
+            fit = yield from _revolution(ahrs, sense, window)
+            if fit is None:
+                ahrs.say('the rotation unit does not follow')
+                return ahrs.fail('servo')
+            fits.append(fit)
+        bias_x, bias_y, rate_x, rate_y = (
+            math.fsum(values) / len(fits) for values in list(zip(*fits))[:4])
+        residual = max(fit.residual for fit in fits)
         if math.hypot(bias_x, bias_y) < BIAS_LIMIT_RAD_S and residual < FIT_LIMIT_RAD_S:
             computer.meter_x_rad_s, computer.meter_y_rad_s = bias_x, bias_y
             ahrs.soak, ahrs.calibrated_k = (
                 ahrs.instruments.soak, ahrs.instruments.thermostat.away_k)
             ahrs.calibrated_deg_h = max(
                 ahrs.errors.residual_xy_deg_h,
-                0.5 * math.hypot(forth.bias_sigma, back.bias_sigma) / RAD_PER_DEG_H)
+                math.hypot(*(fit.bias_sigma for fit in fits)) / len(fits) / RAD_PER_DEG_H)
             ahrs.say('course gyro calibrated')
+            if ahrs.settings.start == 'mutual':
+                # What the meter reads beyond the known motion is the drift of the gyro vertical.
+                ahrs.azimuth_found = window.find_azimuth(ahrs, rate_x, rate_y)
             return Mode.AZIMUTH_ALIGNMENT
         ahrs.say(f'calibration of the course gyro rejected: residual '
                  f'{residual / RAD_PER_DEG_H:.2g} deg/h')
@@ -180,11 +208,20 @@ def gyro_calibration(ahrs: Machine) -> Procedure:
     return Mode.AZIMUTH_ALIGNMENT
 
 
-def _revolution(ahrs: Machine, sense: float):
-    """
-    Turn the meter once, and fit what it reads beyond the rates that the platform was commanded.
+def count_pairs(settings: Ahrs) -> int:
+    """Return how often the meter turns forth and back: once, or for as long as it aligns."""
+    if settings.start != 'mutual':
+        return 1
+    return max(1, round(settings.alignment_s * METER_TURN_RAD_S / (4.0 * math.pi)))
 
-    The swell moves the platform by those commands alone, so it is not in the fit.
+
+def _revolution(ahrs: Machine, sense: float,
+                window: '_Window') -> Generator[Rates, None, RotationFit | None]:
+    """
+    Turn the meter once, and fit what it reads beyond the known motion of the platform.
+
+    The swell is in that motion alone, so it is not in the fit. Returns None if the rotation unit
+    does not follow.
     """
     computer, platform = ahrs.computer, ahrs.platform
     columns = [[], [], [], []]
@@ -194,16 +231,83 @@ def _revolution(ahrs: Machine, sense: float):
         for _ in range(SECTOR_STEPS):
             angle_rad += sense * METER_TURN_RAD_S * GRID_S
             platform.turn_meter(angle_rad, sense * METER_TURN_RAD_S)
-            turn_x, turn_y, _ = rates = computer.hold()
+            rates = computer.hold()
             yield rates
+            turn_x, turn_y = _motion(rates, platform)
+            window.add(turn_x, turn_y)
             c, s = math.cos(platform.angle_rad), math.sin(platform.angle_rad)
             for i, value in enumerate((
                     c, s, platform.rate_x_rad_s - turn_x * c - turn_y * s,
                     platform.rate_y_rad_s + turn_x * s - turn_y * c)):
                 sums[i] += value
+        if abs(platform.angle_rad - angle_rad) > SERVO_RAD:
+            return None
         for column, total in zip(columns, sums):
             column.append(total / SECTOR_STEPS)
     return fit_rotation(*columns, weights=hann(SECTORS))
+
+
+def _motion(rates: Rates, platform: Platform) -> tuple[float, float]:
+    """Return the rates commanded, and those by which the platform has left the gyro vertical."""
+    return rates[0] + platform.slip_x_rad_s, rates[1] + platform.slip_y_rad_s
+
+
+class _Window:
+    """The means over some control steps from which the azimuth follows: S (8), (9)."""
+
+    def __init__(self, computer: Computer, n: int) -> None:
+        self._computer = computer
+        self._means = WindowedMean(n, 8)
+        self._path_x = self._path_y = 0.0
+
+    def add(self, rate_x: float, rate_y: float) -> None:
+        """Add the known rates of the platform over the last step."""
+        computer = self._computer
+        turn_x, turn_y = computer.transport_without_azimuth()
+        self._means.add(rate_x, rate_y, turn_x, turn_y,
+                        computer.ax - computer.coriolis * computer.vy,
+                        computer.ay + computer.coriolis * computer.vx, self._path_x, self._path_y)
+        self._path_x += GRID_S * computer.vx
+        self._path_y += GRID_S * computer.vy
+
+    def mean(self) -> tuple[float, float]:
+        """Return the means of the known rates."""
+        rate_x, rate_y = self._means.mean()[:2]
+        return rate_x, rate_y
+
+    def find_azimuth(self, ahrs: Machine, more_x: float, more_y: float) -> bool:
+        """
+        Set the azimuth by the mean Earth rate, and the drifts of the gyro vertical.
+
+        Parameters
+        ----------
+        ahrs : Machine
+        more_x, more_y : float
+            Rates to add to the known ones: the drifts of the gyro vertical.
+
+        Returns
+        -------
+        bool
+            Whether the Earth rate has the right size; otherwise the azimuth stays unknown.
+
+        """
+        computer = self._computer
+        rate_x, rate_y, turn_x, turn_y, ax, ay, mean_x, mean_y = self._means.mean()
+        alpha, beta = -ay / computer.gravity, ax / computer.gravity
+        earth_x = rate_x + more_x - turn_x - beta * computer.earth_up
+        earth_y = rate_y + more_y - turn_y + alpha * computer.earth_up
+        miss = math.hypot(earth_x, earth_y) - computer.earth_north
+        if abs(miss) > EARTH_LIMIT_RAD_S:
+            ahrs.say(f'alignment rejected: Earth rate off by {miss / RAD_PER_DEG_H:.2g} deg/h')
+            return False
+        computer.drift_x_rad_s, computer.drift_y_rad_s = more_x, more_y
+        middle_rad = azimuth_from_rates(earth_x, earth_y)
+        # North turns under a ship that sails east: the platform has turned since the mean.
+        east_m = ((self._path_x - mean_x) * math.sin(middle_rad)
+                  + (self._path_y - mean_y) * math.cos(middle_rad))
+        computer.azimuth_rad = (middle_rad
+                                + east_m * computer.sin / (computer.cos * computer.normal_m))
+        return True
 
 
 def azimuth_alignment(ahrs: Machine) -> Procedure:
@@ -211,129 +315,151 @@ def azimuth_alignment(ahrs: Machine) -> Procedure:
     computer, platform = ahrs.computer, ahrs.platform
     n = steps(ahrs.settings.alignment_s)
     for _ in range(2):
-        window = WindowedMean(n, 10)
-        path_x = path_y = 0.0
+        if ahrs.azimuth_found:
+            break
+        window, meter = _Window(computer, n), WindowedMean(n, 2)
         for _ in range(n):
             platform.turn_meter(0.0, 0.0)
             rates = computer.hold()
             yield rates
-            turn_x, turn_y = computer.transport_without_azimuth()
-            window.add(platform.rate_x_rad_s, platform.rate_y_rad_s, turn_x, turn_y, rates[0],
-                       rates[1], computer.ax - computer.coriolis * computer.vy,
-                       computer.ay + computer.coriolis * computer.vx, path_x, path_y)
-            path_x += GRID_S * computer.vx
-            path_y += GRID_S * computer.vy
-        rate_x, rate_y, turn_x, turn_y, ux, uy, ax, ay, mean_x, mean_y = window.mean()
-        rate_x -= computer.meter_x_rad_s
-        rate_y -= computer.meter_y_rad_s
-        alpha, beta = -ay / computer.gravity, ax / computer.gravity
-        earth_x = rate_x - turn_x - beta * computer.earth_up
-        earth_y = rate_y - turn_y + alpha * computer.earth_up
-        miss = math.hypot(earth_x, earth_y) - computer.earth_north
-        if abs(miss) <= EARTH_LIMIT_RAD_S:
-            break
-        ahrs.say(f'alignment rejected: Earth rate off by {miss / RAD_PER_DEG_H:.2g} deg/h')
-    else:
+            window.add(*_motion(rates, platform))
+            meter.add(platform.rate_x_rad_s, platform.rate_y_rad_s)
+        (mean_x, mean_y), (rate_x, rate_y) = window.mean(), meter.mean()
+        ahrs.azimuth_found = window.find_azimuth(
+            ahrs, rate_x - computer.meter_x_rad_s - mean_x,
+            rate_y - computer.meter_y_rad_s - mean_y)
+    if not ahrs.azimuth_found:
         return ahrs.fail('alignment')
-    computer.drift_x_rad_s, computer.drift_y_rad_s = rate_x - ux, rate_y - uy
-    middle_rad = azimuth_from_rates(earth_x, earth_y)
-    # North turns under a ship that sails east: the platform has turned since the mean was true.
-    east_m = ((path_x - mean_x) * math.sin(middle_rad) + (path_y - mean_y) * math.cos(middle_rad))
-    computer.azimuth_rad = middle_rad + east_m * computer.sin / (computer.cos * computer.normal_m)
+    ahrs.azimuth_found = False
     computer.ix = computer.iy = 0.0
-    yield from slew(ahrs, -computer.azimuth_rad)
+    ahrs.turned_rad = -computer.azimuth_rad
+    if not (yield from slew(computer, platform, ahrs.turned_rad)):
+        ahrs.say('the platform does not turn as asked')
+        return ahrs.fail('servo')
     computer.azimuth_rad = 0.0
     return Mode.FINE_LEVELLING
 
 
-def slew(ahrs: Machine, angle_rad: float) -> Generator[tuple[float, float, float], None, None]:
-    """Turn the platform in azimuth by an angle: S (10), (11)."""
-    computer = ahrs.computer
-    sense, left = math.copysign(1.0, angle_rad), abs(angle_rad)
-    while left > 0.0:
-        part = sense * min(left, SLEW_RAD_S * GRID_S)
-        computer.azimuth_rad += 0.5 * part
-        ux, uy, uz = computer.free()
-        computer.azimuth_rad += 0.5 * part
-        computer.turn_axes(part)
-        yield ux, uy, uz + part / GRID_S
-        left = 0.0 if left <= SLEW_RAD_S * GRID_S else left - SLEW_RAD_S * GRID_S
-
-
 def fine_levelling(ahrs: Machine) -> Procedure:
     """Level using all estimates, and make the calibrations that are possible: S (12)-(19)."""
-    computer, settings = ahrs.computer, ahrs.settings
+    computer = ahrs.computer
     computer.enter_hold()
     ahrs.validity = Validity.PROVISIONAL
-    ahrs.sigma_rad = alignment_sigma(ahrs.residual_deg_h, computer.latitude_rad)
-    left = steps(min(settings.fine_s, FINE_LIMIT_S))
-    if settings.accelerometer_calibration == 'two_position' and computer.moored:
-        left -= yield from _two_positions(ahrs)
-    elif settings.accelerometer_calibration != 'off':
-        left -= yield from _one_position(ahrs)
-    if computer.moored or computer.gps_ok:
-        left -= yield from _course_gyro_drift(ahrs)
-    if left > 0:
-        yield Steady(FINE, left)
-    if settings.fine_s > FINE_LIMIT_S:
+    ahrs.sigma_rad = math.hypot(alignment_sigma(ahrs.residual_deg_h, computer.latitude_rad),
+                                slew_sigma(ahrs.errors, ahrs.turned_rad))
+    ahrs.fixes = fixes = Fixes(computer, ahrs.platform, ahrs.say)
+    calibrations, taken = _calibrate(ahrs), 0
+    while True:
+        try:
+            rates = next(calibrations)
+        except StopIteration as end:
+            arrived = end.value
+            break
+        yield rates
+        fixes.step()
+        taken += 1
+    if not arrived:
+        ahrs.say('the platform does not turn as asked')
+        return ahrs.fail('servo')
+    left = steps(min(ahrs.settings.fine_s, FINE_LIMIT_S)) - taken
+    while left > 0:
+        yield from hold_azimuth(ahrs, FINE, min(left, SECOND), fixes)
+        left -= SECOND
+    if ahrs.settings.fine_s > FINE_LIMIT_S:
         ahrs.flag('FINE_LIMIT')
         ahrs.say(f'fine levelling ended at its limit of {FINE_LIMIT_S:g} s')
     return ahrs.operation
 
 
-def _two_positions(ahrs: Machine) -> Generator[tuple[float, float, float], None, int]:
-    """Find the accelerometer biases from two positions of the platform, half a turn apart."""
-    computer = ahrs.computer
-    start_rad, n, taken = computer.azimuth_rad, steps(POSITION_S), 0
-    means = []
+def hold_azimuth(ahrs: Machine, law: int, n: int,
+                 fixes: Fixes) -> Generator[Steady, None, None]:
+    """Apply a law that leaves the azimuth free, with satellite fixes if there are any."""
+    if not ahrs.computer.gps_ok:
+        yield Steady(law, n)
+        fixes.miss(n)
+        return
+    for _ in range(n):
+        yield Steady(law, 1)
+        fixes.step()
+
+
+def _calibrate(ahrs: Machine) -> Generator[Rates, None, bool]:
+    """Make the calibrations that are possible; return whether every slew has arrived."""
+    computer, settings = ahrs.computer, ahrs.settings
+    if settings.accelerometer_calibration == 'two_position' and computer.moored:
+        if not (yield from _two_positions(ahrs)):
+            return False
+    elif settings.accelerometer_calibration != 'off':
+        yield from _one_position(ahrs)
+    if computer.moored or computer.gps_ok:
+        yield from _course_gyro_drift(ahrs)
+    return True
+
+
+def _two_positions(ahrs: Machine) -> Generator[Rates, None, bool]:
+    """
+    Find the accelerometer biases: the horizontal ones from two positions, half a turn apart.
+
+    Gravity is known, so one position shows the bias of the vertical one: S (16)-(19). Returns
+    whether both slews have arrived.
+    """
+    computer, platform = ahrs.computer, ahrs.platform
+    start_rad, n = computer.azimuth_rad, steps(POSITION_S)
+    means, read_z = [], []
     for turn_rad in (math.pi, -math.pi):
         window = WindowedMean(n, 2)
         for _ in range(n):
             yield computer.free()
             window.add(computer.ax, computer.ay)
+            read_z.append(platform.force_z_m_s2 + computer.gravity)
         means.append(window.mean())
-        for rates in slew(ahrs, turn_rad):
-            taken += 1
-            yield rates
+        if not (yield from slew(computer, platform, turn_rad)):
+            return False
     computer.azimuth_rad = start_rad
     bias_x, bias_y = (0.5 * (one + other) for one, other in zip(*means))
-    if math.hypot(bias_x, bias_y) < FORCE_LIMIT_M_S2:
+    bias_z = 0.5 * (accelerometer_bias(read_z[:n], GRID_S)
+                    + accelerometer_bias(read_z[n:], GRID_S))
+    if math.hypot(bias_x, bias_y) < FORCE_LIMIT_M_S2 and abs(bias_z) < FORCE_LIMIT_M_S2:
         computer.bias_x_m_s2 += bias_x
         computer.bias_y_m_s2 += bias_y
+        computer.bias_z_m_s2 = bias_z
         ahrs.say('accelerometers calibrated in two positions')
     else:
         ahrs.say('calibration of the accelerometers rejected')
-    return 2 * n + taken
+    return True
 
 
-def _one_position(ahrs: Machine) -> Generator[tuple[float, float, float], None, int]:
-    """Read the accelerometers on the levelled platform, which shows a change but no bias."""
-    computer, n = ahrs.computer, steps(POSITION_S)
-    read_x, read_y = [], []
-    for _ in range(n):
+def _one_position(ahrs: Machine) -> Generator[Rates, None, None]:
+    """
+    Read the accelerometers on the levelled platform: S (16)-(19).
+
+    The horizontal ones show a change but no bias. The vertical one shows its bias, which alongside
+    is taken over.
+    """
+    computer, read = ahrs.computer, []
+    for _ in range(steps(POSITION_S)):
         yield computer.fine()
-        read_x.append(computer.ax)
-        read_y.append(computer.ay)
-    change_ug = math.hypot(accelerometer_bias(read_x, GRID_S),
-                           accelerometer_bias(read_y, GRID_S)) / UG_M_S2
-    ahrs.say(f'accelerometers read in one position: change {change_ug:.0f} ug')
-    return n
+        read.append((computer.ax, computer.ay, ahrs.platform.force_z_m_s2 + computer.gravity))
+    change_x, change_y, bias_z = (accelerometer_bias(column, GRID_S) for column in zip(*read))
+    ahrs.say('accelerometers read in one position: change '
+             f'{math.hypot(change_x, change_y) / UG_M_S2:.0f} ug')
+    if computer.moored and abs(bias_z) < FORCE_LIMIT_M_S2:
+        computer.bias_z_m_s2 = bias_z
 
 
-def _course_gyro_drift(ahrs: Machine) -> Generator[tuple[float, float, float], None, int]:
+def _course_gyro_drift(ahrs: Machine) -> Generator[Rates, None, None]:
     """Find the drift of the course gyro from readings of a known heading: S (15)."""
     computer, platform, moored = ahrs.computer, ahrs.platform, ahrs.computer.moored
     reading_s = READING_S if moored else SATELLITE_READING_S
-    readings, taken = [], 0
+    readings: list[float] = []
     for _ in range(READINGS):
         window = WindowedMean(steps(reading_s), 1)
         for _ in range(steps(reading_s)):
             yield computer.fine()
-            taken += 1
             if not (computer.moored if moored else computer.gps_ok):
                 ahrs.say('drift of the course gyro kept: '
                          + ('the ship moves' if moored else 'satellite heading lost'))
-                return taken
+                return
             window.add(platform.pick_off_rad - (0.0 if moored else platform.satellite_rad))
         readings += window.mean()
     method, known_rad = ahrs.settings.drift_fit, satellite_sigma(ahrs.errors, reading_s)
@@ -354,7 +480,6 @@ def _course_gyro_drift(ahrs: Machine) -> Generator[tuple[float, float, float], N
                                 math.sqrt(1.0 - share) * ahrs.course_deg_h)
         ahrs.say('drift of the course gyro calibrated by satellite heading, to '
                  f'{ahrs.course_deg_h:.2g} deg/h')
-    return taken
 
 
 PROCEDURES = {

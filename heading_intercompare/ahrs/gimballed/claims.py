@@ -14,7 +14,7 @@ from heading_intercompare.ahrs.ship.earth import (
 )
 
 __all__ = ['alignment_sigma', 'azimuth_sigma', 'gyrocompass_sigma', 'output_sigma',
-           'satellite_sigma']
+           'satellite_sigma', 'slew_sigma']
 
 ALIGNMENT_PER_DRIFT = math.radians(1.75 / 60.0) / 0.008
 """An alignment with meter drifts of 0.008 deg/h is accurate to 1.75 arc minutes at the equator."""
@@ -33,6 +33,11 @@ def alignment_sigma(residual_deg_h: float, latitude_rad: float) -> float:
 
     """
     return ALIGNMENT_PER_DRIFT * residual_deg_h / math.cos(latitude_rad)
+
+
+def slew_sigma(errors: Errors, turned_rad: float) -> float:
+    """Return what the scale error of the torquer leaves of a slew by an angle, radians."""
+    return 1e-6 * errors.torquer_ppm * abs(turned_rad)
 
 
 def output_sigma(errors: Errors) -> float:

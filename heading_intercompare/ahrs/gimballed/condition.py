@@ -11,21 +11,26 @@ from typing import Collection
 from heading_intercompare.ahrs.inertial.instruments import Thermostat
 from heading_intercompare.ahrs.settings import Ahrs
 
-from .alignment import COARSE_S, METER_TURN_RAD_S, POST_S
+from .alignment import COARSE_S, count_pairs, METER_TURN_RAD_S
 from .modes import AhrsStatus, Mode, Validity
+from .power_on import TEST_S
 
 __all__ = ['Condition', 'describe_condition', 'progress', 'SELF_TESTS', 'self_tests']
 
 SELF_TESTS = {
     'post': Mode.POST,
     'thermostat': Mode.THERMOSTAT_WAIT,
-    'gyro': Mode.THERMOSTAT_WAIT,
-    'accelerometer': Mode.THERMOSTAT_WAIT,
+    'gyro': Mode.POST,
+    'accelerometer': Mode.POST,
+    'servo': Mode.POST,
     'gimbal': Mode.THERMOSTAT_WAIT,
     'levelling': Mode.COARSE_LEVELLING,
     'alignment': Mode.AZIMUTH_ALIGNMENT,
 }
 """The built-in tests; each has passed once the AHRS is beyond this mode."""
+
+SLEW_S = 2.0
+"""The shortest slew, seconds."""
 
 _PENDING, _PASSED, _FAILED = 'pending', 'passed', 'failed'
 
@@ -86,10 +91,12 @@ def progress(mode: Mode, mode_s: float, validity: Validity, away_k: float,
     if mode is Mode.GYRO_AZIMUTH or mode is Mode.GYROCOMPASS and validity is Validity.VALID:
         return 0.0 if validity is Validity.SETTLING else 1.0
     whole_s = {
-        Mode.POST: POST_S,
+        Mode.POST: TEST_S,
         Mode.COARSE_LEVELLING: COARSE_S,
-        Mode.GYRO_CALIBRATION: settings.hold_s + 4.0 * math.pi / METER_TURN_RAD_S,
-        Mode.AZIMUTH_ALIGNMENT: settings.alignment_s,
+        Mode.GYRO_CALIBRATION: settings.hold_s + count_pairs(settings) * (
+            4.0 * math.pi / METER_TURN_RAD_S),
+        Mode.AZIMUTH_ALIGNMENT: (SLEW_S if settings.start == 'mutual'
+                                 else settings.alignment_s),
         Mode.FINE_LEVELLING: settings.fine_s,
         Mode.GYROCOMPASS: 3.0 / settings.sigma_1_s,
     }[mode]
@@ -145,7 +152,7 @@ def describe_condition(status: AhrsStatus) -> Condition:
         **{f'test_{name}': result for name, result in status.tests},
         'sigma_deg': status.sigma_deg, 'temperature_c': status.temperature_c,
         **{f'{name}_deg_h': value for name, value in drifts},
-        **{f'bias_{axis}_ug': value for axis, value in zip('xy', status.biases_ug)},
+        **{f'bias_{axis}_ug': value for axis, value in zip('xyz', status.biases_ug)},
         **{f'current_{axis}_a': value for axis, value in zip('xyz', status.currents_a)}}
     return Condition(_level(status), words, {
         name: value for name, value in figures.items()

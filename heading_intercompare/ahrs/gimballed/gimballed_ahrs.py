@@ -32,14 +32,18 @@ from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
 from .alignment import Procedure, Steady
 from .claims import alignment_sigma
 from .condition import progress, self_tests
+from .fixes import Fixes
 from .modes import AhrsStatus, Mode, Validity
 from .operation import POLE_RAD, PROCEDURES, TOO_NEAR_THE_POLE
+from .power_on import Excitation
 
 __all__ = ['GimballedAhrs', 'Track', 'TRACK_STEPS']
 
 TRACK_STEPS = 100
 FAILURES = {'fail_post': 'post', 'fail_thermostat': 'thermostat', 'fail_gyro': 'gyro',
-            'fail_accelerometer': 'accelerometer', 'fail_gimbal': 'gimbal'}
+            'fail_accelerometer': 'accelerometer', 'fail_gimbal': 'gimbal',
+            'fail_servo': 'servo'}
+UNWATCHED = {'post', 'thermostat', 'servo'}
 THERMOSTAT_K = 2.0
 RIVALS = ({'gyrocompass', 'gyro_azimuth'}, {'log_lost', 'log_found'}, {'gps_lost', 'gps_found'})
 AVAILABLE = {'log_lost': ('log', False), 'log_found': ('log', True),
@@ -117,7 +121,9 @@ class GimballedAhrs:
         self.calibrated_deg_h = errors.residual_xy_deg_h
         self.course_deg_h = (errors.residual_z_deg_h if settings.initial_state == 'aligned'
                              else errors.turn_on_deg_h)
-        self.calibrated_k = 0.0
+        self.calibrated_k = self.turned_rad = 0.0
+        self.azimuth_found = False
+        self.fixes: Fixes | None = None
         self._flags: set[str] = set()
         self._faults: list[str] = []
         self._messages: list[str] = []
@@ -253,6 +259,8 @@ class GimballedAhrs:
             else:
                 if rates is None:
                     platform.rest(rows[k].tolist())
+                elif isinstance(rates, Excitation):
+                    platform.excite(rows[k].tolist(), *rates)
                 else:
                     platform.step(rows[k].tolist(), *rates)
                     computer.take()
@@ -291,7 +299,7 @@ class GimballedAhrs:
         platform.speed_m_s = float(ship.speed_m_s[0])
         computer.take()
 
-    def _next(self) -> tuple[float, float, float] | Steady | None:
+    def _next(self) -> tuple[float, float, float] | Steady | Excitation | None:
         """Return the rates to command, after all changes of mode that are due."""
         while True:
             try:
@@ -366,11 +374,15 @@ class GimballedAhrs:
             self._restart()
         elif kind == 'repair':
             self.failures.clear()
-            self.instruments.thermostat.broken = self.platform.stuck = False
+            self.instruments.thermostat.broken = False
+            self.platform.stuck = self.platform.jammed = False
+            self.platform.spinning = True
         else:
             self.failures.add(FAILURES[kind])
             self.instruments.thermostat.broken |= kind == 'fail_thermostat'
             self.platform.stuck |= kind == 'fail_accelerometer'
+            self.platform.jammed |= kind == 'fail_servo'
+            self.platform.spinning &= kind != 'fail_gyro'
 
     def _switch(self) -> None:
         """Switch the mode of operation; keep azimuth and drift estimates."""
@@ -388,6 +400,7 @@ class GimballedAhrs:
         self.forced = False
         self.computer.reset_loops()
         self.computer.azimuth_rad = 0.0
+        self.azimuth_found, self.fixes = False, None
         self.platform.angle_rad = self.platform.angle_rate_rad_s = 0.0
         self._tumble(None)
         self._enter(Mode.POST)
@@ -405,7 +418,7 @@ class GimballedAhrs:
             return
         # Once the instruments have become warm, a cold start that was forced is over.
         self.forced = self.forced and not self.instruments.thermostat.ready
-        seen = self.failures - {'post', 'thermostat'}
+        seen = self.failures - UNWATCHED
         if self.failures & {'thermostat'} and not self.forced and (
                 abs(self.instruments.thermostat.away_k) > THERMOSTAT_K):
             seen.add('thermostat')
@@ -417,8 +430,7 @@ class GimballedAhrs:
         computer = self.computer
         message, self._messages = '; '.join(self._messages), []
         mode_s = round((self._step - self._entered) * GRID_S, 3)
-        drifts = (computer.drift_x_rad_s, computer.drift_y_rad_s, computer.drift_z_rad_s,
-                  computer.meter_x_rad_s, computer.meter_y_rad_s)
+        platform = self.platform
         return AhrsStatus(
             t_s=self.now_s, mode=self.mode.name, mode_s=mode_s, progress=progress(
                 self.mode, mode_s, self.validity, self.instruments.thermostat.away_k,
@@ -428,10 +440,14 @@ class GimballedAhrs:
             flags=('DEGRADED', *sorted(self._flags)) if self._flags else (),
             faults=tuple(self._faults), sigma_deg=math.degrees(self.sigma_rad),
             temperature_c=self.instruments.thermostat.SET_C + self.instruments.thermostat.away_k,
-            drifts_deg_h=tuple(drift / RAD_PER_DEG_H for drift in drifts),
-            biases_ug=(computer.bias_x_m_s2 / UG_M_S2, computer.bias_y_m_s2 / UG_M_S2),
-            currents_a=tuple(torque(rate)[1] for rate in (
-                self.platform.ux_rad_s, self.platform.uy_rad_s, self.platform.uz_rad_s)))
+            drifts_deg_h=(
+                computer.drift_x_rad_s / RAD_PER_DEG_H, computer.drift_y_rad_s / RAD_PER_DEG_H,
+                computer.drift_z_rad_s / RAD_PER_DEG_H, computer.meter_x_rad_s / RAD_PER_DEG_H,
+                computer.meter_y_rad_s / RAD_PER_DEG_H),
+            biases_ug=(computer.bias_x_m_s2 / UG_M_S2, computer.bias_y_m_s2 / UG_M_S2,
+                       computer.bias_z_m_s2 / UG_M_S2),
+            currents_a=(torque(platform.ux_rad_s)[1], torque(platform.uy_rad_s)[1],
+                        torque(platform.uz_rad_s)[1]))
 
 
 @cache

@@ -62,7 +62,7 @@ class AhrsStatus:
     drifts_deg_h : tuple of float
         Estimates: gyro vertical x and y, course gyro, meter x and y.
     biases_ug : tuple of float
-        Estimates: accelerometers x and y.
+        Estimates: accelerometers x, y and z.
     currents_a : tuple of float
         Currents of the torque motors x, y, z.
 

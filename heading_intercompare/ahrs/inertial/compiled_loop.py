@@ -23,6 +23,12 @@ from .platform import Platform
 
 __all__ = ['compile_for', 'CompiledLoop']
 
+COMPILED = (earth.radii, earth.gravity, loop.set_latitude, loop.resolve, loop.integrate,
+            loop.free, loop.hold, loop.fine, loop.gyrocompass, loop.schuler, loop.show,
+            loop.step, loop.take, loop.transport_without_azimuth, loop.run)
+USED = frozenset(name for function in COMPILED for name in function.__code__.co_names)
+"""The names of all attributes that the loop reads or writes, among others."""
+
 
 class CompiledLoop:
     """
@@ -57,12 +63,13 @@ class CompiledLoop:
 
 
 class _Twin:
-    """A record with the real and logical attributes of an object, and its constant lists."""
+    """A record with the attributes of an object that the loop uses, and its constant lists."""
 
     def __init__(self, thing: Any) -> None:
         public = {name: value for name, value in vars(thing).items() if name[0] != '_'}
         lists = {name: value for name, value in public.items() if isinstance(value, list)}
-        self._names = [name for name, value in public.items() if isinstance(value, (bool, float))]
+        self._names = [name for name, value in public.items()
+                       if isinstance(value, (bool, float)) and name in USED]
         self._lists = tuple(lists)
         self._thing, self._attributes, self._read = thing, vars(thing), attrgetter(*self._names)
         self.records = np.zeros(1, dtype=[
@@ -96,9 +103,7 @@ def _compile() -> tuple[Callable[..., None], Callable[..., Reals]]:
     from numba.extending import register_jitable
     sources = b''.join(Path(module.__file__ or '').read_bytes()
                        for module in (earth, control_laws, loop))
-    for function in (earth.radii, earth.gravity, loop.set_latitude, loop.resolve, loop.integrate,
-                     loop.free, loop.hold, loop.fine, loop.gyrocompass, loop.schuler, loop.show,
-                     loop.step, loop.take, loop.transport_without_azimuth, loop.run):
+    for function in COMPILED:
         register_jitable(function)
     version, run = hashlib.sha256(sources).hexdigest(), loop.run
 

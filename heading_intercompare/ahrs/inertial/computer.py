@@ -33,7 +33,7 @@ class Computer:
         Estimated drifts of the controlling gyros.
     meter_x_rad_s, meter_y_rad_s : float
         Estimated biases of the course gyro as a meter.
-    bias_x_m_s2, bias_y_m_s2 : float
+    bias_x_m_s2, bias_y_m_s2, bias_z_m_s2 : float
         Estimated biases of the accelerometers.
     azimuth_rad : float
         Assumed azimuth of the platform; 0 after the slew to the meridian.
@@ -55,7 +55,7 @@ class Computer:
         self.platform = platform
         self.drift_x_rad_s = self.drift_y_rad_s = self.drift_z_rad_s = 0.0
         self.meter_x_rad_s = self.meter_y_rad_s = 0.0
-        self.bias_x_m_s2 = self.bias_y_m_s2 = 0.0
+        self.bias_x_m_s2 = self.bias_y_m_s2 = self.bias_z_m_s2 = 0.0
         self.azimuth_rad = 0.0
         self.log_ok = True
         self.gps_ok = settings.gps
@@ -102,7 +102,7 @@ class Computer:
 
     def coarse(self, tau_s: float) -> Rates:
         """Level fast and roughly: S (1)-(3)."""
-        return loop.coarse(self, self.platform, tau_s)
+        return loop.coarse(self, tau_s)
 
     def enter_hold(self) -> None:
         """Set the gains of levelling with integral action for this latitude."""
@@ -111,7 +111,7 @@ class Computer:
 
     def hold(self) -> Rates:
         """Level without knowing the azimuth: S (7)."""
-        return loop.hold(self, self.platform)
+        return loop.hold(self)
 
     def transport_without_azimuth(self) -> tuple[float, float]:
         """Return the transport rates about x and y of the platform on a spherical Earth."""
@@ -122,8 +122,8 @@ class Computer:
         return loop.fine(self, self.platform)
 
     def free(self) -> Rates:
-        """Hold the platform by the estimates alone, without accelerometers."""
-        return loop.free(self)
+        """Hold the platform by the estimates and the gyros, without accelerometers."""
+        return loop.free(self, self.platform)
 
     def enter_gyrocompass(self) -> None:
         """Set the gains of the gyrocompass, S (20)-(22), and empty the integral corrections."""

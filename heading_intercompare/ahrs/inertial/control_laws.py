@@ -65,8 +65,7 @@ def torque(rate_rad_s: float) -> tuple[float, float]:
     return moment, moment / TORQUE_MOTOR_N_M_A
 
 
-def coarse_rate(force_m_s2: float, gravity_m_s2: float, tau_s: float, friction: float,
-                gimbal_rate_rad_s: float) -> float:
+def coarse_rate(force_m_s2: float, gravity_m_s2: float, tau_s: float) -> float:
     """
     Return the rate of coarse levelling about one axis.
 
@@ -79,10 +78,6 @@ def coarse_rate(force_m_s2: float, gravity_m_s2: float, tau_s: float, friction: 
         Gravity.
     tau_s : float
         Time constant, seconds.
-    friction : float
-        Friction left after the feed-forward, k - k_fr.
-    gimbal_rate_rad_s : float
-        Rate of the gimbal, rad/s.
 
     Returns
     -------
@@ -91,10 +86,10 @@ def coarse_rate(force_m_s2: float, gravity_m_s2: float, tau_s: float, friction: 
 
     References
     ----------
-    S (1), S (2).
+    S (1), S (2). What the feed-forward of the friction leaves moves the platform in `loop.step`.
 
     """
-    return force_m_s2 / (gravity_m_s2 * tau_s) + friction * gimbal_rate_rad_s
+    return force_m_s2 / (gravity_m_s2 * tau_s)
 
 
 def compute_hold_gains(omega_1_s: float, zeta: float, gravity_m_s2: float) -> HoldGains:

@@ -20,7 +20,7 @@ _GYROS = ('drift_x', 'drift_y', 'drift_z', 'meter_x', 'meter_y')
 """Gyro channels: the gyro vertical about x and y, the course gyro about z, and the two axes of the
 course gyro as a meter."""
 
-_ACCELEROMETERS = ('bias_x', 'bias_y')
+_ACCELEROMETERS = ('bias_x', 'bias_y', 'bias_z')
 
 
 class Thermostat:
@@ -95,9 +95,11 @@ class Instruments:
         self.torquer = [1e-6 * errors.torquer_ppm * n for n in draw[10:13]]
         self.log_scale = errors.log_scale * draw[13]
         bias = (self._stream('bias').standard_normal(4) * self._noise).tolist()
+        vertical = (self._stream('bias_z').standard_normal(2) * self._noise).tolist()
         self.bias = [UG_M_S2 * self._fixed.get(name, errors.accelerometer_bias_ug * n)
-                     for name, n in zip(_ACCELEROMETERS, bias)]
-        self.bias_heat = [UG_M_S2 * errors.accelerometer_temperature_ug_k * n for n in bias[2:4]]
+                     for name, n in zip(_ACCELEROMETERS, [*bias[:2], vertical[0]])]
+        self.bias_heat = [UG_M_S2 * errors.accelerometer_temperature_ug_k * n
+                          for n in [*bias[2:], vertical[1]]]
         self.spin_axis = (math.radians(errors.spin_axis_arcsec / 3600.0) * self._noise)
         gyro = errors.markov_deg_h * RAD_PER_DEG_H
         force = errors.accelerometer_markov_ug * UG_M_S2

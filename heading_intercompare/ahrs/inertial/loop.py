@@ -31,7 +31,6 @@ HOLD, FINE, GYROCOMPASS, SCHULER = range(4)
 """The laws that `run` knows."""
 
 MOORED_M_S = 0.25
-FRICTION = 5e-5
 LOG_MEMORY_S = 60.0
 PICK_OFF_RAD = 2.0 * math.pi / 2**20
 
@@ -59,13 +58,13 @@ def run(law: int, p: 'Platform', c: 'Computer', i: 'Instruments', t: 'Thermostat
     """
     for k in range(first, stop):
         if law == GYROCOMPASS:
-            ux, uy, uz = gyrocompass(c)
+            ux, uy, uz = gyrocompass(c, p)
         elif law == FINE:
             ux, uy, uz = fine(c, p)
         elif law == HOLD:
-            ux, uy, uz = hold(c, p)
+            ux, uy, uz = hold(c)
         else:
-            ux, uy, uz = schuler(c)
+            ux, uy, uz = schuler(c, p)
         step(p, i, t, rows[k], ux, uy, uz)
         take(c, p)
         state = states[k + 1]
@@ -95,23 +94,24 @@ def step(p: 'Platform', i: 'Instruments', t: 'Thermostat', row, ux: float, uy: f
     p.ux_rad_s, p.uy_rad_s, p.uz_rad_s = ux, uy, uz
     north, east, down = row[0], row[1], row[2]
     warm, soak = t.away_k, i.soak
-    px = (ux + i.torquer[0] * ux + row[11] + i.gyro_bias[0] + i.gyro_heat[0] * warm
-          + i.gyro_soak[0] * soak)
-    py = (uy + i.torquer[1] * uy + row[12] + i.gyro_bias[1] + i.gyro_heat[1] * warm
-          + i.gyro_soak[1] * soak)
-    pz = uz + row[13] + i.gyro_bias[2] + i.gyro_heat[2] * warm + i.gyro_soak[2] * soak
+    scale, bias, heat, still = i.torquer, i.gyro_bias, i.gyro_heat, i.gyro_soak
+    px = ux + scale[0] * ux + row[11] + bias[0] + heat[0] * warm + still[0] * soak
+    py = uy + scale[1] * uy + row[12] + bias[1] + heat[1] * warm + still[1] * soak
+    slip_z = row[20]
+    pz = uz + row[13] + bias[2] + heat[2] * warm + still[2] * soak + scale[2] * uz + slip_z
     alpha, beta, azimuth = p.alpha_rad, p.beta_rad, p.azimuth_rad
     turn = GRID_S * pz
-    if -1e-3 < turn < 1e-3:
-        pz += i.torquer[2] * uz
-        c, s = math.cos(azimuth), math.sin(azimuth)
-        wx, wy = north * c + east * s, east * c - north * s
+    middle = azimuth if -1e-3 < turn < 1e-3 else azimuth + 0.5 * turn
+    c, s = math.cos(middle), math.sin(middle)
+    wx, wy = north * c + east * s, east * c - north * s
+    # The gimbals drag the platform along, and its gyros see by how much.
+    slip_x, slip_y = row[9] * c + row[10] * s, row[10] * c - row[9] * s
+    px, py = px + slip_x, py + slip_y
+    p.slip_x_rad_s, p.slip_y_rad_s, p.slip_z_rad_s = slip_x, slip_y, slip_z
+    if middle == azimuth:
         new_alpha = alpha + GRID_S * (px - wx + beta * pz)
         new_beta = beta + GRID_S * (py - wy - alpha * pz)
     else:
-        # The pick-off measures a slew, so the scale error of the torquer does not matter.
-        c, s = math.cos(azimuth + 0.5 * turn), math.sin(azimuth + 0.5 * turn)
-        wx, wy = north * c + east * s, east * c - north * s
         half_c, half_s = math.cos(0.5 * turn), math.sin(0.5 * turn)
         middle_alpha = alpha * half_c + beta * half_s + GRID_S * (px - wx)
         middle_beta = beta * half_c - alpha * half_s + GRID_S * (py - wy)
@@ -134,13 +134,12 @@ def step(p: 'Platform', i: 'Instruments', t: 'Thermostat', row, ux: float, uy: f
     if not p.stuck:
         p.force_x_m_s2, p.force_y_m_s2 = fx, fy
 
-    mx = row[14] + (i.gyro_bias[3] + i.gyro_heat[3] * warm + i.gyro_soak[3] * soak)
-    my = row[15] + (i.gyro_bias[4] + i.gyro_heat[4] * warm + i.gyro_soak[4] * soak)
+    mx = row[14] + (bias[3] + heat[3] * warm + still[3] * soak)
+    my = row[15] + (bias[4] + heat[4] * warm + still[4] * soak)
     c, s = math.cos(p.angle_rad), math.sin(p.angle_rad)
     p.rate_x_rad_s = px * c + py * s + mx + i.spin_axis * p.angle_rate_rad_s
     p.rate_y_rad_s = py * c - px * s + my
     show(p, i, t, row)
-    p.roll_rate_rad_s, p.pitch_rate_rad_s = row[9], row[10]
 
 
 def show(p: 'Platform', i: 'Instruments', t: 'Thermostat', row) -> None:
@@ -203,20 +202,19 @@ def resolve(c: 'Computer', vx: float, vy: float) -> None:
     c.coriolis = 2.0 * c.earth_up - c.transport_down
 
 
-def coarse(c: 'Computer', p: 'Platform', tau_s: float) -> Rates:
+def coarse(c: 'Computer', tau_s: float) -> Rates:
     """Level fast and roughly: S (1)-(3)."""
-    return (coarse_rate(c.ay, c.gravity, tau_s, FRICTION, p.roll_rate_rad_s),
-            coarse_rate(-c.ax, c.gravity, tau_s, FRICTION, p.pitch_rate_rad_s), -c.earth_up)
+    return (coarse_rate(c.ay, c.gravity, tau_s), coarse_rate(-c.ax, c.gravity, tau_s),
+            -c.earth_up)
 
 
-def hold(c: 'Computer', p: 'Platform') -> Rates:
+def hold(c: 'Computer') -> Rates:
     """Level without knowing the azimuth: S (7)."""
     integrate(c, c.hold_k1)
     c.ix += GRID_S * c.hold_ki * c.qy
     c.iy -= GRID_S * c.hold_ki * c.qx
     turn_x, turn_y = transport_without_azimuth(c)
-    return (c.hold_k * c.qy + c.ix + turn_x + FRICTION * p.roll_rate_rad_s,
-            -c.hold_k * c.qx + c.iy + turn_y + FRICTION * p.pitch_rate_rad_s, -c.earth_up)
+    return (c.hold_k * c.qy + c.ix + turn_x, -c.hold_k * c.qx + c.iy + turn_y, -c.earth_up)
 
 
 def transport_without_azimuth(c: 'Computer') -> tuple[float, float]:
@@ -230,32 +228,39 @@ def fine(c: 'Computer', p: 'Platform') -> Rates:
     integrate(c, c.hold_k1)
     c.ix += GRID_S * c.hold_ki * c.qy
     c.iy -= GRID_S * c.hold_ki * c.qx
-    ux, uy, uz = free(c)
-    return (ux + c.hold_k * c.qy + FRICTION * p.roll_rate_rad_s,
-            uy - c.hold_k * c.qx + FRICTION * p.pitch_rate_rad_s, uz)
+    ux, uy, uz = free(c, p)
+    return ux + c.hold_k * c.qy, uy - c.hold_k * c.qx, uz
 
 
-def free(c: 'Computer') -> Rates:
-    """Hold the platform by the estimates alone, without accelerometers."""
+def free(c: 'Computer', p: 'Platform') -> Rates:
+    """
+    Hold the platform by the estimates and by what the gyros show, without accelerometers.
+
+    References
+    ----------
+    The signals of the gyro vertical in S (12) and of the course gyro in S (20), as rates by their
+    differences over a control step, S (21).
+
+    """
     cosine, sine = math.cos(c.azimuth_rad), math.sin(c.azimuth_rad)
     north = c.earth_north + c.east_m_s / c.normal_m
     east = -c.north_m_s / c.meridian_m
     c.correction_rad_s = 0.0
-    return (north * cosine + east * sine - c.drift_x_rad_s + c.ix,
-            east * cosine - north * sine - c.drift_y_rad_s + c.iy,
-            c.transport_down - c.earth_up - c.drift_z_rad_s)
+    return (north * cosine + east * sine - c.drift_x_rad_s + c.ix - p.slip_x_rad_s,
+            east * cosine - north * sine - c.drift_y_rad_s + c.iy - p.slip_y_rad_s,
+            c.transport_down - c.earth_up - c.drift_z_rad_s - p.slip_z_rad_s)
 
 
-def gyrocompass(c: 'Computer') -> Rates:
+def gyrocompass(c: 'Computer', p: 'Platform') -> Rates:
     """Level and seek the meridian: S (20)-(22)."""
     integrate(c, c.seek_k1)
     c.p += GRID_S * (c.qx - c.seek_k4 * c.p)
-    ux, uy, uz = free(c)
+    ux, uy, uz = free(c, p)
     c.correction_rad_s = -c.seek_k3 / c.earth_north * c.p
     return ux + c.seek_k * c.qy, uy - c.seek_k * c.qx, uz + c.correction_rad_s
 
 
-def schuler(c: 'Computer') -> Rates:
+def schuler(c: 'Computer', p: 'Platform') -> Rates:
     """Level by the velocity integrated from the accelerometers alone."""
     # Commands the new velocity at once: with the old one the oscillation would grow.
     resolve(c, c.own_x, c.own_y)
@@ -266,7 +271,7 @@ def schuler(c: 'Computer') -> Rates:
     resolve(c, c.own_x, c.own_y)
     if c.own:
         set_latitude(c, c.latitude_rad + GRID_S * c.north_m_s / c.meridian_m)
-    return free(c)
+    return free(c, p)
 
 
 def integrate(c: 'Computer', damping_1_s: float) -> None:

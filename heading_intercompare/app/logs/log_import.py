@@ -14,7 +14,7 @@ from heading_intercompare.core.records import Headings
 from heading_intercompare.drivers.logs import LogReader
 from heading_intercompare.drivers.refused_lines import explain_no_heading
 from heading_intercompare.drivers.settings import DriverError, DriverSettings
-from heading_intercompare.readers.registry import open_log_of_streams
+from heading_intercompare.readers.registry import open_log_of_streams, sources_of
 
 __all__ = ['import_log', 'ImportedLog', 'ROLE_SETTINGS']
 
@@ -64,7 +64,7 @@ class ImportedLog:
 
     @property
     def origin(self) -> dict[str, Any]:
-        """The provenance as a bag keeps it."""
+        """Return the provenance as a bag keeps it."""
         default = DriverSettings()
         given = {name: getattr(self.driver, name) for name in _READING
                  if getattr(self.driver, name) != getattr(default, name)}
@@ -77,7 +77,7 @@ class ImportedLog:
 
     @property
     def words_not_taken(self) -> str:
-        """The lines that gave no heading, in words."""
+        """Return the lines that gave no heading, in words."""
         return ', '.join(f'{n} {reason}' for reason, n in sorted(self.not_taken.items())
                          if n) or 'nothing'
 
@@ -113,7 +113,7 @@ def import_log(path: str, driver: DriverSettings,
     streams = open_log_of_streams(path)
     if streams is not None:
         name = streams.only(driver.talker)
-        return ImportedLog(path, streams.streams[name], hash_files([path]),
+        return ImportedLog(path, streams.streams[name], hash_files(sources_of(path) or [path]),
                            os.path.getsize(path), name, streams.not_taken, driver)
     try:
         reader = LogReader(path, driver)

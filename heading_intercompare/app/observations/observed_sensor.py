@@ -99,6 +99,7 @@ def observe(recording: str | None, table: str, settings: Settings, *,
     target : Target, optional
         Gives the true bearing of rows without one.
     stated : Uncertainties, optional
+        What is known of the observations; by default what the table says.
     position : tuple of float, optional
         Latitude and longitude of rows without their own, degrees.
 

@@ -64,7 +64,7 @@ def has_pairs(path: str) -> bool:
     A csv of the headings of one or several sensors is none, a csv with any other header is.
     """
     if not os.path.isfile(path):
-        return path.lower().endswith('.csv')
+        return path.lower().endswith('.csv') and find_format(path) is None
     with open(path, 'rb') as file:
         head = file.read(_HEAD_BYTES)
     if not head.startswith(b'PAR1') and _NAMES <= {*_NAME.findall(head.replace(b'\0', b''))}:

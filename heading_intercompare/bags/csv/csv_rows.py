@@ -96,7 +96,7 @@ class CsvRows:
 
     @property
     def line(self) -> int:
-        """Number of the last line read."""
+        """Return the number of the last line read."""
         return self._before + self._rows.line_num
 
     def _read_header(self, wanted: str) -> tuple[int, str, str]:

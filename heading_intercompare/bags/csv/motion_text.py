@@ -26,6 +26,7 @@ def text_of_motion(motion: Motion) -> dict[str, str] | None:
     Parameters
     ----------
     motion : Motion
+        In any order.
 
     Returns
     -------

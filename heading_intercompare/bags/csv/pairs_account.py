@@ -78,7 +78,7 @@ class PairsAccount:
 
     @property
     def ledger(self) -> Ledger:
-        """The account of every reading."""
+        """Return the account of every reading."""
         return Ledger.from_segments(self.segments, self.newest_ns, self.set_backs)
 
 
@@ -156,6 +156,7 @@ def write_account(csv: str | os.PathLike[str], account: PairsAccount, of: Finger
     csv : str or path
         The csv file.
     account : PairsAccount
+        Ledger and provenance of these pairs.
     of : Fingerprint
         Of the csv file.
 

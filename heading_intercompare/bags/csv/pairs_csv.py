@@ -260,7 +260,7 @@ class PairsCsvWriter:
 
     @property
     def fingerprint(self) -> Fingerprint:
-        """The hashes of what was written so far, for `write_account`."""
+        """Return the hashes of what was written so far, for `write_account`."""
         return Fingerprint(self._bytes.hexdigest(), self._pairs.hexdigest())
 
     def close(self) -> None:

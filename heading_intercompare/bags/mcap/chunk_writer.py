@@ -220,12 +220,12 @@ class ChunkWriter:
 
     @property
     def defined(self) -> frozenset[bytes]:
-        """The records of all definitions."""
+        """Return the records of all definitions."""
         return frozenset(self._defined)
 
     @property
     def due(self) -> frozenset[bytes]:
-        """The definitions that the next chunk must hold."""
+        """Return the definitions that the next chunk must hold."""
         return frozenset(self._held)
 
     @property

@@ -167,7 +167,7 @@ class _Helper:
 
     @property
     def asked(self) -> list[int]:
-        """The turns of the tasks it has not handed back yet."""
+        """Return the turns of the tasks it has not handed back yet."""
         return list(self._asked.values())
 
     def close(self) -> None:

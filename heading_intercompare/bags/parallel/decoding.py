@@ -119,7 +119,9 @@ def _find_headings(block: Block, kind: Kind, place_of: np.ndarray,
     Parameters
     ----------
     block : Block
+        Messages that were read together.
     kind : Kind
+        The topics to find; all are decoded alike.
     place_of : ndarray of int16
         The topic index of each channel, or -1.
     strange : mapping of int to str

@@ -164,7 +164,9 @@ def read_by_time(decoder: Decoder, pieces: Iterable[Piece],
     Parameters
     ----------
     decoder : Decoder
+        Turns the messages of a piece into readings.
     pieces : iterable of Piece
+        Parts of the files, in any order.
     counts : dict of int to int
         Gets the number of messages read, by file.
 

@@ -169,12 +169,12 @@ class BagWriter:
 
     @property
     def file(self) -> Path:
-        """The path at which the current file was created."""
+        """Return the path at which the current file was created."""
         return self._place(self._number)
 
     @property
     def chunks(self) -> ChunkWriter:
-        """The writer of the current file, for whole chunks; call `split_if_due` after each."""
+        """Return the writer of the current file, for whole chunks; then call `split_if_due`."""
         return self._chunks
 
     def add_topic(self, topic: str, type_name: str, qos: Qos | None = None, *,
@@ -333,7 +333,7 @@ class BagWriter:
 
     @property
     def absent(self) -> int:
-        """Number of messages written to files that are no longer in their place."""
+        """Return the number of messages written to files that are no longer in their place."""
         parts = [*self._closed, self._part()]
         return sum(part.count for part in parts if not (self.path / part.path).exists())
 

@@ -108,12 +108,12 @@ class Recording:
 
     @property
     def waiting(self) -> int:
-        """Number of messages that wait in memory because they cannot be written."""
+        """Return the number of messages that wait in memory because they cannot be written."""
         return len(self._waiting)
 
     @property
     def absent(self) -> int:
-        """Number of messages written to files that somebody removed or moved."""
+        """Return the number of messages written to files that somebody removed or moved."""
         return self._bag.absent
 
     def add_topic(self, topic: str, type_name: str, qos: Qos | None = None) -> None:

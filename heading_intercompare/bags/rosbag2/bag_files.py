@@ -51,7 +51,7 @@ class BagFiles(NamedTuple):
 
     @property
     def oddities(self) -> list[str]:
-        """What a user should know about the files that are left out, in words."""
+        """Return what a user should know about the files that are left out, in words."""
         if not self.unlisted:
             return []
         more = len(self.unlisted) - _MOST_NAMED

@@ -438,7 +438,7 @@ class BagReader:
 
     @property
     def recovered(self) -> str | None:
-        """What was lost when this bag was recovered from a damaged one; None if nothing."""
+        """Return what was lost when this bag was recovered from a damaged one; None if nothing."""
         try:
             found = self.metadata().get('recovery', {})
         except BagError:

@@ -55,6 +55,7 @@ def find_motion_topics(bag: Readable, rule: MotionRule) -> dict[str, list[tuple[
     Parameters
     ----------
     bag : Readable
+        The recording.
     rule : MotionRule
         Its topics. A topic with the default name may be absent, and then tells nothing.
 
@@ -93,6 +94,7 @@ def read_bag_motion(bag: Readable, rule: MotionRule) -> BagMotion:
     Parameters
     ----------
     bag : Readable
+        The recording.
     rule : MotionRule
         As for `find_motion_topics`.
 
@@ -115,6 +117,7 @@ def read_fixes(bag: Readable, topic: str) -> tuple[Motion, int]:
     Parameters
     ----------
     bag : Readable
+        The recording.
     topic : str
         A topic of NavSatFix.
 

@@ -189,13 +189,13 @@ class Replay:
 
     @property
     def place(self) -> str:
-        """The place in the bag, in words."""
+        """Return the place in the bag, in words."""
         again = f', round {self.round}' if self._loop else ''
         return f'{self.place_s:.3f} s of {self._length_s:.3f} s{again}'
 
     @property
     def part(self) -> str:
-        """The part of the bag that is replayed, in words."""
+        """Return the part of the bag that is replayed, in words."""
         begin_s, end_s = ((ns - self._first_ns) / 1e9 for ns in (self._origin_ns, self._stop_ns))
         end = 'its end' if self._stop_ns == _NEVER_NS else f'before {end_s:g} s'
         return f'{self._reader.path} from {begin_s:g} s to {end}'

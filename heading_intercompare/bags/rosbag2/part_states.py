@@ -75,7 +75,7 @@ class PartStates:
 
     @property
     def cut(self) -> int:
-        """Number of parts with a name or words that were cut."""
+        """Return the number of parts with a name or words that were cut."""
         return len(self._cut)
 
     def take(self, data: bytes, now_ns: int) -> bool:

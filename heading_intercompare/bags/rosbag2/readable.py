@@ -26,7 +26,7 @@ class Readable(Protocol):
 
     @property
     def recovered(self) -> str | None:
-        """What was lost when it was recovered from a damaged one."""
+        """Return what was lost when it was recovered from a damaged one."""
 
     def resolve(self, topic: str) -> str:
         """Return the name of a topic given with or without a leading slash."""

@@ -72,7 +72,7 @@ class Numbering:
 
     @property
     def summary(self) -> tuple[int, int, int]:
-        """The first number, the newest one, and how many are missing."""
+        """Return the first number, the newest one, and how many are missing."""
         newest = self._newest[-1].number if self._newest else 0
         return self.first or 0, newest, self.missing
 

@@ -321,6 +321,7 @@ def conclude(verdict: Verdict | SensorsVerdict, arguments: argparse.Namespace) -
     Parameters
     ----------
     verdict : Verdict or SensorsVerdict
+        On one sensor or on several.
     arguments : argparse.Namespace
         With `json` and `check`.
 

@@ -66,6 +66,7 @@ class LiveView:
         Parameters
         ----------
         view : BridgeView
+            What the graph tells by now.
         phase : str
             What the graph does at the moment if it does not just run.
 

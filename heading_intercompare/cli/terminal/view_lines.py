@@ -58,6 +58,7 @@ def lay_out(view: BridgeView, columns: int, rows: int, *, title: str = '', phase
     Parameters
     ----------
     view : BridgeView
+        What the graph tells by now.
     columns, rows : int
         Room for the view. What does not fit is cut: first words of nodes and alarms.
     title, phase, foot : str

@@ -127,6 +127,10 @@ class ComparisonWatch:
                                             self._settings.wrap_center_deg))
         self.newest_ns = int(pairs.stamp_ns[-1])
 
+    def resize(self, window_s: float) -> None:
+        """Change the length of the window, seconds."""
+        self._window.resize(window_s)
+
     def accept_level(self) -> None:
         """Take the present level of the differences as the usual one, as at the start of a run."""
         self._jumps.reset()

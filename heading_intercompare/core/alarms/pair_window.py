@@ -41,6 +41,10 @@ class PairWindow:
     def __len__(self) -> int:
         return self._hi - self._lo
 
+    def resize(self, window_s: float) -> None:
+        """Change the length, seconds; pairs that are too old go with the next update."""
+        self._window_ns = round(window_s * 1e9)
+
     def clear(self) -> None:
         """Forget all pairs."""
         self._lo = self._hi = 0

@@ -56,6 +56,10 @@ class StreamWatch:
         self._odd = 0
         self._stepped = False
 
+    def allow(self, stale_s: float) -> None:
+        """Change how long silence is allowed, seconds."""
+        self._stale_s = stale_s
+
     def look(self, received: Sequence[int], heard_ns: Sequence[int | None],
              now_s: float) -> dict[str, Sign]:
         """

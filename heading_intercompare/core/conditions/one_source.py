@@ -42,7 +42,7 @@ class OneSource:
     @property
     def kind(self) -> str:
         """
-        The conclusion from all signs.
+        Return the conclusion from all signs.
 
         'common': one source. 'independent': the RS shows noise or glitches, and the TS does not
         follow them. 'suspected': the RS shows neither, and the TS repeats it reading by reading;

@@ -114,6 +114,7 @@ def judge_together(runs: Sequence[Evidence], limits: Sequence[Limits], risk: Ris
     Parameters
     ----------
     runs : sequence of Evidence
+        What each run shows.
     limits : sequence of Limits
         Limits of each run; acceptance limits differ if interpolation reduced the noise
         differently.
@@ -190,11 +191,13 @@ def conclude_sensor(found: Together | None, limits: Sequence[Limits], totals_met
     Parameters
     ----------
     found : Together or None
+        Of `judge_together`; None if the runs cannot be judged together.
     limits : sequence of Limits
         Limits of the runs.
     totals_met : bool
         Whether the total error of every run is within its norm, or has no norm.
     risk : Risk
+        With the rule of campaigns.
 
     Notes
     -----

@@ -105,7 +105,7 @@ class Coverage:
 
     @property
     def words(self) -> str:
-        """The line of a certificate that states its coverage."""
+        """Return the line of a certificate that states its coverage."""
         covered = f'for errors that change within {span_words(self.longest_s)}'
         if self.by_run_means:
             covered += ', from run to run'
@@ -200,6 +200,7 @@ def coverage_of(span_s: float, risk: Risk, *, apart_s: float | None = None) -> C
     span_s : float
         Length of the record, or of all runs together, seconds.
     risk : Risk
+        Its slowest errors stated, and the risks.
     apart_s : float, optional
         Shortest time between runs, seconds, if their means cover slower errors.
 

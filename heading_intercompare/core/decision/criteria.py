@@ -105,17 +105,17 @@ class Limits:
 
     @property
     def count_limit_deg(self) -> float:
-        """The limit of GK (*), degrees."""
+        """Return the limit of GK (*), degrees."""
         return self.k * math.sqrt(self.limit_deg2)
 
     @property
     def tightened_count_limit_deg(self) -> float:
-        """The limit of GK (**), degrees."""
+        """Return the limit of GK (**), degrees."""
         return self.k_tightened * math.sqrt(self.tightened_limit_deg2)
 
     @property
     def rejection_limit_deg2(self) -> float:
-        """The limit of the guarded rejection, with the upper bound of M; square degrees."""
+        """Return the limit of the guarded rejection, with the upper bound of M; square degrees."""
         return self.sigma_max_deg ** 2 + (self.m_up * self.sigma_ref_max_deg) ** 2
 
     def allowed(self, n: int) -> Fraction:
@@ -210,6 +210,7 @@ def apply_variance_criterion(variance_deg2: float | None, limits: Limits) -> Var
     variance_deg2 : float or None
         GK (4), square degrees; None (too few differences) is indeterminate.
     limits : Limits
+        Of the variance.
 
     References
     ----------
@@ -277,6 +278,7 @@ def apply_count_criterion(n: int, n_plus: int, n_plus_plus: int, limits: Limits)
         Number of deviations above `limits.count_limit_deg` and above
         `limits.tightened_count_limit_deg`.
     limits : Limits
+        With the share of deviations allowed.
 
     Notes
     -----
@@ -346,9 +348,11 @@ def estimate_total_error(mean_deg: float | None, variance_deg2: float | None, li
     mean_deg, variance_deg2 : float or None
         Mean and variance of the differences; None for too few of them.
     limits : Limits
+        With the least and the largest variance of the RS.
     norms : Norms
         Uses `probability`, `k_rule`, `k_total_rule` and `total_error_max_deg`.
     model : {'NN', 'UN', 'NU', 'UU'}
+        Laws of the errors of TS and RS, GK (2) to (2c).
 
     Notes
     -----

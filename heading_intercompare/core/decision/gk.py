@@ -58,6 +58,7 @@ def apply_gk(n: int, mean_deg: float | None, variance_deg2: float | None,
     count : callable
         ``count(limit_deg)`` returns the number of deviations above a limit.
     limits : Limits
+        Of variance and counts.
     settings : Settings
         Uses norms and model.
 

@@ -291,10 +291,13 @@ def decide_variance(found: Spread, span_s: float, limits: Limits, risk: Risk,
     Parameters
     ----------
     found : Spread
+        The variance with its uncertainty.
     span_s : float
         Time from the first to the last difference, seconds.
     limits : Limits
+        Limits of acceptance and rejection.
     risk : Risk
+        Risks, and the least number of independent samples.
     drift_left_deg2 : float
         Upper 95 % bound of the variance of the drift not removed, square degrees.
 

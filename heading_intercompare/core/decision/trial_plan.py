@@ -187,6 +187,7 @@ def simulate_differences(rng: np.random.Generator, duration_s: float, rate_hz: f
     Parameters
     ----------
     rng : Generator
+        Source of the noise.
     duration_s, rate_hz : float
         Length of the run, seconds, and pairs per second.
     sigma_ref_deg, sigma_deg : float

@@ -256,6 +256,7 @@ def judge_constant_moments(found: Stationarity, slope: Slope | None, span_h: flo
     span_h : float
         Length of the run, hours.
     dependence : HeadingDependence
+        Harmonics of the heading in the differences.
     resolved : bool or None
         Whether the record is long enough for the correlation of the residuals.
 
@@ -295,6 +296,7 @@ def judge_correlated_errors(upper_deg2: float | None, reference_deg: float,
     reference_deg : float
         Least standard deviation of the RS that the verdict uses, degrees.
     source : OneSource
+        Signs that both headings come from one sensor.
 
     """
     if source.kind == 'common':
@@ -339,6 +341,7 @@ def judge_laws(shape: Shape, model: str, reference_deg: tuple[float, float]) -> 
     shape : Shape
         Shape of the differences or their residuals.
     model : {'NN', 'UN', 'NU', 'UU'}
+        Laws of the errors of TS and RS, GK (2) to (2c).
     reference_deg : pair of float
         Least and largest standard deviation of the RS, degrees; any kurtosis that the model
         gives between them is accepted.

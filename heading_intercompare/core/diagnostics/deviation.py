@@ -247,6 +247,7 @@ def deviation_at(found: HeadingDependence, heading_deg: ArrayLike) -> tuple[Real
     Parameters
     ----------
     found : HeadingDependence
+        The fitted harmonics.
     heading_deg : array_like, shape (n,)
         Degrees.
 

@@ -124,6 +124,7 @@ def check_motion(motion: Motion, stamp_ns: Integers, ts_deg: Reals, rs_deg: Real
     ts_deg, rs_deg : ndarray, shape (n,)
         Headings, finite, the installation offset removed from the TS; degrees.
     rule : MotionRule
+        What counts as underway, and the limits of the check.
 
     Returns
     -------

@@ -100,7 +100,7 @@ class RunMotion:
 
     @property
     def rows(self) -> Motion | None:
-        """The rows after the last judged run; None if there never was any motion."""
+        """Return the rows after the last judged run; None if there never was any motion."""
         return None if self._record is None else self._record.rows()
 
     def end_run(self, end_ns: int) -> None:
@@ -139,6 +139,7 @@ def leave_out_known(motion: Motion, newest_ns: Mapping[str, int]) -> Motion:
     Parameters
     ----------
     motion : Motion
+        In any order.
     newest_ns : mapping of str to int
         Of `find_newest`.
 

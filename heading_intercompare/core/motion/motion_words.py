@@ -27,6 +27,7 @@ def describe_motion(found: MotionCheck) -> str:
     Parameters
     ----------
     found : MotionCheck
+        Of `check_motion`.
 
     """
     if found.kind not in ('contradicts', 'doubt'):
@@ -76,6 +77,7 @@ def explain_motion(found: MotionCheck) -> str:
     Parameters
     ----------
     found : MotionCheck
+        Of `check_motion`.
 
     """
     parts = []

@@ -58,12 +58,12 @@ class Budget:
 
     @property
     def u_deg(self) -> float:
-        """Combined standard uncertainty, degrees. JCGM 100:2008 (10)."""
+        """Return the combined standard uncertainty, degrees. JCGM 100:2008 (10)."""
         return math.sqrt(math.fsum(c.u_deg ** 2 for c in self.components))
 
     @property
     def u_shared_deg(self) -> float:
-        """The part that more observations do not reduce, degrees."""
+        """Return the part that more observations do not reduce, degrees."""
         return math.sqrt(math.fsum(c.u_deg ** 2 for c in self.components[1:]))
 
     @property

@@ -119,6 +119,7 @@ def find_corrections(observations: Observations, ts: Headings | None = None, *,
     Parameters
     ----------
     observations : Observations
+        True headings or bearings, with their uncertainties.
     ts : Headings, optional
         Readings of the TS; interpolated to the observations without a reading of their own.
     max_gap_s : float

@@ -136,7 +136,7 @@ class Incarnations:
 
     @property
     def paired(self) -> int:
-        """Number of pairs of the newest incarnation."""
+        """Return the number of pairs of the newest incarnation."""
         return self._in_order[-1][1].ledger.paired if self._last else 0
 
     @property
@@ -146,7 +146,7 @@ class Incarnations:
 
     @property
     def total(self) -> Ledger | None:
-        """The ledgers of all incarnations added up; None before the first ledger."""
+        """Return the ledgers of all incarnations added up; None before the first ledger."""
         if len(self._last) < 2:
             return next((last.ledger for last in self._last.values()), None)
         counts: dict[int | None, Counter[LedgerKey]] = {None: Counter()}

@@ -115,7 +115,7 @@ class LedgerKey(str, Enum):
 
     @property
     def stream(self) -> str:
-        """The sensor of these readings, ``'ts'`` or ``'rs'``; '' for pairs."""
+        """Return the sensor of these readings, ``'ts'`` or ``'rs'``; '' for pairs."""
         return '' if self is LedgerKey.PAIRED else self.value[:2]
 
     @property
@@ -307,7 +307,7 @@ class Ledger:
 
     @property
     def segments(self) -> tuple[LedgerSegment, ...]:
-        """The segments in order; the last one also holds the pending readings."""
+        """Return the segments in order; the last one also holds the pending readings."""
         counts = [Counter(c) for c in self._counts]
         for key, chunks in self._recent.items():
             if chunks:
@@ -340,7 +340,7 @@ class Ledger:
 
     @property
     def total(self) -> LedgerSegment:
-        """The sum of the counts of all segments, found without dividing readings among them."""
+        """Return the counts of all segments together; no reading is divided among them."""
         total = self._pending.copy()
         for counts in self._counts:
             total.update(counts)
@@ -357,13 +357,13 @@ class Ledger:
 
     @property
     def rejected(self) -> int:
-        """Number of readings rejected so far."""
+        """Return the number of readings rejected so far."""
         total = self.total
         return sum(sum(total.rejected(stream).values()) for stream in ('ts', 'rs'))
 
     @property
     def paired(self) -> int:
-        """Number of pairs so far."""
+        """Return the number of pairs so far."""
         return self.total.counts.get(LedgerKey.PAIRED, 0)
 
     def balance(self) -> dict[str, int]:

@@ -68,6 +68,7 @@ class Pairer:
         self._max_gap_ns = round(rule.max_gap_s * 1e9)
         self._tolerance_ns = round(rule.tolerance_s * 1e9)
         self._max_wait_s = rule.max_wait_s
+        self._silent_wait_s = max(rule.max_wait_s, rule.silent_wait_s)
         self._max_wait_ns = round(rule.max_wait_s * 1e9)
         self._run_gap_ns = round(settings.runs.gap_s * 1e9)
         self._clock = settings.runs.clock_cuts()
@@ -93,8 +94,9 @@ class Pairer:
         now_s : float, optional
             A steady clock, seconds. With it a reading waits for its partner until
             `pairing.max_wait_s` has passed both by this clock and by the stamps of newer readings;
-            then it counts as unpaired or unused. While nothing arrives, as in a paused replay, it
-            keeps waiting. Without a clock, no reading expires.
+            then it counts as unpaired or unused. While the other sensor is silent, and as long
+            again when it is back, a reading waits for `pairing.silent_wait_s`. While nothing
+            arrives, as in a paused replay, it keeps waiting. Without a clock, no reading expires.
 
         Returns
         -------
@@ -105,10 +107,10 @@ class Pairer:
         came_s = np.nan if now_s is None else now_s
         for stream, headings in ((self._ts, ts), (self._rs, rs)):
             if headings is not None and len(headings):
-                self._note(stream, stream.take(headings, came_s))
+                self._note(stream, stream.take(headings, came_s, self._max_wait_s))
         pairs = self._pair(end=False)
         if now_s is not None:
-            self._expire(now_s - self._max_wait_s)
+            self._expire(now_s)
         self._forget()
         return pairs
 
@@ -267,16 +269,18 @@ class Pairer:
             self._last_pair_ns = int(pairs.stamp_ns[-1])
         return pairs
 
-    def _expire(self, before_s: float) -> None:
-        """Drop readings that came before a time of the steady clock and are old by stamp."""
+    def _expire(self, now_s: float) -> None:
+        """Drop readings that waited too long by the steady clock and are old by stamp."""
         before_ns = max(self._ts.last_ns, self._rs.last_ns) - self._max_wait_ns
         is_open = self._direction is not None and self._direction.interpolates_ts is None
         for stream, other in ((self._ts, self._rs), (self._rs, self._ts)):
+            behind = other.is_behind(now_s, self._max_wait_s)
+            before_s = now_s - (self._silent_wait_s if behind else self._max_wait_s)
             late = (stream.came_s < before_s) & (stream.stamp_ns <= before_ns)
             if self._method != 'nearest' or stream is self._rs:
                 # Readings up to the newest one of the other sensor wait only for a choice or for
                 # a held stamp, and so does the reading that closes the last bracket.
-                reach_ns = other.reach_ns(before_s)
+                reach_ns = other.reach_ns(now_s - self._max_wait_s)
                 come = int(np.searchsorted(stream.stamp_ns, reach_ns, side='right'))
                 late[:come + 1 if is_open and come else come] = False
             given_up = np.flatnonzero(late)

@@ -40,13 +40,13 @@ class Stream:
         self.broken = np.empty(0, bool)
         self._lost = False
         self._jumps = JumpFilter(name, jump_s, Headings.empty())
-        self._heard_s = -np.inf
+        self._heard_s = self._back_s = -np.inf
         self.heard_ns: int | None = None
 
     def __len__(self) -> int:
         return len(self.stamp_ns)
 
-    def take(self, headings: Headings, now_s: float) -> np.ndarray:
+    def take(self, headings: Headings, now_s: float, silence_s: float) -> np.ndarray:
         """Reject unusable readings, keep the rest and return their stamps."""
         stamp: np.ndarray = headings.stamp_ns
         heading = headings.heading_deg
@@ -55,6 +55,8 @@ class Stream:
         good = self._reject('no_stamp', stamp > 0, self._place_unstamped(stamp, heading))
         good = self._reject('invalid', np.isfinite(heading), stamp, good)
         good = self._reject('out_of_range', (heading >= 0.0) & (heading <= 360.0), stamp, good)
+        if now_s - self._heard_s > silence_s:
+            self._back_s = now_s
         self._heard_s = now_s
         if not good.all():
             stamp, heading = stamp[good], heading[good]
@@ -83,12 +85,17 @@ class Stream:
 
     @property
     def pending(self) -> int:
-        """Number of readings that wait for a partner, or for later stamps to confirm theirs."""
+        """Return how many readings wait for a partner, or for later stamps to confirm theirs."""
         return len(self) + len(self._jumps)
 
     def reach_ns(self, since_s: float) -> int:
         """Return the newest stamp, also of readings held, if the sensor has been heard since."""
         return max(self.last_ns, self._jumps.held_ns) if self._heard_s >= since_s else self.last_ns
+
+    def is_behind(self, now_s: float, silence_s: float) -> bool:
+        """Tell whether the sensor is silent, or is back and what it sent may still be coming."""
+        return now_s - self._heard_s > silence_s or now_s - self._back_s <= silence_s
+
     def _place_unstamped(self, stamp: np.ndarray, heading: np.ndarray) -> np.ndarray:
         """Return where to count readings: those without a stamp at the last accepted one."""
         if (stamp > 0).all():

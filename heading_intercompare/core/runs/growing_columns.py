@@ -88,7 +88,7 @@ class Column:
 
     @property
     def newest(self) -> np.ndarray:
-        """The values not yet on a full page: a read-only view, valid until the next append."""
+        """Return the values not yet on a full page: read-only, valid until the next append."""
         view = self._open[:self._n_open]
         view.flags.writeable = False
         return view
@@ -99,7 +99,7 @@ class Column:
 
     @property
     def values(self) -> np.ndarray:
-        """The values so far, shape (n,), read-only and valid until the next append."""
+        """Return the values so far, shape (n,), read-only and valid until the next append."""
         if not self._pages:
             return self.newest
         whole = np.empty(len(self), self._open.dtype)

@@ -43,7 +43,9 @@ def compute_figures(part: RunSeries | Rolling, limits: Limits,
     part : RunSeries or Rolling
         Must hold at least one difference.
     limits : Limits
+        Of the criteria.
     settings : Settings
+        Norms, model and variant.
 
     Notes
     -----
@@ -65,7 +67,9 @@ def compute_run_figures(run: RunSeries, limits: Limits, settings: Settings) -> d
     run : RunSeries
         Must hold at least one difference.
     limits : Limits
+        Of the criteria.
     settings : Settings
+        Norms, model, variant, risk and times of looks.
 
     Returns
     -------

@@ -61,6 +61,9 @@ class Rolling:
     """
 
     def __init__(self, window_s: float) -> None:
+        self._begin(window_s)
+
+    def _begin(self, window_s: float) -> None:
         self._pane_ns = max(1, round(window_s * 1e9 / _PANES))
         self._panes: deque[_Pane] = deque()
         self._open: list[Differences] = []
@@ -69,6 +72,14 @@ class Rolling:
         # Not yet put into panes: nobody may ever ask.
         self._waiting: deque[Differences] = deque()
         self._closed: Moments | None = None
+
+    def resize(self, window_s: float) -> None:
+        """Change the length, seconds; what the window holds stays, as far as it is not too old."""
+        held = [*(Differences(pane.stamp_ns, pane.x_deg) for pane in self._panes), *self._open,
+                *self._waiting]
+        self._begin(window_s)
+        for differences in held:
+            self.update(differences)
 
     def update(self, differences: Differences) -> None:
         """Take differences in stamp order; values that are not finite are skipped."""

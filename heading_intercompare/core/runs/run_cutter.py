@@ -119,7 +119,7 @@ class RunCutter:
 
     @property
     def state(self) -> CutterState:
-        """What the cutter remembers; another cutter with the same rule can go on from it."""
+        """Return what the cutter remembers; another one with the same rule can go on from it."""
         return CutterState(self._since_ns, self._cut_ns, self._newest_ns, self._key,
                            self._in_run, tuple(self._events), self._marked, self._open)
 

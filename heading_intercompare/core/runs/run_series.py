@@ -150,7 +150,7 @@ class RunSeries:
     @property
     def stabilization_s(self) -> float | str:
         """
-        The stabilisation period of this run, seconds or 'auto'.
+        Return the stabilisation period of this run, seconds or 'auto'.
 
         A run that the clock cut off from the one before it has the rest of a period in seconds,
         and none instead of 'auto'.

@@ -126,6 +126,6 @@ class SensorsComparison:
 
     @property
     def newest_ns(self) -> int | None:
-        """The newest stamp in any ledger; None before the first reading."""
+        """Return the newest stamp in any ledger; None before the first reading."""
         stamps = [one.pairer.ledger.newest_ns for one in self.pairs.values()]
         return max((stamp for stamp in stamps if stamp is not None), default=None)

@@ -49,6 +49,7 @@ def judge_sensors(settings: Settings, verdicts: Mapping[str, Verdict],
     others : mapping of (str, str) to sequence of RunResult
         The runs of each other pair, by the names of its sensors.
     inputs : sequence of Input
+        The sources of the runs.
     incomplete : collection of (str, str)
         The other pairs that lack a run in an input; they certify nothing.
     problems : mapping of (str, str) to sequence of str, optional

@@ -90,12 +90,12 @@ class PairFigures:
 
     @property
     def names(self) -> tuple[str, str]:
-        """The names of both sensors."""
+        """Return the names of both sensors."""
         return self.first, self.second
 
     @property
     def share(self) -> float | None:
-        """Standard deviation as a share of what the norms of both explain."""
+        """Return the standard deviation as a share of what the norms of both explain."""
         if self.variance_deg2 is None or not self.limit_deg2:
             return None
         return math.sqrt(self.variance_deg2 / self.limit_deg2)

@@ -52,7 +52,7 @@ class PairNow:
 
     @property
     def names(self) -> tuple[str, str]:
-        """The names of both sensors."""
+        """Return the names of both sensors."""
         return self.first, self.second
 
     @property
@@ -66,7 +66,7 @@ class PairNow:
 
     @property
     def share(self) -> float | None:
-        """Standard deviation as a share of what the norms of both explain."""
+        """Return the standard deviation as a share of what the norms of both explain."""
         if self.std_deg is None or not self.limit_deg2:
             return None
         return self.std_deg / math.sqrt(self.limit_deg2)
@@ -80,6 +80,7 @@ def describe_now(names: tuple[str, str], figures: Mapping[str, Any],
     Parameters
     ----------
     names : tuple of (str, str)
+        Of its sensors.
     figures : mapping of str to object
         Those of `Compliance.rolling_figures`, as numbers or as the texts of a message.
     mean_max_deg : float

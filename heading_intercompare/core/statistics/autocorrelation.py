@@ -139,7 +139,7 @@ class CorrelationTimes:
 
     @property
     def effective_size(self) -> float:
-        """Number of independent normal samples that give an equally good variance, E.23."""
+        """Return how many independent normal samples give an equally good variance, E.23."""
         return self.n / max(self.tau_2, 1.0)
 
 

@@ -108,6 +108,7 @@ def duration_factor(found: Spread, accept_deg2: float, reject_deg2: float,
     Parameters
     ----------
     found : Spread
+        The variance with its uncertainty.
     accept_deg2, reject_deg2 : float
         Acceptance and rejection limits, square degrees.
     alpha_consumer, alpha_producer : float

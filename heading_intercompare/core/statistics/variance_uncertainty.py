@@ -102,7 +102,7 @@ class Spread:
 
     @property
     def slow_allowance_deg2(self) -> float:
-        """Allowance G of the upper bound for the slow part, square degrees. S.9."""
+        """Return the allowance G of the upper bound for the slow part, square degrees. S.9."""
         slow = self.slow_variance_deg2
         if slow == 0.0:
             return 0.0
@@ -226,6 +226,7 @@ def upper_bound(found: Spread, alpha: float) -> float:
     Parameters
     ----------
     found : Spread
+        The variance with its uncertainty.
     alpha : float
         Risk that the variance exceeds the bound; up to 0.5.
 

@@ -126,6 +126,7 @@ def find_excluded(stamp_ns: 'NDArray[np.int64]',
     stamp_ns : ndarray of int64, shape (n,)
         Stamps in ascending order, nanoseconds.
     exclusions : sequence of Exclusion
+        Where two overlap, the later one in this order counts.
 
     Returns
     -------

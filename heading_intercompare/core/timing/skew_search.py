@@ -161,6 +161,7 @@ def find_skew(instrument: Instrument, near_s: float, range_s: float,
     Parameters
     ----------
     instrument : Instrument
+        Scatter of the differences as a function of the skew.
     near_s : float
         Expected skew, seconds.
     range_s : float

@@ -198,12 +198,12 @@ class Skew:
 
     @property
     def about_s(self) -> float:
-        """The skew, within the range or beyond it; 0 if unknown, seconds."""
+        """Return the skew, within the range or beyond it; 0 if unknown, seconds."""
         return (self.skew_s if self.well_determined else self.beyond_s) or 0.0
 
     @property
     def apart_s(self) -> float | None:
-        """The skew if it exceeds a minute: no sensor is that late, so the clocks lie apart."""
+        """Return the skew if it exceeds a minute: no sensor is that late, the clocks lie apart."""
         return None if abs(self.beyond_s or 0.0) <= REACH_S else self.beyond_s
 
     def why_not(self, range_s: float) -> str:

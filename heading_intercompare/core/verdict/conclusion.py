@@ -105,6 +105,7 @@ def explain(run: RunVerdict, reason: str | None = None) -> str:
     Parameters
     ----------
     run : RunVerdict
+        The judged run.
     reason : str, optional
         A reason to explain instead of that of the run.
 
@@ -133,6 +134,7 @@ def campaign_words(campaign: Campaign, runs: Sequence[RunVerdict],
     Parameters
     ----------
     campaign : Campaign
+        Outcome of all runs.
     runs : sequence of RunVerdict
         The one that caused the outcome is named; of several open ones that which needs longest.
     coverage : Coverage or None

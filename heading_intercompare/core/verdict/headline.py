@@ -27,6 +27,7 @@ def compose_headline(outcome: Outcome, findings: Sequence[Finding], coverage: Co
     Parameters
     ----------
     outcome : Outcome
+        Of the run, or of all runs.
     findings : sequence of Finding
         Findings of a run, or of all runs with the run named in their words.
     coverage : Coverage or None
@@ -74,6 +75,7 @@ def add_looks(at_end: str, outcome: Outcome, reason: str,
     outcome, reason
         Outcome and reason of the run, looks included.
     looks : sequence of LookVerdict
+        Those done, in the order of time.
 
     """
     look = find_rejection(looks)

@@ -360,6 +360,7 @@ def look_at(run: RunSeries, look: Look, looks: int, settings: Settings,
     looks : int
         Number of looks in the plan.
     settings : Settings
+        By which its end will be judged.
     motion : Motion, optional
         The motion of the ship so far.
 

@@ -93,7 +93,7 @@ class PreparedRun:
 
     @property
     def series_deg(self) -> Reals:
-        """The series that gives the variance: the residuals, or the differences; degrees."""
+        """Return what gives the variance: the residuals, or the differences; degrees."""
         return self.x_deg if self.residual_deg is None else self.residual_deg
 
     @property

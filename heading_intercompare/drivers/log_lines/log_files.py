@@ -71,7 +71,7 @@ class LogFiles:
     @cached_property
     def paths(self) -> list[str]:
         """
-        The files with bytes in them, by name, numbers in names by value.
+        Return the files with bytes in them, by name, numbers in names by value.
 
         Raises
         ------

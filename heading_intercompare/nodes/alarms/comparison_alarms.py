@@ -13,6 +13,7 @@ from heading_intercompare.core.records import Motion, Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.texts import encode_text
 from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.parameters import follow
 from heading_intercompare.nodes.runtime.health import Health
 
 from .alarm_panel import ACKNOWLEDGE_TOPIC, AlarmPanel, ALL
@@ -40,6 +41,7 @@ class ComparisonAlarms:
 
     def __init__(self, node: Node, health: Health, settings: Settings) -> None:
         self._watch, self._motion = ComparisonWatch(settings), MotionWatch(settings)
+        follow(node, 'window_s', self._watch.resize)
         self.panel = AlarmPanel(node, health, (*COMPARISON_RULES, *MOTION_RULES))
         self._acknowledged = node.create_publisher(String, ACKNOWLEDGE_TOPIC, qos.ACKNOWLEDGE)
 

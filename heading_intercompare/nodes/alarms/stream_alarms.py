@@ -15,6 +15,7 @@ from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.pairing.pairing_watch import PairingWatch
 from heading_intercompare.core.settings import Pairing
 from heading_intercompare.messages.status_messages import OK, WARN
+from heading_intercompare.nodes.ros.parameters import follow
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.settings import Taking
 from heading_intercompare.nodes.taking.intake import Intake
@@ -48,6 +49,7 @@ class StreamAlarms:
         self._health = health
         self._pairing = PairingWatch(rule)
         self._streams = StreamWatch(taking.stale_s, rule.max_wait_s)
+        follow(node, 'stale_s', self._streams.allow)
         self._rejected, self._set_back = (RecentCount(taking.lost_shown_s) for _ in range(2))
         self.panel = AlarmPanel(node, health, STREAM_RULES)
 

@@ -51,6 +51,7 @@ class OperatorActions:
         Parameters
         ----------
         what : {'start', 'stop', 'acknowledge', 'note'}
+            The action.
         text : str
             The note; or the alarm to acknowledge, all if empty.
 

@@ -28,7 +28,9 @@ from heading_intercompare.messages.ledger_messages import encode_ledger, LedgerM
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 from heading_intercompare.messages.texts import encode_text
 from heading_intercompare.messages.verdict_messages import (
+    encode_no_verdict,
     encode_verdict,
+    NO_VERDICT,
     OUTCOME_LEVELS,
     verdict_level,
 )
@@ -88,6 +90,9 @@ class Reporting:
         self._verdict = node.create_publisher(
             DiagnosticArray, 'compliance/verdict', qos.VERDICT,
             event_callbacks=health.of_publisher('compliance/verdict'))
+        if not compliance.finished_runs:
+            self._verdict.publish(encode_no_verdict(compliance.newest_ns or 0))
+            health.note('verdict', OK, NO_VERDICT)
         self._report = node.create_publisher(String, 'compliance/report', qos.REPORT)
         self._seen: tuple[int, LookVerdict | None] = (0, None)
         self._due: tuple[int, float] | None = None
@@ -129,7 +134,7 @@ class Reporting:
 
     @property
     def paired(self) -> int:
-        """Number of pairs in the ledger of the synchronizer as last started."""
+        """Return the number of pairs in the ledger of the synchronizer as last started."""
         return self._ledgers.paired
 
     def look(self, n_pairs: int) -> None:

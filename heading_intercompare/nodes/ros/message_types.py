@@ -15,18 +15,49 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Imu, NavSatFix
 from std_msgs.msg import String
 
-__all__ = ['HEADING_TYPES', 'MOTION_TYPES', 'PAIRS_TYPES', 'STATUS_TYPES', 'TEXT_TYPES',
-           'TRUTH_TYPES']
+from heading_intercompare.core.settings import SettingsError
+
+__all__ = ['find_azimuth_types', 'find_heading_type', 'HEADING_TYPES', 'MOTION_TYPES',
+           'PAIRS_TYPES', 'STATUS_TYPES', 'TEXT_TYPES', 'TRUTH_TYPES']
 
 TRUTH_TYPES = {'sensor_msgs/msg/Imu': Imu}
+
+
+def find_azimuth_types() -> dict[str, type]:
+    """Return the types of azimuths whose packages are installed, by name."""
+    found: dict[str, type] = {}
+    try:
+        from compass_interfaces.msg import Azimuth
+        found['compass_interfaces/msg/Azimuth'] = Azimuth
+    except ImportError:
+        pass
+    try:
+        from compass_msgs.msg import Azimuth as EarlierAzimuth
+        found['compass_msgs/msg/Azimuth'] = EarlierAzimuth
+    except ImportError:
+        pass
+    return found
+
 
 HEADING_TYPES = {
     **TRUTH_TYPES,
     'geometry_msgs/msg/QuaternionStamped': QuaternionStamped,
     'geometry_msgs/msg/PoseWithCovarianceStamped': PoseWithCovarianceStamped,
     'nav_msgs/msg/Odometry': Odometry,
+    **find_azimuth_types(),
 }
-"""The types that headings can have."""
+"""The types that headings can have here."""
+
+
+def find_heading_type(name: str) -> type:
+    """Return the type of headings with a name; SettingsError if its package is not installed."""
+    try:
+        return HEADING_TYPES[name]
+    except KeyError:
+        package = name.partition('/')[0]
+        raise SettingsError(f'messages of the type {name} need the package {package}: install it, '
+                            f'for instance ros-jazzy-{package.replace("_", "-")}') from None
+
 
 _VELOCITY_TYPES = {'geometry_msgs/msg/TwistStamped': TwistStamped,
                    'geometry_msgs/msg/TwistWithCovarianceStamped': TwistWithCovarianceStamped}

@@ -1,13 +1,19 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
-"""Settings classes as ROS parameters: read-only, described, checked, unknown names rejected."""
+"""Settings classes as ROS parameters: described, checked, unknown names rejected."""
 
 from __future__ import annotations
 
+from functools import partial
 import math
-from typing import Any, Mapping
+from typing import Any, Callable, Mapping, Sequence
 
-from rcl_interfaces.msg import FloatingPointRange, IntegerRange, ParameterDescriptor
+from rcl_interfaces.msg import (
+    FloatingPointRange,
+    IntegerRange,
+    ParameterDescriptor,
+    SetParametersResult,
+)
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
@@ -19,9 +25,10 @@ from heading_intercompare.core.settings import (
     Setting,
     SettingsError,
     to_mapping,
+    Used,
 )
 
-__all__ = ['declare', 'make_overrides', 'OVERRIDES', 'resolve_topic']
+__all__ = ['declare', 'follow', 'make_overrides', 'OVERRIDES', 'resolve_topic']
 
 OVERRIDES = {'automatically_declare_parameters_from_overrides': True}
 """Arguments that `Node.__init__` needs so that `declare` sees all parameters given to a node."""
@@ -29,12 +36,14 @@ OVERRIDES = {'automatically_declare_parameters_from_overrides': True}
 #: Parameters hold integers of 64 bits.
 _MOST = 2**63 - 1
 _READ_ONCE = 'read when the node starts: start it again to change it'
+_FOLLOWED = 'a change takes effect at once; the verdict names the value at the start'
 
 # Every rclpy node declares these.
 _OF_ROS = ('use_sim_time', 'start_type_description_service')
 
 
-def declare(node: Node, *classes: type) -> tuple[Any, ...]:
+def declare(node: Node, *classes: type | Used,
+            followed: Sequence[str] = ()) -> tuple[Any, ...]:
     """
     Declare the settings of a node as parameters, and return them.
 
@@ -42,8 +51,10 @@ def declare(node: Node, *classes: type) -> tuple[Any, ...]:
     ----------
     node : Node
         A node made with `OVERRIDES`.
-    *classes : type
+    *classes : type or Used
         Settings classes without a setting name in common.
+    followed : sequence of str
+        Settings that can be changed while the node runs; see `follow`. All others are read-only.
 
     Returns
     -------
@@ -58,26 +69,54 @@ def declare(node: Node, *classes: type) -> tuple[Any, ...]:
     """
     given = {name: parameter.value for name, parameter in node.get_parameters_by_prefix('').items()
              if name not in _OF_ROS}
-    rules = {cls: {rule.name: rule for rule in list_settings(cls)} for cls in classes}
+    used = [cls if isinstance(cls, Used) else None for cls in classes]
+    rules = {cls: {rule.name: rule for rule in list_settings(cls)} for cls in (
+        one.settings_class if isinstance(one, Used) else one for one in classes)}
     known = [name for names in rules.values() for name in names]
     for name in given:
         if name not in known:
             raise explain_unknown('parameter', name, known)
     made = []
-    for cls, names in rules.items():
+    for (cls, names), some in zip(rules.items(), used):
         settings = from_mapping(cls, {n: v for n, v in given.items() if n in names})
         for name, value in to_mapping(settings).items():
             if name in given:
                 node.undeclare_parameter(name)
+            if some is not None and not some.has(name):
+                continue
             rule = names[name]
             node.declare_parameter(
                 name, 'none' if value is None else value,
-                ParameterDescriptor(description=str(rule.help), read_only=True,
-                                    additional_constraints=f'{rule.allowed}; {_READ_ONCE}',
-                                    dynamic_typing=True, **_find_range(rule)),
-                ignore_override=True)
+                ParameterDescriptor(
+                    description=str(rule.help), read_only=name not in followed,
+                    additional_constraints=f'{rule.allowed}; '
+                    f'{_FOLLOWED if name in followed else _READ_ONCE}',
+                    dynamic_typing=True, **_find_range(rule)), ignore_override=True)
         made.append(settings)
+    owners = {name: cls for cls, names in rules.items() for name in names if name in followed}
+    if owners:
+        node.add_on_set_parameters_callback(partial(_check, owners))
     return tuple(made)
+
+
+def _check(owners: Mapping[str, type], parameters: Sequence[Parameter]) -> SetParametersResult:
+    """Tell whether new values are allowed, in the words of a wrong setting."""
+    try:
+        for one in parameters:
+            if one.name in owners:
+                from_mapping(owners[one.name], {one.name: one.value})
+    except SettingsError as error:
+        return SetParametersResult(successful=False, reason=str(error))
+    return SetParametersResult(successful=True)
+
+
+def follow(node: Node, name: str, change: Callable[[Any], object]) -> None:
+    """Call a function with the new value when a followed parameter of a node is changed."""
+    def pass_on(parameters: Sequence[Parameter]) -> None:
+        for one in parameters:
+            if one.name == name:
+                change(one.value)
+    node.add_post_set_parameters_callback(pass_on)
 
 
 def _find_range(rule: Setting) -> dict[str, Any]:

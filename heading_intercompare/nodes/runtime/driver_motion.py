@@ -65,12 +65,12 @@ class DriverMotion:
 
     @property
     def publishers(self) -> list[Publisher]:
-        """The publishers made so far."""
+        """Return the publishers made so far."""
         return self._sender.publishers
 
     @property
     def n_published(self) -> int:
-        """Number of messages published."""
+        """Return the number of messages published."""
         return sum(self._sender.published.values())
 
     def open(self) -> None:

@@ -14,6 +14,7 @@ from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.messages.status_messages import encode_figures, value_text
 from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.parameters import follow
 
 from .scalars import Scalars
 
@@ -40,6 +41,7 @@ class Figures:
 
     def __init__(self, node: Node, compliance: Compliance, scalars_hz: float) -> None:
         self._compliance = compliance
+        follow(node, 'window_s', compliance.rolling.resize)
         self._scalars = Scalars(node, compliance.settings, scalars_hz)
         self._rolling = node.create_publisher(DiagnosticArray, 'compliance/rolling', qos.STATUS)
         self._run = node.create_publisher(DiagnosticArray, 'compliance/run', qos.STATUS)

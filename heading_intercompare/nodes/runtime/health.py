@@ -43,13 +43,14 @@ class Health:
     node : Node
         The node whose state it reports.
     name : str, optional
-        What to call it; by default its name. Nodes of one graph that have the same name in
-        several namespaces need one each.
+        What to call it within its graph; by default its name. Nodes of one graph that have the
+        same name in several namespaces need one each.
 
     Attributes
     ----------
     name : str
-        What the node is called.
+        What the node is called within its graph. /diagnostics is that of all graphs, and has the
+        namespace before it.
     owner : str
         Full name of the node, and when it was started, UTC ns.
 
@@ -57,7 +58,8 @@ class Health:
 
     def __init__(self, node: Node, name: str | None = None) -> None:
         self._node, self.name = node, name or node.get_name()
-        self.owner = f'{node.get_fully_qualified_name()} {time.time_ns()}'
+        self._full_name = node.get_fully_qualified_name().removeprefix('/')
+        self.owner = f'/{self._full_name} {time.time_ns()}'
         self._parts: dict[str, Status] = {}
         self._latched: dict[str, Status] = {}
         self._kinds: dict[str, set[str]] = {}
@@ -103,7 +105,7 @@ class Health:
 
         """
         before = self._parts.get(part)
-        now = Status(f'{self.name}: {part}', level, message, values)
+        now = Status(f'{self._full_name}: {part}', level, message, values)
         self._parts[part] = now
         latched = self._latched.get(part)
         if latch and level != OK and (latched is None or level >= latched.level):

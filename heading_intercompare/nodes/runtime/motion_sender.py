@@ -73,7 +73,7 @@ class MotionSender:
 
     @property
     def publishers(self) -> list[Publisher]:
-        """The publishers made so far."""
+        """Return the publishers made so far."""
         return [*self._publishers.values()]
 
     def open(self, what: str) -> None:

@@ -69,6 +69,7 @@ def remap_rules(sensors: tuple[Sensor, ...], namespace: str,
     Parameters
     ----------
     sensors : tuple of Sensor
+        Those of the settings.
     namespace : str
         Of the graph.
     motion : MotionRule, optional

@@ -27,7 +27,11 @@ from heading_intercompare.core.verdict.verdict_document import Verdict, VerdictE
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.status_messages import ERROR, OK
 from heading_intercompare.messages.texts import decode_text, encode_text
-from heading_intercompare.messages.verdict_messages import verdict_level
+from heading_intercompare.messages.verdict_messages import (
+    encode_no_verdict,
+    NO_VERDICT,
+    verdict_level,
+)
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.publishing import await_acknowledgement
@@ -81,6 +85,8 @@ class SensorsReporting:
         if own.report_dir is not None:
             os.makedirs(own.report_dir, exist_ok=True)
         self._verdict = node.create_publisher(DiagnosticArray, SENSORS_VERDICT_TOPIC, qos.VERDICT)
+        self._verdict.publish(encode_no_verdict(0))
+        health.note('verdict', OK, NO_VERDICT)
         self._report = node.create_publisher(String, SENSORS_REPORT_TOPIC, qos.REPORT)
         for name in self._tested:
             subscribe(node, String, f'{name}/compliance/report', qos.REPORT, health, _decode,
@@ -93,7 +99,7 @@ class SensorsReporting:
 
     @property
     def awaited(self) -> list[str]:
-        """The sensors whose compliance node is there, so that a report may yet come."""
+        """Return the sensors whose compliance node is there, so that a report may yet come."""
         return [name for name in self._tested
                 if self._node.count_publishers(f'{self._node.get_namespace().rstrip("/")}/{name}'
                                                '/compliance/report')]

@@ -93,7 +93,7 @@ class HeadingsIntake:
 
     @property
     def numbers(self) -> dict[str, StreamNumbers]:
-        """The numbers of the readings taken so far, by stream."""
+        """Return the numbers of the readings taken so far, by stream."""
         return {name: intake.numbers for name, intake in self.intakes.items()}
 
     def count_publishers(self) -> int:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 import time
 from typing import Mapping, Sequence
 
@@ -24,7 +25,8 @@ from heading_intercompare.core.records import Losses
 from heading_intercompare.messages.stamps import header_stamp_ns
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 from heading_intercompare.nodes.ros.batches import Unwatched
-from heading_intercompare.nodes.ros.parameters import resolve_topic
+from heading_intercompare.nodes.ros.message_types import find_heading_type
+from heading_intercompare.nodes.ros.parameters import follow, resolve_topic
 from heading_intercompare.nodes.ros.transports import DISCOVERY_S
 from heading_intercompare.nodes.runtime.health import Health
 
@@ -140,6 +142,8 @@ class Intake:
         self._first_wait_s, self._begun_s = first_wait_s, self._newest_s
         self._beat_s, self._beat_n, self._latency_s = self._newest_s, 0, 0.0
         self.type_name = self._known_type = known_type
+        if known_type is not None and known_type not in types:
+            find_heading_type(known_type)
         self._waits = False
         self._there_before: set[str] = set()
         self.open = True
@@ -155,6 +159,8 @@ class Intake:
         self._after, self._whole = ('', 0), whole
         self._opened_ns = self._since_ns = 0
         health.add_refresher(self._note)
+        if stale_s is not None:
+            follow(node, 'stale_s', partial(setattr, self, '_stale_s'))
 
     def bring_back(self) -> None:
         """Take what a subscription held that was set aside; call it before the last `take`."""
@@ -220,7 +226,7 @@ class Intake:
 
     @property
     def numbers(self) -> StreamNumbers:
-        """The first and the newest number taken, and the publishers that gave them."""
+        """Return the first and the newest number taken, and the publishers that gave them."""
         first, last = self._publishers
         return StreamNumbers(first, self._numbering.first or 0, last, self.last_sequence)
 

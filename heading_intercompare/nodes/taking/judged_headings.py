@@ -52,7 +52,9 @@ class JudgedHeadings:
         Parameters
         ----------
         topic : str
+            Name of the topic.
         messages : sequence of Message
+            In the order in which they came.
         now_s : float
             Steady time, seconds.
         ending : bool

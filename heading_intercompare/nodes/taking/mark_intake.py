@@ -24,6 +24,7 @@ def explain_mark(kind: str, state: CutterState) -> str:
     Parameters
     ----------
     kind : {'start', 'stop'}
+        Of the mark.
     state : CutterState
         Of the cutter of runs, before the mark.
 

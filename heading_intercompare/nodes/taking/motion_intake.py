@@ -37,8 +37,11 @@ def make_motion_intake(node: Node, health: Health, what: str, topic: str,
     node, health
         As for `Intake`.
     what : {'fix', 'velocity', 'rate'}
+        What the topic tells.
     topic : str
+        Its name before remapping.
     taking : Taking
+        How messages are taken.
 
     """
     return Intake(node, topic, MOTION_TYPES[what], qos.HEADINGS_IN, health,

@@ -88,12 +88,12 @@ class Recorded(NamedTuple):
 
     @property
     def first_judged(self) -> int | None:
-        """The number of the first message that somebody took; None as long as nobody has."""
+        """Return the number of the first message that somebody took; None if nobody has."""
         return min((first for find in self.spans if (first := find()[0])), default=None)
 
     @property
     def last_judged(self) -> int | None:
-        """The number of the last message that somebody took; None as long as nobody ended."""
+        """Return the number of the last message that somebody took; None if nobody ended."""
         return max((last for find in self.spans if (last := find()[1])), default=None)
 
     @property

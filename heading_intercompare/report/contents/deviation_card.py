@@ -26,6 +26,7 @@ def make_deviation_card(fit: HeadingDependence) -> Table | None:
     Parameters
     ----------
     fit : HeadingDependence
+        The harmonics of the run.
 
     Returns
     -------

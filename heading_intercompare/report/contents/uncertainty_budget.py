@@ -30,7 +30,9 @@ def budget_of(run: RunVerdict, settings: Settings) -> Table:
     Parameters
     ----------
     run : RunVerdict
+        The judged run.
     settings : Settings
+        With the norm of the RS.
 
     """
     guarded, pairing = run.guarded, run.pairing

@@ -60,6 +60,7 @@ def collect(sketch: SeriesSketch, verdict: Verdict, name: str | None = None,
     Parameters
     ----------
     sketch : SeriesSketch
+        The record in as many points as a page can show.
     verdict : Verdict
         Gives the runs and their limits.
     name : str, optional

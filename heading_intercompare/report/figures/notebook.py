@@ -56,6 +56,7 @@ class Plotter:
         Parameters
         ----------
         verdict : Verdict
+            Its figures are drawn.
         name : str, optional
             One of `NAMES`; default all.
 

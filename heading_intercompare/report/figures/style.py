@@ -115,6 +115,7 @@ def to_svg(drawing: Drawing, name: str) -> str:
     Parameters
     ----------
     drawing : Drawing
+        As drawn by matplotlib.
     name : str
         Letters and digits, unique on the page. Every id begins with it. The same drawing with the
         same name gives the same bytes.

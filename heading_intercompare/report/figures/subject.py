@@ -95,7 +95,7 @@ class Subject:
 
     @property
     def step_s(self) -> float | None:
-        """The usual time from difference to difference, seconds; None if unknown."""
+        """Return the usual time from difference to difference, seconds; None if unknown."""
         return next((r.correlation.stamps.typical_s for r in self.runs
                      if r.correlation.stamps.typical_s), None)
 

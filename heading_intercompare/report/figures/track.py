@@ -55,7 +55,7 @@ class _Plane:
 
     @property
     def origin(self) -> str:
-        """The first position in words."""
+        """Return the first position in words."""
         return (f'{abs(self._latitude):.4f} {"N" if self._latitude >= 0.0 else "S"}, '
                 f'{abs(self._longitude):.4f} {"E" if self._longitude >= 0.0 else "W"}')
 

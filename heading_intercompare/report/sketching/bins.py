@@ -78,7 +78,7 @@ class Bins:
 
     @property
     def std_deg(self) -> Reals:
-        """Standard deviation in each bin, degrees; nan for fewer than two values."""
+        """Return the standard deviation in each bin, degrees; nan for fewer than two values."""
         return np.sqrt(np.where(self.n > 1, self.m2_deg2 / np.maximum(self.n - 1, 1), np.nan))
 
 

@@ -93,7 +93,7 @@ class ShiftScan:
 
     @property
     def std_deg(self) -> Reals:
-        """Standard deviation of the differences at each `latency_s`, degrees; nan for n < 2."""
+        """Return the standard deviation at each `latency_s`, degrees; nan for n < 2."""
         if self.n < 2:
             return np.full(_SHIFTS, np.nan)
         spread = self._squares - self._sums ** 2 / self.n

@@ -167,6 +167,7 @@ class Bridge:
         self._heard_s: float | None = None
         sensors = read_sensors(settings.sensors)
         self._panel = SensorsPanel(sensors, stale_s) if sensors else None
+        self._places = {'', *(one.name for one in sensors)}
 
     def take_sensors(self, topic: str, stamp_ns: int, statuses: Sequence[Status],
                      now_s: float) -> None:
@@ -227,8 +228,10 @@ class Bridge:
     def take_health(self, statuses: Sequence[Status], now_s: float) -> None:
         """Take a message of /diagnostics; that of another graph or package is left out."""
         for one in statuses:
-            name, colon, part = one.name.partition(': ')
-            if not colon or one.owner.partition(' ')[0] != self._owners + name:
+            full_name, colon, part = one.name.partition(': ')
+            owner, name = f'/{full_name}', f'/{full_name}'.removeprefix(self._owners)
+            if not colon or one.owner.partition(' ')[0] != owner or name == owner or (
+                    name.rpartition('/')[0] not in self._places):
                 continue
             if name not in self._nodes and len(self._nodes) >= _MOST_NODES:
                 continue

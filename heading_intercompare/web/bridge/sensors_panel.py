@@ -119,7 +119,7 @@ class SensorsPanel:
 
     @property
     def lamp(self) -> LampView:
-        """The last verdict on all sensors."""
+        """Return the last verdict on all sensors."""
         return self._light('verdict', 'of all sensors')
 
     def _light(self, name: str, what: str = '') -> LampView:

@@ -104,6 +104,16 @@ def test_accelerometer_bias_weighs_early_readings_more():
     assert accelerometer_bias([0.3], 5.0) == pytest.approx(0.3)
 
 
+def test_first_and_second_integral_of_a_ramp():
+    """
+    S (16), (17): a force r t has V = r t^2 / 2 and S = r t^3 / 6 at the end.
+
+    So S (18) gives a1 = 2 S / t^2 = r t / 3 and a2 = V / t = r t / 2, and S (19) their mean.
+    """
+    ramp = 0.2 * 0.01 * (np.arange(10000) + 0.5)
+    assert accelerometer_bias(ramp, 0.01) == pytest.approx(0.2 * 100.0 * 5.0 / 12.0, rel=1e-6)
+
+
 def test_window_suppresses_an_oscillation_that_does_not_fit():
     """17.3 periods: the Hann mean leaves less than 1e-4 of it, the plain mean 6e-3."""
     wave = np.sin(2.0 * np.pi * 17.3 * (np.arange(1000) + 0.5) / 1000.0)

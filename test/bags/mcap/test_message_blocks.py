@@ -31,7 +31,7 @@ def other(size: int) -> bytes:
 
 
 def records(parts: list[tuple[int, int]]) -> tuple[bytes, list[int]]:
-    """Return messages (channel > 0) and other records (channel 0), and where the former are."""
+    """Return messages, with a channel above 0, and other records, and where the former are."""
     data, offsets = b'', []
     for number, (channel, size) in enumerate(parts):
         if channel:

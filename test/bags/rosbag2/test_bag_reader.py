@@ -20,7 +20,7 @@ from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.core.angles import quaternion_from_heading, wrap180
 from heading_intercompare.core.records import Headings
 from heading_intercompare.messages.cdr import encode
-from heading_intercompare.messages.heading_messages import encode_imu, HEADING_TYPES, IMU
+from heading_intercompare.messages.heading_messages import encode_imu, IMU, ORIENTATION_TYPES
 from heading_intercompare.messages.schemas import shipped_schema
 
 STRING = 'std_msgs/msg/String'
@@ -107,7 +107,7 @@ def test_chunks_with_and_without_index_are_read_alike(write_bag, tmp_path, monke
     assert read(path, BOTH) == expected
 
 
-@pytest.mark.parametrize('type_name', HEADING_TYPES)
+@pytest.mark.parametrize('type_name', ORIENTATION_TYPES)
 def test_all_accepted_types_are_read_from_bags_of_rosbags(tmp_path, type_name):
     rosbag2 = pytest.importorskip('rosbags.rosbag2')
     typesys = pytest.importorskip('rosbags.typesys')
@@ -125,7 +125,7 @@ def test_all_accepted_types_are_read_from_bags_of_rosbags(tmp_path, type_name):
     assert BagReader(tmp_path / 'bag').topics == {'/ts/heading': TopicInfo(type_name, 100)}
 
 
-@pytest.mark.parametrize('type_name', HEADING_TYPES)
+@pytest.mark.parametrize('type_name', ORIENTATION_TYPES)
 def test_all_accepted_types_are_read_from_bags_of_mcap_ros2(tmp_path, type_name):
     theirs = pytest.importorskip('mcap_ros2.writer')
     with open(tmp_path / 'a.mcap', 'wb') as file:
@@ -138,6 +138,24 @@ def test_all_accepted_types_are_read_from_bags_of_mcap_ros2(tmp_path, type_name)
         writer.finish()
     found = read(tmp_path / 'a.mcap', {'/ts/heading': 'enu'})['/ts/heading']
     assert np.abs(found.heading_deg - 3.5 * np.arange(100)).max() < 1e-11
+
+
+def test_azimuths_are_read_from_a_bag_without_their_package(tmp_path):
+    type_name = 'compass_interfaces/msg/Azimuth'
+    with BagWriter(tmp_path / 'bag') as bag:
+        bag.add_topic('/ts/heading', type_name)
+        stamps = 10**18 + np.arange(20) * 10**9
+        rows = [encode(type_name, {
+            'header': {'stamp': {'sec': 10**9 + i}}, 'azimuth': 3.5 * i, 'unit': 1,
+            'orientation': 1, 'reference': int(i != 7)}) for i in range(20)]
+        bag.write_rows([Rows('/ts/heading', np.frombuffer(b''.join(rows), np.uint8).reshape(
+            20, -1), stamps)])
+    reader = BagReader(tmp_path / 'bag')
+    found = Headings.concatenate([one['ts/heading'] for one in reader.headings(
+        {'ts/heading': 'enu'})])
+    assert np.flatnonzero(np.isnan(found.heading_deg)).tolist() == [7]
+    assert np.nanmax(np.abs(found.heading_deg - 3.5 * np.arange(20))) < 1e-11
+    assert 'a magnetic azimuth' in reader.oddities[0]
 
 
 def filled(type_name: str, message: dict) -> dict:

@@ -37,3 +37,12 @@ def test_the_window_holds_the_newest_pairs_however_they_are_cut(rng, most):
     assert (window.stamp_ns[at:] >= window.stamp_ns[-1] - 3 * S_NS).all()
     window.clear()
     assert len(window) == 0 and window.x_deg.size == 0
+
+
+def test_a_window_that_becomes_shorter_drops_what_is_too_old():
+    stamps = np.arange(1, 101) * S_NS
+    pairs, window = Pairs.of(stamps, np.full(100, 1.0), np.zeros(100)), PairWindow(60.0)
+    window.update(pairs[:99], subtract(pairs[:99]))
+    window.resize(10.0)
+    window.update(pairs[99:], subtract(pairs[99:]))
+    assert window.stamp_ns.tolist() == stamps[-11:].tolist()

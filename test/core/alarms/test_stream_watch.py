@@ -95,3 +95,12 @@ def test_before_a_sensor_was_heard_it_is_not_silent():
     for at in range(20):
         found = watch.look([0, 10 * at], [None, at * S_NS], float(at))
         assert found['ts_silent'].active is None and found['clock_step'].active is None
+
+
+def test_the_silence_allowed_can_be_changed():
+    watch = StreamWatch(3.0, 5.0)
+    for at in range(100):
+        watch.look([at, at], [at * S_NS, at * S_NS], float(at))
+    assert watch.look([99, 99], [99 * S_NS, 99 * S_NS], 110.0)['ts_silent'].active is True
+    watch.allow(60.0)
+    assert watch.look([99, 99], [99 * S_NS, 99 * S_NS], 111.0)['ts_silent'].active is False

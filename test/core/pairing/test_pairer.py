@@ -245,7 +245,7 @@ def begun(**more):
 
 
 def test_live_a_reading_waits_no_longer_than_allowed():
-    pairer = begun(max_wait_s=5.0)
+    pairer = begun(max_wait_s=5.0, silent_wait_s=0.0)
     pairer.update(ts=headings((12 * S, 1.0)), rs=headings((11 * S, 1.0)), now_s=100.0)
     assert pairer.ledger.total.counts['ts_pending'] == 1
     pairer.update(ts=headings((17 * S, 1.0)), now_s=104.9)
@@ -275,7 +275,7 @@ def test_a_pause_of_both_sensors_costs_no_pair(chunk, pause_s):
 
 
 def test_live_no_bracket_reaches_over_a_dropped_reading():
-    pairer = begun(max_wait_s=1.0, max_gap_s=100.0)
+    pairer = begun(max_wait_s=1.0, silent_wait_s=0.0, max_gap_s=100.0)
     pairer.update(ts=headings((11 * S, 0.0)), rs=headings((11 * S, 0.0)), now_s=0.0)
     pairer.update(rs=headings((12 * S, 90.0)), now_s=0.0)
     pairer.update(rs=headings((13 * S, 0.0)), now_s=2.0)
@@ -289,8 +289,43 @@ def test_memory_is_bounded_when_one_sensor_is_silent():
     for k in range(0, 2000, 10):
         chunk = Headings.as_sent(stamps_[k:k + 10], np.zeros(10))
         pairer.update(rs=chunk, now_s=float(k))
-    assert pairer.ledger.total.counts['rs_pending'] <= 20
-    assert pairer.ledger.total.counts['rs_unused'] >= 1980
+    assert pairer.ledger.total.counts['rs_pending'] <= 80
+    assert pairer.ledger.total.counts['rs_unused'] >= 1920
+
+
+@pytest.mark.parametrize('late', ['ts', 'rs'])
+@pytest.mark.parametrize('from_s, to_s, lost', [(0, 8, 0), (0, 50, 0), (40, 90, 0), (40, 140, 1)])
+@pytest.mark.parametrize('method', ['interpolate', 'nearest'])
+def test_what_a_sensor_has_sent_while_it_could_not_be_reached_is_paired(
+        late, from_s, to_s, lost, method):
+    """At 20 times its speed, a connection that took 5.1 s cost 207 of 1200 pairs."""
+    both = headings(*((k * S // 2, 1.0) for k in range(1, 4001)))
+    pairer, found, kept = Pairer(rules(method=method)), [], [0]
+    for second in range(200):
+        sent = 20 * second + 20
+        pieces = [sent]
+        if from_s <= second < to_s:
+            pieces = kept[-1:]
+        elif second == to_s:
+            # What was kept comes in pieces, over two seconds.
+            pieces = [*np.linspace(kept[-1], sent, 8, dtype=int)]
+        for at, upto in enumerate(pieces):
+            found.append(pairer.update(**{late: both[kept[-1]:upto]}, now_s=second + at / 4))
+            kept.append(upto)
+        other = 'rs' if late == 'ts' else 'ts'
+        found.append(pairer.update(**{other: both[sent - 20:sent]}, now_s=second + 2.0))
+    found.append(pairer.flush())
+    assert bool(4000 - len(Pairs.concatenate(found))) is bool(lost)
+    assert pairer.ledger.balance() == {'ts': 0, 'rs': 0}
+
+
+def test_a_sensor_that_is_heard_again_is_waited_for_as_before():
+    pairer = begun(max_wait_s=5.0)
+    for second in range(100, 140):
+        # The RS is heard, but has nothing at the stamps of the TS.
+        pairer.update(ts=headings(((10 * second) * S, 1.0)),
+                      rs=headings(((10 * second + 5) * S, 1.0)), now_s=float(second))
+    assert pairer.ledger.total.counts['ts_unpaired'] >= 30
 
 
 def test_a_silence_of_the_pairs_divides_the_ledger():

@@ -83,6 +83,22 @@ def test_the_window_holds_its_panes_exactly(rng, chunk):
     assert np.array_equal(ours.y_deg2, theirs.y_deg2)
 
 
+def test_a_window_that_gets_another_length_holds_what_it_held_and_is_not_too_old(rng):
+    d = differences(rng, 5000)
+    rolling = Rolling(64.0)
+    for k in range(0, 4000, 37):
+        rolling.update(d[k:min(k + 37, 4000)])
+    held = rolling.moments()
+    rolling.resize(640.0)
+    assert rolling.moments().n == held.n and rolling.moments().mean_deg == pytest.approx(
+        held.mean_deg, rel=1e-12)
+    rolling.update(d[4000:])
+    assert rolling.start_ns < d.stamp_ns[-1] - 100 * S
+    rolling.resize(32.0)
+    half = d.stamp_ns // (S // 2)
+    assert rolling.moments().n == np.count_nonzero(half > half[-1] - 64)
+
+
 def test_an_empty_window_has_no_values():
     rolling = Rolling(10.0)
     rolling.update(Differences.of([S], [np.nan]))

@@ -87,7 +87,7 @@ def test_anderson_darling_agrees_with_its_integral(rng):
 @pytest.mark.parametrize('level, statistic', [(0.15, 0.561), (0.10, 0.631), (0.05, 0.752),
                                               (0.025, 0.873), (0.01, 1.035)])
 def test_p_of_anderson_darling_has_its_published_quantiles(level, statistic, monkeypatch):
-    """D'Agostino & Stephens 1986, table 4.7, case 3, at n -> infinity; to 3 %."""
+    """Agree with D'Agostino & Stephens 1986, table 4.7, case 3, at n -> infinity; to 3 %."""
     n = 100_000
     x = np.sort(np.random.default_rng(1).standard_normal(n))
     base = apply_anderson_darling(x).statistic

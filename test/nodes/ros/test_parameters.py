@@ -10,7 +10,8 @@ from rclpy.parameter import Parameter
 
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.core.settings import list_settings, Settings, SettingsError, to_mapping
-from heading_intercompare.nodes.ros.parameters import declare, make_overrides, OVERRIDES
+from heading_intercompare.nodes.ros.parameters import declare, follow, make_overrides, OVERRIDES
+from heading_intercompare.nodes.settings import PAIRED, PUBLISHED, SHOWN
 
 
 def node_with(ros, values):
@@ -47,6 +48,29 @@ def test_a_number_has_its_range_and_every_parameter_says_when_it_is_read(ros, na
         if field == kind:
             assert ranges[0].from_value == rule.lo
             assert ranges[0].to_value >= (rule.hi or rule.lo)
+
+
+def test_only_what_a_node_uses_becomes_a_parameter_and_all_of_it_is_checked(ros):
+    """A driver had 62 parameters, most of them of the judgement."""
+    given = {'norms.sigma_max_deg': 0.2, 'motion.compare': False}
+    node = node_with(ros, given)
+    settings, = declare(node, PUBLISHED)
+    assert settings == Settings.from_mapping(given)
+    names = {*node.get_parameters_by_prefix('')} - {'use_sim_time',
+                                                    'start_type_description_service'}
+    assert names == {'ts_topic', 'rs_topic', 'sensors', *(
+        rule.name for rule in list_settings(Settings) if rule.name.startswith('motion.'))}
+    assert not node.get_parameter('motion.compare').value
+    for wrong in ({'norms.sigma_max': 0.2}, {'norms.sigma_max_deg': -1.0}):
+        with pytest.raises(SettingsError):
+            declare(node_with(ros, wrong), PUBLISHED)
+
+
+@pytest.mark.parametrize('used', [PUBLISHED, PAIRED, SHOWN])
+def test_what_is_used_is_there(used):
+    known = {rule.name for rule in list_settings(Settings)}
+    assert all(name in known or any(one.startswith(f'{name}.') for one in known)
+               for name in used.names)
 
 
 def test_an_integer_is_taken_for_a_real(ros):
@@ -92,6 +116,22 @@ def test_a_parameter_cannot_be_changed_while_the_node_runs(ros):
     result, = node.set_parameters([Parameter('window_s', value=60.0)])
     assert not result.successful
     assert node.get_parameter('window_s').value == 600.0
+
+
+def test_a_parameter_that_is_followed_changes_while_the_node_runs(ros):
+    node, found = node_with(ros, {}), []
+    declare(node, Settings, followed=('window_s',))
+    follow(node, 'window_s', found.append)
+    descriptor = node.describe_parameter('window_s')
+    assert not descriptor.read_only and 'takes effect at once' in descriptor.additional_constraints
+    result, = node.set_parameters([Parameter('window_s', value=60.0)])
+    assert result.successful and found == [60.0]
+    for wrong in (0.5, 'long'):
+        result, = node.set_parameters([Parameter('window_s', value=wrong)])
+        assert not result.successful and 'window_s' in result.reason
+    assert found == [60.0] and node.get_parameter('window_s').value == 60.0
+    result, = node.set_parameters([Parameter('variant', value='A')])
+    assert not result.successful
 
 
 def test_parameters_of_ros_itself_are_not_unknown(ros):

@@ -39,6 +39,17 @@ def test_a_node_is_heard_once_a_second(ros):
     assert states(heard[0]) == {'ill_node: node': (OK, 'running')}
 
 
+def test_the_nodes_of_two_graphs_have_two_names(ros):
+    """Both were `compliance: node`: a monitor of the ship showed one of them."""
+    heard = ros.listen(DiagnosticArray, '/diagnostics', STATUS)
+    nodes = [ros.add(Node, 'compliance', namespace=f'/ship{n}') for n in (1, 2)]
+    assert [Health(node).name for node in nodes] == ['compliance', 'compliance']
+    ros.spin_until(lambda: {s.name for m in heard for s in m.status} == {
+        'ship1/compliance: node', 'ship2/compliance: node'})
+    assert {s.hardware_id.partition(' ')[0] for m in heard for s in m.status} == {
+        '/ship1/compliance', '/ship2/compliance'}
+
+
 def test_a_worse_state_is_published_at_once_and_a_better_one_with_the_next_beat(ros):
     health, heard = health_of(ros)
     health.note('input', WARN, 'silent', age_s=3.5)

@@ -35,7 +35,7 @@ def make(**names):
 
 
 def health(node, part='node', level=OK, message='running', started=1, namespace='', **values):
-    return Status(f'{node}: {part}', level, message,
+    return Status(f'{namespace}/{node}: {part}'.removeprefix('/'), level, message,
                   {key: str(value) for key, value in values.items()},
                   f'{namespace}/{node} {started}')
 
@@ -222,6 +222,10 @@ def test_nodes_of_another_graph_or_package_are_left_out():
     assert bridge.view(0.0).nodes == () and bridge.view(0.0).graph_age_s is None
     bridge.take_health([health('compliance', namespace='/ship1')], 0.0)
     assert bridge.view(0.0).judged
+    assert [one.name for one in bridge.view(0.0).nodes] == ['compliance']
+    bridge = make()
+    bridge.take_health([health('compliance', namespace='/ship2')], 0.0)
+    assert bridge.view(0.0).nodes == ()
 
 
 def test_the_mode_of_an_ahrs_if_there_is_one():
