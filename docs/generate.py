@@ -230,7 +230,7 @@ def tables() -> str:
                   f'{settings.__qualname__}`.', '',
                   '| name | default | meaning | allowed |', '|---|---|---|---|']
         for rule in list_settings(settings):
-            if settings is Scenario and '.' in rule.name:
+            if settings is Scenario and rule.name.startswith(('ts.', 'rs.')):
                 continue
             lines.append(f'| `{rule.name}` | {_default(rule.default)} '
                          f'| {_cell(rule.help)} | {_cell(rule.allowed)} |')

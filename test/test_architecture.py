@@ -72,14 +72,16 @@ ORDER = {
     'drivers': ('settings', 'framing', 'sentences', 'log_lines', 'sentence_choice', 'bursts',
                 'csv_log', 'nmea', 'refused_lines', 'logs', 'motion', 'datagrams', 'playback',
                 'sources'),
-    'ahrs': ('random_noise', 'ship', 'faults', 'plans', 'settings', 'sensor_presets', 'inertial',
+    'ahrs': ('random_noise', 'ship', 'faults', 'plans', 'settings', 'track_smoothing',
+             'sensor_presets', 'inertial',
              'gimballed', 'sensors', 'told_motion', 'simulator'),
     'bags': ('errors', 'checked_text', 'settings', 'packed_payloads', 'packed_files', 'mcap',
              'parallel', 'rosbag2', 'recording', 'recovery', 'csv'),
     'report': ('sketching', 'series_sketch', 'formatting', 'figures', 'contents', 'json',
-               'json_schema', 'runs_csv', 'html', 'pdf', 'sensors_report'),
+               'json_schema', 'runs_csv', 'html', 'pdf', 'sensors_report',
+               'trial_page'),
     'readers': ('errors', 'stream_recording', 'nmea2000_motion', 'nmea2000', 'json_lines',
-                'motion_columns', 'tables', 'parquet', 'rosbag_recording', 'registry'),
+                'motion_columns', 'tables', 'parquet', 'rosbag_recording', 'registry', 'attitude'),
     'web': ('figures', 'bridge', 'controls', 'guard', 'palettes', 'trend_picture', 'page',
             'server'),
     'nodes': ('settings', 'ros', 'runtime', 'taking', 'alarms', 'judging', 'sensors',
@@ -110,6 +112,7 @@ MOST_MODULES = 12
 # Tests of several modules, or of something else: a path of the product, a file format, real
 # data. Every other test module has the name and the place of the module it tests.
 TESTS_OF_SEVERAL = {
+    'app/simulation/test_round_trip',
     'ahrs/gimballed/test_honesty',
     'ahrs/test_commands', 'ahrs/test_pictures', 'ahrs/test_recovery', 'ahrs/test_scenarios',
     'bags/mcap/test_large_chunks', 'bags/rosbag2/test_compressed',

@@ -7,7 +7,10 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, Mapping
 
+from heading_intercompare.ahrs.ship.course import Current
 from heading_intercompare.ahrs.ship.seaway import SEAWAYS
+from heading_intercompare.ahrs.ship.ship_response import Hull
+from heading_intercompare.ahrs.ship.waves import Waves
 from heading_intercompare.core.rows.settings_rows import read_rows
 from heading_intercompare.core.settings import (
     Checked,
@@ -29,7 +32,8 @@ from .plans import (
     parse_utc,
 )
 
-__all__ = ['Ahrs', 'AHRS_MODELS', 'Errors', 'Scenario', 'Sensor', 'SettingsError']
+__all__ = ['Ahrs', 'AHRS_MODELS', 'CurrentSettings', 'Errors', 'Scenario', 'SeaSettings', 'Sensor',
+           'SettingsError', 'TrackSettings']
 
 AHRS_MODELS = ('dtg_precision', 'marine_0p1', 'imo')
 _STREAMS = ('ts', 'rs', 'truth')
@@ -191,6 +195,73 @@ class Sensor(Checked):
 
 
 @dataclass(frozen=True, slots=True)
+class SeaSettings(Checked):
+    """Waves that the ship meets, and how it answers them."""
+
+    height_m: float = setting(
+        0.0, 'significant wave height; 0: the motion that seaway names, whatever the course [m]',
+        0.0, 20.0)
+    peak_period_s: float = setting(9.0, 'period of the peak of the spectrum [s]', 2.0, 30.0)
+    from_deg: float = setting(0.0, 'where the waves come from [deg]', -360.0, 360.0)
+    peak_factor: float = setting(
+        3.3, 'peak factor of JONSWAP; 1: Pierson and Moskowitz', 1.0, 10.0)
+    spreading: float | None = setting(
+        10.0, 'exponent s of the spreading cos^2s of half the angle; none: one direction',
+        0.0, 1000.0)
+    length_m: float = setting(80.0, 'length of the ship at the waterline [m]', 1.0, 500.0)
+    breadth_m: float = setting(14.0, 'its breadth [m]', 0.5, 100.0)
+    draught_m: float = setting(4.5, 'its draught [m]', 0.1, 40.0)
+    roll_period_s: float = setting(11.0, 'natural period of roll [s]', 1.0, 60.0)
+    roll_damping: float = setting(
+        0.1, 'damping of roll as a share of the critical one', 0.01, 1.0)
+
+    def waves(self) -> Waves | None:
+        """Return the waves; None without."""
+        return None if self.height_m == 0.0 else Waves(
+            self.height_m, self.peak_period_s, self.from_deg, self.peak_factor, self.spreading)
+
+    def hull(self) -> Hull:
+        """Return the ship."""
+        return Hull(self.length_m, self.breadth_m, self.draught_m, self.roll_period_s,
+                    self.roll_damping)
+
+
+@dataclass(frozen=True, slots=True)
+class CurrentSettings(Checked):
+    """A steady current, which the log of the ship does not see."""
+
+    set_deg: float = setting(0.0, 'where the water goes [deg]', -360.0, 360.0)
+    drift_kn: float = setting(0.0, 'how fast it goes [kn]', 0.0, 20.0)
+
+    def current(self) -> Current:
+        """Return the current."""
+        return Current(self.set_deg, self.drift_kn)
+
+
+@dataclass(frozen=True, slots=True)
+class TrackSettings(Checked):
+    """A recorded voyage that the ship repeats in place of its legs; the command simulate only."""
+
+    file: str = setting(
+        '', 'bag, log of NMEA sentences or csv with the headings; empty: the ship sails its legs')
+    heading: str = setting(
+        '', 'topic, sentence or column of the headings; empty: truth/heading of a simulated bag, '
+        'otherwise the only one')
+    motion_file: str = setting(
+        '', 'file with the motion of the ship; empty: that of the headings')
+    begin_s: float = setting(0.0, 'time of the record at which the trial begins [s]', 0.0)
+    heading_smooth_s: float = setting(
+        3.0, 'oscillations of heading, roll and pitch with this period are halved, faster ones '
+        'removed; at least four samples [s]', 0.1, 3600.0)
+    speed_smooth_s: float = setting(
+        60.0, 'the same for the velocity over ground [s]', 1.0, 3600.0)
+    speed_kn: float = setting(
+        0.0, 'speed if the record has neither velocity nor positions [kn]', 0.0, 60.0)
+    longest_gap_s: float = setting(
+        60.0, 'longest gap that is bridged; a longer one is an error [s]', 0.0, 86400.0)
+
+
+@dataclass(frozen=True, slots=True)
 class Scenario(Checked):
     """A trial to simulate: ship, sea, TS and RS."""
 
@@ -202,6 +273,9 @@ class Scenario(Checked):
     longitude_deg: float = setting(0.0, 'longitude of the start [deg]', -180.0, 180.0)
     seaway: str = setting('calm', 'state of the sea', choices=tuple(SEAWAYS))
     legs: str = setting('0 0 0', "course plan 't_s course_deg speed_kn; ...'")
+    sea: SeaSettings = field(default_factory=SeaSettings)
+    current: CurrentSettings = field(default_factory=CurrentSettings)
+    track: TrackSettings = field(default_factory=TrackSettings)
     motion_hz: float = setting(
         1.0, 'rate at which the ship tells position, velocity and rate of turn; 0: not at all '
         '[Hz]', 0.0, 100.0)

@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import math
 from typing import Iterator, Mapping
 
@@ -12,12 +12,13 @@ import numpy as np
 
 from heading_intercompare.ahrs.gimballed.modes import AhrsStatus
 from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
+from heading_intercompare.ahrs.ship.track_course import Track
 from heading_intercompare.core.records import Headings, Motion
 
 from .faults import Fault, FAULTS, Faults
 from .plans import EVENTS, parse_faults, parse_legs, parse_utc
 from .sensors import Readings, SimulatedSensor
-from .settings import Scenario, Sensor
+from .settings import Scenario, Sensor, SettingsError
 from .told_motion import ToldMotion
 
 __all__ = ['SimulatedChunk', 'Simulation', 'Trial']
@@ -85,19 +86,36 @@ class Simulation:
     scenario : Scenario
         What to simulate.
     start_ns : int, optional
-        UTC stamp of the start, nanoseconds; default that of the scenario. A live sender passes
-        the time of its clock.
+        UTC stamp of the start, nanoseconds; default that of the track, or of the scenario. A live
+        sender passes the time of its clock.
+    track : Track, optional
+        The recorded voyage that the scenario names. The trial ends with it.
+
+    Raises
+    ------
+    SettingsError
+        If the scenario names a voyage that is not given.
 
     """
 
-    def __init__(self, scenario: Scenario, start_ns: int | None = None) -> None:
-        self.scenario = scenario
-        self.start_ns = parse_utc(scenario.start_utc) if start_ns is None else start_ns
+    def __init__(self, scenario: Scenario, start_ns: int | None = None,
+                 track: Track | None = None) -> None:
+        if scenario.track.file and track is None:
+            raise SettingsError(f'track.file = {scenario.track.file!r}: only the command simulate '
+                                'reads a recorded voyage; simulate it into a bag and replay that')
+        if track is not None:
+            scenario = replace(scenario, duration_s=min(scenario.duration_s, track.duration_s))
+        self.scenario, self._track = scenario, track
+        if start_ns is None:
+            start_ns = parse_utc(scenario.start_utc) if track is None else track.start_ns
+        self.start_ns = start_ns
 
     def truth(self) -> ShipTruth:
         """Create the ship of this trial."""
         s = self.scenario
-        return ShipTruth(parse_legs(s.legs), s.latitude_deg, s.longitude_deg, s.seaway, s.seed)
+        return ShipTruth(parse_legs(s.legs), s.latitude_deg, s.longitude_deg, s.seaway, s.seed,
+                         current=s.current.current(), waves=s.sea.waves(), hull=s.sea.hull(),
+                         track=self._track)
 
     def chunks(self, chunk_s: float = 60.0, fast: bool = True) -> Iterator[SimulatedChunk]:
         """

@@ -46,8 +46,8 @@ class ToldMotion:
 
     Notes
     -----
-    The ship goes where it is steered: there is no current and no leeway, and the sea moves neither
-    position nor velocity. The rate of turn is that of the ship in the sea.
+    Position and velocity are those over ground, with the current; the sea moves neither. The rate
+    of turn is that of the ship in the sea.
 
     """
 

@@ -27,12 +27,15 @@ class ScenarioFile(NamedTuple):
         Name of the file, without its folder.
     data : bytes
         The bytes of the file.
+    folder : Path
+        Where it is; names of files in it begin there.
 
     """
 
     scenario: Scenario
     name: str
     data: bytes
+    folder: Path = Path()
 
 
 def _folders() -> list[Path]:
@@ -91,4 +94,4 @@ def read_scenario(given: str, seed: int | None = None) -> ScenarioFile:
         raise SettingsError(f'{path}: {error}') from error
     if seed is not None:
         scenario = replace(scenario, seed=seed)
-    return ScenarioFile(scenario, path.name, data)
+    return ScenarioFile(scenario, path.name, data, path.parent)

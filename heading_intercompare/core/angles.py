@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike
 from heading_intercompare.core.records import Reals
 
 __all__ = ['circular_mean', 'heading_from_quaternion', 'quaternion_from_heading',
-           'unwrap_deg', 'wrap180', 'wrap360']
+           'roll_pitch_from_quaternion', 'unwrap_deg', 'wrap180', 'wrap360']
 
 
 #: Angles processed at once: intermediate results stay in the cache.
@@ -218,6 +218,42 @@ def heading_from_quaternion(x: ArrayLike, y: ArrayLike, z: ArrayLike, w: ArrayLi
     if convention == 'ned':
         return wrap360(yaw_deg)
     raise ValueError(f"convention = {convention!r}: use 'enu' or 'ned'")
+
+
+def roll_pitch_from_quaternion(x: ArrayLike, y: ArrayLike, z: ArrayLike, w: ArrayLike,
+                               convention: str = 'enu') -> tuple[np.ndarray, np.ndarray]:
+    """
+    Return roll and pitch of an orientation.
+
+    Parameters
+    ----------
+    x, y, z, w, convention
+        As for `heading_from_quaternion`. The axes of the body are forward, port, up with 'enu'
+        (REP-103), and forward, starboard, down with 'ned'.
+
+    Returns
+    -------
+    roll_deg, pitch_deg : ndarray, shape (n,)
+        Starboard down in (-180, 180], and bow up in [-90, 90], degrees; nan where the quaternion
+        is zero or not finite.
+
+    Examples
+    --------
+    >>> half = np.radians(5.0) / 2.0
+    >>> roll, pitch = roll_pitch_from_quaternion(0.0, np.sin(half), 0.0, np.cos(half))
+    >>> round(float(roll), 9), round(float(pitch), 9)
+    (0.0, -5.0)
+
+    """
+    x, y, z, w = (np.asarray(q, dtype=np.float64) for q in (x, y, z, w))
+    with np.errstate(over='ignore', invalid='ignore', divide='ignore'):
+        norm2 = x * x + y * y + z * z + w * w
+        roll = np.arctan2(2.0 * (w * x + y * z), w * w - x * x - y * y + z * z)
+        pitch = np.arcsin(np.clip(2.0 * (w * y - z * x) / norm2, -1.0, 1.0))
+    known = np.isfinite(norm2) & (norm2 > 0.0)
+    bow_up = -1.0 if convention == 'enu' else 1.0
+    return (np.degrees(np.where(known, roll, np.nan)),
+            bow_up * np.degrees(np.where(known, pitch, np.nan)))
 
 
 def quaternion_from_heading(heading_deg: ArrayLike) -> tuple[np.ndarray, np.ndarray]:

@@ -17,8 +17,8 @@ from numpy.typing import ArrayLike, NDArray
 from .given_stamps import integer_stamps, utc_stamps
 from .utc_text import utc
 
-__all__ = ['Differences', 'Headings', 'Integers', 'KNOT_M_S', 'Losses', 'Motion', 'Pairs',
-           'Reals']
+__all__ = ['Attitude', 'Differences', 'Headings', 'Integers', 'KNOT_M_S', 'Losses', 'Motion',
+           'Pairs', 'Reals']
 
 KNOT_M_S = 1852.0 / 3600.0
 """One knot, m/s."""
@@ -315,6 +315,35 @@ class Motion(_Columns):
     def split(self) -> dict[str, 'Motion']:
         """Return the rows by what they tell: 'fix', 'velocity', 'rate'."""
         return {'fix': self.positions(), 'velocity': self.velocities(), 'rate': self.rates()}
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Attitude(_Columns):
+    """
+    How a ship lies in the water.
+
+    Attributes
+    ----------
+    stamp_ns : ndarray of int64, shape (n,)
+        UTC stamps, nanoseconds.
+    roll_deg, pitch_deg : ndarray of float64, shape (n,)
+        Starboard down, and bow up, degrees; nan if unknown.
+
+    """
+
+    stamp_ns: Integers
+    roll_deg: Reals
+    pitch_deg: Reals
+
+    @classmethod
+    def of(cls, stamp_ns: ArrayLike, roll_deg: ArrayLike, pitch_deg: ArrayLike) -> 'Attitude':
+        """Build a chunk; stamps must be integers."""
+        return cls(integer_stamps(stamp_ns), _reals(roll_deg), _reals(pitch_deg))
+
+    @classmethod
+    def empty(cls) -> 'Attitude':
+        """Return the empty chunk."""
+        return cls.of([], [], [])
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -17,8 +17,8 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'errors': ('MessageError',),
     'fields': ('full_name',),
     'heading_messages': ('decode_headings', 'encode_imu', 'encode_pairs', 'HEADING_TYPES',
-                         'IMU', 'imu_messages', 'pair_messages', 'PAIRS_TYPE', 'read_headings',
-                         'read_pairs'),
+                         'IMU', 'imu_messages', 'pair_messages', 'PAIRS_TYPE', 'read_attitude',
+                         'read_headings', 'read_pairs'),
     'ledger_messages': ('decode_ledger', 'decode_losses', 'encode_ledger', 'encode_losses',
                         'LOST_AS', 'lost_topic'),
     'marks': ('decode_marks', 'encode_mark', 'MARKER_TOPIC', 'MARKS'),
@@ -45,6 +45,7 @@ if TYPE_CHECKING:
         imu_messages as imu_messages,
         pair_messages as pair_messages,
         PAIRS_TYPE as PAIRS_TYPE,
+        read_attitude as read_attitude,
         read_headings as read_headings,
         read_pairs as read_pairs,
     )

@@ -16,7 +16,14 @@ from typing import Callable, Literal, Sequence, TypeVar
 import numpy as np
 from numpy.typing import DTypeLike
 
-from heading_intercompare.core.records import Headings, Integers, Motion, Pairs, Reals
+from heading_intercompare.core.records import (
+    Attitude,
+    Headings,
+    Integers,
+    Motion,
+    Pairs,
+    Reals,
+)
 
 from .cdr import encode
 from .errors import MessageError
@@ -31,7 +38,7 @@ _HEADER = np.dtype([('order', '<u2'), ('options', '<u2'), ('sec', '<i4'), ('nano
 #: `order` of a header: bytes 0, 0 for big-endian, bytes 0, 1 for little-endian.
 _BIG, _LITTLE = 0x0000, 0x0100
 
-_Chunk = TypeVar('_Chunk', Headings, Motion, Pairs)
+_Chunk = TypeVar('_Chunk', Attitude, Headings, Motion, Pairs)
 #: Converts messages of one byte order to a chunk, from the data, their first bytes, their sizes
 #: and their headers.
 _DecodeOne = Callable[[bytes, Integers, Integers, np.ndarray], _Chunk]

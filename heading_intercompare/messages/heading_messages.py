@@ -16,7 +16,7 @@ from numpy.typing import ArrayLike
 
 from heading_intercompare.core import angles
 from heading_intercompare.core.pairing.difference import subtract
-from heading_intercompare.core.records import Headings, Integers, Pairs
+from heading_intercompare.core.records import Attitude, Headings, Integers, Pairs
 
 from .byte_columns import (
     align,
@@ -32,9 +32,9 @@ from .byte_columns import (
 from .errors import MessageError
 from .stamps import fits_message
 
-__all__ = ['AZIMUTH_TYPES', 'decode_headings', 'decode_pairs', 'encode_imu', 'encode_pairs',
-           'HEADING_TYPES', 'imu_messages', 'IMU', 'ORIENTATION_TYPES', 'pair_messages',
-           'PAIRS_TYPE', 'read_headings', 'read_pairs']
+__all__ = ['AZIMUTH_TYPES', 'decode_attitude', 'decode_headings', 'decode_pairs', 'encode_imu',
+           'encode_pairs', 'HEADING_TYPES', 'imu_messages', 'IMU', 'ORIENTATION_TYPES',
+           'pair_messages', 'PAIRS_TYPE', 'read_attitude', 'read_headings', 'read_pairs']
 
 IMU = 'sensor_msgs/msg/Imu'
 PAIRS_TYPE = 'geometry_msgs/msg/TwistStamped'
@@ -230,6 +230,15 @@ def _azimuths(type_name: str, data: bytes, start: Integers, size: Integers,
 def _headings(type_name: str, convention: str, data: bytes, start: Integers, size: Integers,
               header: np.ndarray) -> Headings:
     """Return the headings in messages of one byte order."""
+    (x, y, z, w), known = _orientations(type_name, data, start, size, header)
+    heading_deg = angles.heading_from_quaternion(x, y, z, w, convention)
+    heading_deg[~known] = np.nan
+    return Headings(read_stamps(header), heading_deg)
+
+
+def _orientations(type_name: str, data: bytes, start: Integers, size: Integers,
+                  header: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the quaternions, shape (4, n), and which of them the messages call known."""
     sign, end = end_of_strings(header)
     if type_name == _ODOMETRY:
         end = align(end, 4) + 4
@@ -238,11 +247,24 @@ def _headings(type_name: str, convention: str, data: bytes, start: Integers, siz
     at = align(end, 8) + 4 + ORIENTATION_TYPES[type_name]
     kind = (_IMU_ORIENTATION if type_name == IMU else _QUATERNION).newbyteorder(sign)
     check_size(type_name, start, size, at + kind.itemsize)
-    x, y, z, w, *covariance = gather(data, kind, start + at).T
-    heading_deg = angles.heading_from_quaternion(x, y, z, w, convention)
-    if covariance:
-        heading_deg[covariance[0] == _UNKNOWN] = np.nan
-    return Headings(read_stamps(header), heading_deg)
+    columns = gather(data, kind, start + at).T
+    known = columns[4] != _UNKNOWN if type_name == IMU else np.ones(start.shape, dtype=bool)
+    return columns[:4], known
+
+
+def decode_attitude(type_name: str, convention: str, data: bytes, start: Integers,
+                    stop: Integers) -> Attitude:
+    """Return roll and pitch in the messages of a stretch of bytes; see `decode_headings`."""
+    return decode_stamped(type_name, data, start, stop, partial(_attitude, type_name, convention))
+
+
+def _attitude(type_name: str, convention: str, data: bytes, start: Integers, size: Integers,
+              header: np.ndarray) -> Attitude:
+    """Return roll and pitch in messages of one byte order."""
+    (x, y, z, w), known = _orientations(type_name, data, start, size, header)
+    roll_deg, pitch_deg = (np.where(known, angle, np.nan) for angle in
+                           angles.roll_pitch_from_quaternion(x, y, z, w, convention))
+    return Attitude(read_stamps(header), roll_deg, pitch_deg)
 
 
 def decode_pairs(data: bytes, start: Integers, stop: Integers) -> Pairs:
@@ -309,6 +331,12 @@ def read_headings(type_name: str, convention: str,
 
     """
     return read_sound(partial(decode_headings, type_name, convention), messages, Headings)
+
+
+def read_attitude(type_name: str, convention: str,
+                  messages: Sequence[bytes]) -> tuple[Attitude, list[str]]:
+    """Return roll and pitch in single messages, and what is wrong with each unreadable one."""
+    return read_sound(partial(decode_attitude, type_name, convention), messages, Attitude)
 
 
 def read_pairs(messages: Sequence[bytes]) -> tuple[Pairs, list[str]]:

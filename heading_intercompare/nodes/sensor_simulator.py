@@ -53,7 +53,7 @@ class SensorSimulator(Node):
         settings, self._scenario, sending, self._own = declare(
             self, PUBLISHED, Scenario, Sending, SimulatorNode)
         self.health, named = Health(self), {'ts': settings.ts_topic, 'rs': settings.rs_topic}
-        topics = {'truth': TRUTH_TOPIC, **self._scenario.topics, **named}
+        topics = {'truth': TRUTH_TOPIC, **Simulation(self._scenario).scenario.topics, **named}
         self._frames = {role: topic.strip('/').replace('/', '_') for role, topic in topics.items()
                         if resolve_topic(self, topic)}
         self._publishers_of = {role: self.create_publisher(

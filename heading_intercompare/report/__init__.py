@@ -5,14 +5,15 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Callable, Sequence
+from typing import Callable, Mapping, Sequence
 
 from heading_intercompare.core.verdict.verdict_document import Verdict
 
 from . import json
 from .series_sketch import SeriesSketch
+from .sketching.trace import Trace
 
-__all__ = ['check_form', 'SeriesSketch', 'write', 'WRITERS']
+__all__ = ['check_form', 'SeriesSketch', 'write', 'write_trial_page', 'WRITERS']
 
 
 def _write_html(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch],
@@ -100,3 +101,11 @@ def write(verdict: Verdict, path: str | Path,
     """
     check_form(path)
     WRITERS[Path(path).suffix.lower()](verdict, path, sketches, progress)
+
+
+def write_trial_page(path: str | Path, title: str, lines: Sequence[str],
+                     traces: Sequence[Trace] = (),
+                     seeds: Mapping[str, Sequence[float]] | None = None) -> None:
+    """Write the page of a simulated trial; see `trial_page.compose_trial_page`."""
+    from .trial_page import compose_trial_page
+    Path(path).write_text(compose_trial_page(title, lines, traces, seeds), encoding='utf-8')

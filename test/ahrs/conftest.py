@@ -13,6 +13,7 @@ from heading_intercompare.ahrs.gimballed.gimballed_ahrs import GimballedAhrs
 from heading_intercompare.ahrs.gimballed.modes import AhrsStatus, Mode
 from heading_intercompare.ahrs.sensor_presets import errors_of
 from heading_intercompare.ahrs.settings import Ahrs, Errors
+from heading_intercompare.ahrs.ship.course import NO_CURRENT
 from heading_intercompare.ahrs.ship.ship_motion import Leg, ShipTruth
 
 
@@ -39,9 +40,10 @@ class Run:
 def make_ahrs():
     """Return a function that builds an AHRS; default: no noise, calm sea, 45 degrees."""
     def make(latitude_deg=45.0, legs=((0.0, 0.0, 0.0),), seaway='calm', seed=1,
-             model='dtg_precision', errors=None, **settings):
+             model='dtg_precision', errors=None, current=NO_CURRENT, **settings):
         settings.setdefault('noise', False)
-        ship = ShipTruth([Leg(*leg) for leg in legs], latitude_deg, 0.0, seaway, seed)
+        ship = ShipTruth([Leg(*leg) for leg in legs], latitude_deg, 0.0, seaway, seed,
+                         current=current)
         return GimballedAhrs(Ahrs(**settings), errors_of(model, Errors(**(errors or {}))), ship,
                              seed, 'ts')
     return make

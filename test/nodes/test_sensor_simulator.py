@@ -70,6 +70,8 @@ def test_a_trial_is_not_begun_before_both_topics_are_heard(ros):
 def test_a_wrong_scenario_ends_the_node_before_it_begins(ros):
     with pytest.raises(SettingsError, match="unknown parameter 'ts.white'; did you mean"):
         ros.ours(SensorSimulator, ts__white=0.1)
+    with pytest.raises(SettingsError, match='only the command simulate reads a recorded voyage'):
+        ros.ours(SensorSimulator, track__file='gyro.log')
 
 
 def called(ros, kind, name, **request):

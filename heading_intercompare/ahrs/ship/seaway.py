@@ -6,12 +6,14 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import math
+from typing import Protocol
 
 import numpy as np
 
 from heading_intercompare.ahrs.random_noise import open_stream
 
-__all__ = ['BLOCK_S', 'CHANNELS', 'GRID_S', 'Seaway', 'SEAWAYS', 'SeawayPreset']
+__all__ = ['BLOCK_S', 'BLOCK_STEPS', 'CHANNELS', 'GRID_S', 'KEPT_BLOCKS', 'read_blocks', 'Sea',
+           'Seaway', 'SEAWAYS', 'SeawayPreset']
 
 GRID_S = 0.1
 """Step of the table of the ship's motion, and of the control loop, seconds."""
@@ -43,6 +45,18 @@ SEAWAYS = {
 """Sea states by name."""
 
 MODAL_PERIODS_S = (11.0, 8.0, 12.0, 10.0, 10.0, 9.0)
+
+
+class Sea(Protocol):
+    """The motion that a sea gives a ship: see `Seaway`, which is one."""
+
+    calm: bool
+
+    def block(self, index: int) -> np.ndarray:
+        """Return the motion over one block of the grid."""
+
+    def read(self, channel: str, t_s: np.ndarray, derivative: int = 0) -> np.ndarray:
+        """Return one channel or its rate at any instants."""
 
 
 class Seaway:
@@ -133,20 +147,25 @@ class Seaway:
             seconds). An instant gives the same bits whatever other instants are read with it.
 
         """
-        value = np.zeros(t_s.shape)
-        if self.calm or not t_s.size:
-            return value
-        row = CHANNELS.index(channel)
-        blocks = np.floor(t_s / BLOCK_S).astype(np.int64)
-        first, last = int(blocks.min()), int(blocks.max())
-        for index in (first,) if first == last else np.unique(blocks).tolist():
-            here = slice(None) if first == last else blocks == index
-            grid = self.block(index)[row]
-            position = (t_s[here] - index * BLOCK_S) / GRID_S
-            step = np.minimum(position.astype(np.int64), BLOCK_STEPS - 1)
-            value[here] = _hermite(grid[derivative], grid[derivative + 1], step, position - step,
-                                   GRID_S)
+        return read_blocks(self, channel, t_s, derivative)
+
+
+def read_blocks(sea: Sea, channel: str, t_s: np.ndarray, derivative: int) -> np.ndarray:
+    """Return one channel of a sea, or its rate, at any instants; see `Seaway.read`."""
+    value = np.zeros(t_s.shape)
+    if sea.calm or not t_s.size:
         return value
+    row = CHANNELS.index(channel)
+    blocks = np.floor(t_s / BLOCK_S).astype(np.int64)
+    first, last = int(blocks.min()), int(blocks.max())
+    for index in (first,) if first == last else np.unique(blocks).tolist():
+        here = slice(None) if first == last else blocks == index
+        grid = sea.block(index)[row]
+        position = (t_s[here] - index * BLOCK_S) / GRID_S
+        step = np.minimum(position.astype(np.int64), BLOCK_STEPS - 1)
+        value[here] = _hermite(grid[derivative], grid[derivative + 1], step, position - step,
+                               GRID_S)
+    return value
 
 
 def _hermite(values: np.ndarray, slopes: np.ndarray, step: np.ndarray, fraction: np.ndarray,

@@ -6,8 +6,10 @@ from __future__ import annotations
 
 import argparse
 from collections import Counter
+from dataclasses import replace
+import os
 import time
-from typing import Iterator, Sequence
+from typing import Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -17,7 +19,11 @@ from heading_intercompare.ahrs.sensors import Readings
 from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.simulator import SimulatedChunk, Simulation
 from heading_intercompare.app.config import load_config, settings_for
+from heading_intercompare.app.outputs import name_file
 from heading_intercompare.app.scenarios import read_scenario, ScenarioFile
+from heading_intercompare.app.simulation.seeds import repeat_trial
+from heading_intercompare.app.simulation.trial_traces import TrialTraces
+from heading_intercompare.app.simulation.voyage import read_voyage, Voyage
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
 from heading_intercompare.bags.rosbag2.motion_topics import motion_topics
@@ -30,7 +36,7 @@ from heading_intercompare.bags.rosbag2.provenance import (
 from heading_intercompare.cli.terminal.console import say_lines
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.records import Headings
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.settings import Settings, SettingsError
 from heading_intercompare.messages.heading_messages import encode_imu, IMU
 from heading_intercompare.messages.motion.motion_messages import encode_motion, PUBLISHED_TYPES
 from heading_intercompare.messages.status_messages import (
@@ -39,6 +45,8 @@ from heading_intercompare.messages.status_messages import (
     Status,
     STATUS_TYPE,
 )
+from heading_intercompare.report import check_form, write_trial_page
+from heading_intercompare.report.sketching.trace import Trace
 
 from .analyze import add_settings_arguments
 from .note import add_note_argument, read_notes
@@ -46,6 +54,7 @@ from .note import add_note_argument, read_notes
 __all__ = ['add_arguments', 'run']
 
 DIAGNOSTICS = '/diagnostics'
+_MOST_SEEDS = 10_000
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -53,19 +62,38 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--scenario', metavar='F', required=True,
                         help='YAML file of the trial, or the name of one in the package, such as '
                         'sea_trial_12h')
-    parser.add_argument('-o', '--output', metavar='BAG', required=True,
-                        help='the rosbag2 directory to write')
+    parser.add_argument('-o', '--output', metavar='BAG',
+                        help='the rosbag2 directory to write; required without --seeds')
+    parser.add_argument('--page', metavar='F',
+                        help='also write a page with true heading, readings, errors, claims and '
+                        'modes: a file .html, which needs the extra report')
+    parser.add_argument('--seeds', metavar='N', type=int,
+                        help='simulate and judge the trial with N seeds from the first on, '
+                        'without a bag: mean, spread and coverage of the analysis')
     parser.add_argument('--seed', metavar='N', type=int,
                         help='seed of the random numbers (default: that of the scenario)')
+    parser.add_argument('--track', metavar='F',
+                        help='bag, log or csv of a voyage that the ship repeats (default: the '
+                        'setting track.file of the scenario, otherwise its legs)')
+    parser.add_argument('--track-heading', metavar='NAME',
+                        help='topic, sentence or column of its headings (default: the setting '
+                        'track.heading)')
     add_note_argument(parser)
     add_settings_arguments(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Simulate, write the bag, and print its contents."""
+    """Simulate, write the bag, and print its contents; or judge the trial with many seeds."""
+    _check(arguments)
     settings = settings_for(load_config(arguments.config), arguments.set)
-    source = read_scenario(arguments.scenario, arguments.seed)
-    scenario = source.scenario
+    source = _choose_track(read_scenario(arguments.scenario, arguments.seed), arguments)
+    voyage = (read_voyage(source.scenario.track, source.folder)
+              if source.scenario.track.file else None)
+    if arguments.seeds is not None:
+        return _repeat(arguments, source, settings, voyage)
+    simulation = Simulation(source.scenario, track=None if voyage is None else voyage.track)
+    scenario = simulation.scenario
+    source = source._replace(scenario=scenario)
     moved = motion_topics(settings.motion) if scenario.motion_hz > 0.0 else {}
     topics = {'ts': settings.ts_topic, 'rs': settings.rs_topic, 'truth': TRUTH_TOPIC,
               **{name: f'{name}/heading' for name in scenario.sensors
@@ -76,28 +104,90 @@ def run(arguments: argparse.Namespace) -> int:
                             + ', '.join(repr(topic) for name, topic in topics.items()
                                         if name not in ('ts', 'rs')))
     counts: Counter[str] = Counter()
+    traces = TrialTraces(simulation.truth(), scenario.duration_s) if arguments.page else None
     with Progress(arguments.output, arguments.quiet) as progress, _begin(
-            arguments.output, source, topics, settings.to_mapping(), read_notes(arguments)) as bag:
-        simulation = Simulation(scenario)
+            arguments.output, source, topics, settings.to_mapping(), read_notes(arguments),
+            {} if voyage is None else voyage.origin) as bag:
         for chunk in simulation.chunks():
             _write(bag, chunk, topics, scenario, simulation.start_ns, counts)
+            if traces is not None:
+                traces.take(chunk)
             progress.show(f'{min(chunk.end_s, scenario.duration_s):,.0f} of '
                           f'{scenario.duration_s:,.0f} s simulated')
-    say_lines([f'{source.name}: {scenario.duration_s:g} s, seed {scenario.seed}'
-               + (f': {scenario.title}' if scenario.title else '')])
+    lines = [*_name(source, f'seed {scenario.seed}'), *(() if voyage is None else voyage.words)]
     for role in scenario.sensors:
         shown = role.upper() if role in ('ts', 'rs') else role
-        say_lines([f'{shown} {counts[role]} headings on {topics[role]}, '
-                   f'{counts[f"{role}.invalid"]} of them marked invalid'])
-    for what, topic in moved.items():
-        say_lines([f'{counts[what]} messages of the motion of the ship on {topic}'])
-    say_lines([f'{counts["truth"]} true headings on {TRUTH_TOPIC}; {counts["statuses"]} statuses '
-               f'of gimballed sensors on {DIAGNOSTICS}', f'bag: {arguments.output}'])
+        lines.append(f'{shown} {counts[role]} headings on {topics[role]}, '
+                     f'{counts[f"{role}.invalid"]} of them marked invalid')
+    lines += [f'{counts[what]} messages of the motion of the ship on {topic}'
+              for what, topic in moved.items()]
+    lines += [f'{counts["truth"]} true headings on {TRUTH_TOPIC}; {counts["statuses"]} statuses '
+              f'of gimballed sensors on {DIAGNOSTICS}', f'bag: {arguments.output}']
+    say_lines(lines)
+    if traces is not None:
+        _write_page(arguments.page, source, lines, traces.traces())
     return 0
 
 
+def _check(arguments: argparse.Namespace) -> None:
+    """Raise ValueError for options that do not fit each other, before anything is simulated."""
+    if arguments.seeds is None and arguments.output is None:
+        raise ValueError('-o BAG: must be given, unless the trial is repeated with --seeds N')
+    if arguments.seeds is not None and arguments.output is not None:
+        raise ValueError(f'-o {arguments.output}: no bag is written with --seeds; leave one out')
+    if arguments.seeds is not None and not 2 <= arguments.seeds <= _MOST_SEEDS:
+        raise ValueError(f'--seeds {arguments.seeds}: must be between 2 and {_MOST_SEEDS}')
+    if arguments.page and not arguments.page.endswith('.html'):
+        raise ValueError(f'--page {arguments.page}: must end with .html')
+    if arguments.page:
+        # Its libraries may not be installed, and a trial may take long.
+        check_form(arguments.page)
+
+
+def _name(source: ScenarioFile, seed: str) -> list[str]:
+    """Return the line that says which trial it is."""
+    scenario = source.scenario
+    return [f'{source.name}: {scenario.duration_s:g} s, {seed}'
+            + (f': {scenario.title}' if scenario.title else '')]
+
+
+def _repeat(arguments: argparse.Namespace, source: ScenarioFile, settings: Settings,
+            voyage: Voyage | None) -> int:
+    """Simulate and judge the trial with many seeds; print and draw what they have in common."""
+    first = source.scenario.seed
+    with Progress(source.name, arguments.quiet) as progress:
+        repeated = repeat_trial(source.scenario, range(first, first + arguments.seeds), settings,
+                                track=None if voyage is None else voyage.track,
+                                progress=progress.show)
+    lines = [*_name(source, f'seeds {first} to {first + arguments.seeds - 1}'),
+             *(() if voyage is None else voyage.words), *repeated.words]
+    say_lines(lines)
+    if arguments.page:
+        _write_page(arguments.page, source, lines, (), repeated.table)
+    return 0
+
+
+def _write_page(path: str, source: ScenarioFile, lines: Sequence[str], traces: Sequence[Trace],
+                table: Mapping[str, Sequence[float]] | None = None) -> None:
+    """Write the page of the trial."""
+    with name_file(path):
+        write_trial_page(path, source.scenario.title or source.name, lines, traces, table)
+    say_lines([f'page: {path}'])
+
+
+def _choose_track(source: ScenarioFile, arguments: argparse.Namespace) -> ScenarioFile:
+    """Return the scenario with the voyage that the command line names."""
+    given = {'file': arguments.track and os.path.abspath(arguments.track),
+             'heading': arguments.track_heading}
+    named = {name: value for name, value in given.items() if value is not None}
+    if 'heading' in named and not (arguments.track or source.scenario.track.file):
+        raise SettingsError('--track-heading: needs a voyage; give its file with --track')
+    return source._replace(scenario=replace(
+        source.scenario, track=replace(source.scenario.track, **named)))
+
+
 def _begin(path: str, source: ScenarioFile, topics: dict[str, str],
-           settings: dict[str, object], notes: str) -> BagWriter:
+           settings: dict[str, object], notes: str, track: Mapping[str, object]) -> BagWriter:
     """Return a bag with its topics, and with everything needed to repeat the trial."""
     bag = BagWriter(path)
     for what, topic in topics.items():
@@ -107,6 +197,8 @@ def _begin(path: str, source: ScenarioFile, topics: dict[str, str],
     Notes(bag.metadata).add(notes, time.time_ns())
     bag.metadata('scenario', {
         'file': source.name, **source.scenario.to_mapping()})
+    if track:
+        bag.metadata('track', track)
     bag.attachment(source.name, 'application/yaml', source.data)
     return bag
 

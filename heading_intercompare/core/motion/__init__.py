@@ -16,6 +16,7 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'motion_check': ('check_motion', 'MotionCheck', 'SensorMotion'),
     'motion_record': ('find_newest', 'leave_out_known', 'MotionRecord', 'RunMotion'),
     'motion_words': ('describe_motion', 'explain_motion'),
+    'smoothing': ('Smooth', 'smooth'),
     'tangent_plane': ('radii_m', 'steps_m'),
     'turn_rate': ('compare_turns', 'TurnRate'),
 })
@@ -38,5 +39,6 @@ if TYPE_CHECKING:
         RunMotion as RunMotion,
     )
     from .motion_words import describe_motion as describe_motion, explain_motion as explain_motion
+    from .smoothing import Smooth as Smooth, smooth as smooth
     from .tangent_plane import radii_m as radii_m, steps_m as steps_m
     from .turn_rate import compare_turns as compare_turns, TurnRate as TurnRate

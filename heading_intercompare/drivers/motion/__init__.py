@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
+    'attitude_log': ('LoggedAttitude', 'read_log_attitude'),
     'motion_decoder': ('MotionDecoder',),
     'motion_lines': ('MotionLines',),
     'motion_log': ('LoggedMotion', 'read_log_motion'),
@@ -14,6 +15,10 @@ __getattr__, __dir__, __all__ = door(__name__, {
 })
 if TYPE_CHECKING:
     # The same names for type checkers, by ``make docs``.
+    from .attitude_log import (
+        LoggedAttitude as LoggedAttitude,
+        read_log_attitude as read_log_attitude,
+    )
     from .motion_decoder import MotionDecoder as MotionDecoder
     from .motion_lines import MotionLines as MotionLines
     from .motion_log import LoggedMotion as LoggedMotion, read_log_motion as read_log_motion

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from array import array
 from collections import Counter
-from typing import Iterable, Iterator, NamedTuple
+from typing import Callable, Iterable, Iterator, NamedTuple
 
 import numpy as np
 
@@ -67,6 +67,10 @@ def find_best(names: Iterable[str]) -> str:
     return min(names, key=lambda name: list(MOTION_KINDS).index(name[2:]))
 
 
+def _tells_motion(text: bytes) -> bool:
+    return text[2:5] in _KINDS and text[5:6] == b',' and text[:1] != b'P'
+
+
 class MotionLines:
     """
     Yields what the lines of a source tell of the motion of the ship.
@@ -114,18 +118,27 @@ class MotionLines:
         """Yield what the last sentences tell."""
         yield from self._take(self._framer.flush())
 
-    def _take(self, frames: Iterable[Frame]) -> Iterator[MotionLine]:
+    def feed_texts(self, data: bytes, token: bytes) -> Iterator[tuple[int, bytes]]:
+        """Yield stamp and text of the sentences that begin with a token, in a block of a log."""
+        frames = self._framer.feed(data, None) if data else self._framer.flush()
+        return self._stamped(frames, lambda text: text.startswith(token))
+
+    def _stamped(self, frames: Iterable[Frame],
+                 is_wanted: Callable[[bytes], bool]) -> Iterator[tuple[int, bytes]]:
+        """Yield stamp and text of the wanted sentences; count those without one of the two."""
         for received_ns, prefix, text, checked, suffix in frames:
             stamp_ns = self._stamp(prefix, text, suffix, received_ns)
-            kind = text[2:5]
-            if kind not in _KINDS or text[5:6] != b',' or text[:1] == b'P':
+            if not is_wanted(text):
                 continue
             if not (checked or self._lenient):
                 self._counts['no_checksum'] += 1
-                continue
-            if stamp_ns is None:
+            elif stamp_ns is None:
                 self._counts['no_stamp'] += 1
-                continue
+            else:
+                yield stamp_ns, text
+
+    def _take(self, frames: Iterable[Frame]) -> Iterator[MotionLine]:
+        for stamp_ns, text in self._stamped(frames, _tells_motion):
             try:
                 found = parse_motion(text)
             except Rejected as rejected:

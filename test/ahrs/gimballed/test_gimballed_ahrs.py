@@ -11,6 +11,7 @@ import pytest
 
 from heading_intercompare.ahrs.gimballed.modes import Mode, Validity
 from heading_intercompare.ahrs.inertial.control_laws import settled_speed_error, speed_error
+from heading_intercompare.ahrs.ship.course import Current
 from heading_intercompare.ahrs.ship.earth import EARTH_RATE_RAD_S, KNOT_M_S, RAD_PER_DEG_H
 
 HOUR = 3600.0
@@ -119,6 +120,24 @@ def test_speed_error_has_coriolis_drift_and_lag(make_ahrs, run_for, course_deg, 
     assert found_deg == pytest.approx(error_deg, abs=2e-4)
     assert math.degrees(settled_speed_error(*way, 2e-3)) == pytest.approx(found_deg, abs=2e-4)
     assert abs(math.degrees(speed_error(*way)) - found_deg) > 0.02
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('speed_kn, set_deg, abs_deg', [(0.0, 0.0, 2e-4), (0.0, 90.0, 2e-4),
+                                                        (10.0, 60.0, 2e-3)])
+def test_a14_the_log_does_not_see_the_current(make_ahrs, run_for, speed_kn, set_deg, abs_deg):
+    """
+    Two knots at 60 degrees: the error is that of a ship which takes these two knots for nil.
+
+    With the ship at rest in the water the law is exact; under way its small terms differ a little.
+    """
+    ahrs = make_ahrs(60.0, legs=((0.0, 0.0, speed_kn),), initial_state='aligned',
+                     azimuth_deg=0.0, current=Current(set_deg, 2.0))
+    found_deg = run_for(ahrs, 3.0 * HOUR).heading_error_arcmin[-1] / 60.0
+    law = settled_speed_error(2.0 * KNOT_M_S, math.radians(set_deg), ahrs.computer.latitude_rad,
+                              2e-3)
+    assert found_deg == pytest.approx(math.degrees(law), abs=abs_deg)
+    assert abs(found_deg) > 0.01
 
 
 @pytest.mark.slow

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from heading_intercompare.ahrs.ship.earth import KNOT_M_S, radii
-from heading_intercompare.ahrs.ship.ship_motion import Leg, ShipTruth
+from heading_intercompare.ahrs.ship.course import Current
+from heading_intercompare.ahrs.ship.earth import EARTH_RATE_RAD_S, KNOT_M_S, radii
+from heading_intercompare.ahrs.ship.ship_motion import Leg, ShipBlock, ShipTruth
 
 TURN = (Leg(0.0, 350.0, 12.0), Leg(60.0, 80.0, 12.0))
 
@@ -102,3 +103,30 @@ def test_the_same_ship_whatever_is_asked_first():
 def test_before_the_start_there_is_no_ship():
     with pytest.raises(ValueError, match='t_s = -1.0'):
         ShipTruth(TURN, 45.0).heading_rad(np.array([-1.0, 2.0]))
+
+
+def test_a_current_carries_the_ship_and_not_its_log():
+    """Ten knots north in two knots to the east: 10 kn by the log, 10 and 2 over ground."""
+    ship = ShipTruth([Leg(0.0, 0.0, 10.0)], 45.0, current=Current(90.0, 2.0))
+    still, t_s = ShipTruth([Leg(0.0, 0.0, 10.0)], 45.0), np.array([0.0, 3600.0])
+    assert ship.speed_m_s(t_s).tolist() == still.speed_m_s(t_s).tolist()
+    east, north = ship.velocity_m_s(t_s)
+    assert east / KNOT_M_S == pytest.approx([2.0, 2.0])
+    assert north / KNOT_M_S == pytest.approx([10.0, 10.0])
+    latitude, longitude = ship.position_deg(t_s)
+    normal = radii(math.radians(45.08))[1] * math.cos(math.radians(45.08))
+    assert longitude[1] == pytest.approx(math.degrees(2.0 * 1852.0 / normal), rel=1e-4)
+    assert latitude.tolist() == still.position_deg(t_s)[0].tolist()
+    block, other = ship.block(3), still.block(3)
+    drift = 2.0 * KNOT_M_S
+    turn = drift * (2.0 * EARTH_RATE_RAD_S * math.sin(math.radians(45.01)) + drift / 6.389e6)
+    assert block.force_north_m_s2 - other.force_north_m_s2 == pytest.approx(
+        np.full(601, turn), rel=1e-3)
+
+
+def test_without_a_current_nothing_changes():
+    """A drift of zero gives the bits of a ship without one, wherever it sets."""
+    one, other = (ShipTruth(TURN, 45.0, seaway='ss3', seed=2, current=current)
+                  for current in (Current(), Current(123.0, 0.0)))
+    for name in ShipBlock.__slots__:
+        assert getattr(one.block(1), name).tolist() == getattr(other.block(1), name).tolist()

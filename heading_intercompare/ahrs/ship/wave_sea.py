@@ -1,0 +1,102 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The motion of a ship in waves that it meets by its own speed and heading."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from heading_intercompare.core.records import Reals
+
+from .course import Course
+from .seaway import BLOCK_S, BLOCK_STEPS, CHANNELS, GRID_S, KEPT_BLOCKS, read_blocks
+from .ship_response import Hull, respond
+from .waves import draw_waves, Waves
+
+__all__ = ['WaveSea']
+
+STANDARD_GRAVITY_M_S2 = 9.80665
+_REACH = 4
+_STEADY = 1e-6
+#: Central differences over seven points; the error is (w h)^6 / 140 of the rate.
+_RATE = np.array([-1.0, 9.0, -45.0, 0.0, 45.0, -9.0, 1.0]) / 60.0
+_BEND = np.array([2.0, -27.0, 270.0, -490.0, 270.0, -27.0, 2.0]) / 180.0
+
+
+class WaveSea:
+    """
+    Roll, pitch, yaw, surge, sway and heave in waves, as pure functions of time.
+
+    A wave is met where the ship is. So the frequency of encounter, w - k V cos(angle), follows
+    from the way of the ship through the water, and the response from its heading and speed. Only
+    a cache is kept between calls.
+
+    Parameters
+    ----------
+    waves : Waves
+        The sea state.
+    hull : Hull
+        The ship.
+    course : Course
+        Its way through the water.
+    seed : int
+        Seed of the simulation.
+
+    Notes
+    -----
+    Waves in deep water, k = w^2 / g, in the frame of the water. Rates and accelerations are
+    differences of the motion on the grid of 0.1 s, so they hold in a turn, too.
+
+    """
+
+    def __init__(self, waves: Waves, hull: Hull, course: Course, seed: int) -> None:
+        self.calm = waves.height_m == 0.0
+        self._hull, self._course = hull, course
+        self._waves = draw_waves(waves, seed)
+        self._number = self._waves.omega_rad_s**2 / STANDARD_GRAVITY_M_S2
+        self._kept: dict[int, np.ndarray] = {}
+
+    def block(self, index: int) -> np.ndarray:
+        """Return the motion over one block of the grid, shape (6, 3, 601); see `Seaway.block`."""
+        if index not in self._kept:
+            t_s = index * BLOCK_S + GRID_S * np.arange(-_REACH, BLOCK_STEPS + 1 + _REACH)
+            values = self._move(t_s)
+            made = np.empty((len(CHANNELS), 3, BLOCK_STEPS + 1))
+            made[:, 0] = values[:, _REACH:-_REACH]
+            for order, weights in ((1, _RATE), (2, _BEND)):
+                made[:, order] = sum(
+                    weight * values[:, shift:shift + BLOCK_STEPS + 1]
+                    for shift, weight in enumerate(weights, 1)) / GRID_S**order
+            while len(self._kept) >= KEPT_BLOCKS:
+                del self._kept[next(iter(self._kept))]
+            self._kept[index] = made
+        return self._kept[index]
+
+    def read(self, channel: str, t_s: Reals, derivative: int = 0) -> Reals:
+        """Return one channel or its rate at any instants; see `Seaway.read`."""
+        return read_blocks(self, channel, t_s, derivative)
+
+    def _move(self, t_s: Reals) -> np.ndarray:
+        """Return the motion at some instants, shape (6, n)."""
+        sailed_s = np.maximum(t_s, 0.0)
+        heading, turn = self._course.read_heading(sailed_s)
+        # The differences at 0 need a few steps before it, in which the ship went straight on.
+        heading = heading + (t_s - sailed_s) * turn
+        speed = self._course.read_speed(sailed_s)
+        east, north = self._course.read_way(sailed_s)
+        east = east + (t_s - sailed_s) * speed * np.sin(heading)
+        north = north + (t_s - sailed_s) * speed * np.cos(heading)
+        omega, amplitude, phase, towards = self._waves
+        to_east, to_north = np.sin(towards), np.cos(towards)
+        # On a steady course one response serves the whole block, in a fraction of the time.
+        steady = max(np.ptp(heading), np.ptp(speed)) < _STEADY
+        rows = slice(0, 1) if steady else slice(None)
+        c, s = np.cos(heading[rows])[:, np.newaxis], np.sin(heading[rows])[:, np.newaxis]
+        ahead, aside = c * to_north + s * to_east, c * to_east - s * to_north
+        met = omega - self._number * speed[rows, np.newaxis] * ahead
+        angle = (np.outer(t_s, omega) + phase - np.outer(east, self._number * to_east)
+                 - np.outer(north, self._number * to_north))
+        answers = respond(self._hull, self._number, ahead, aside, met)
+        answers = np.broadcast_to(answers, (len(CHANNELS), *angle.shape))
+        moved: np.ndarray = np.einsum('cti,ti->ct', answers, amplitude * np.exp(1j * angle)).real
+        return moved

@@ -1,0 +1,199 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""One trial with many seeds: the spread of its figures, and the coverage of the analysis."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, replace
+import math
+from typing import Callable, Iterator, Sequence
+
+import numpy as np
+
+from heading_intercompare.ahrs.settings import Scenario
+from heading_intercompare.ahrs.ship.track_course import Track
+from heading_intercompare.ahrs.simulator import Simulation
+from heading_intercompare.core.angles import wrap180
+from heading_intercompare.core.offline import analyze
+from heading_intercompare.core.records import Headings, Motion, Reals
+from heading_intercompare.core.settings import Settings
+
+__all__ = ['repeat_trial', 'Repeated', 'SeedResult']
+
+_TWO_SIGMA = 2.0
+
+
+@dataclass(frozen=True, slots=True)
+class SeedResult:
+    """
+    The trial with one seed: what the analysis found, and what was true.
+
+    Attributes
+    ----------
+    seed : int
+    outcome : str
+        Of the verdict.
+    mean_deg, std_deg : float
+        Mean and standard deviation of the differences TS - RS of the first run; nan without one.
+    interval_deg : tuple of float
+        The 95 % interval that the analysis states for the mean; nan without one.
+    true_mean_deg, true_std_deg : float
+        Mean and standard deviation of the errors of the TS against the true heading.
+    covered : float
+        Share of the readings of the TS whose error is at most twice the standard deviation that
+        it claims; nan without claims.
+
+    """
+
+    seed: int
+    outcome: str
+    mean_deg: float
+    std_deg: float
+    interval_deg: tuple[float, float]
+    true_mean_deg: float
+    true_std_deg: float
+    covered: float
+
+
+@dataclass(frozen=True, slots=True)
+class Repeated:
+    """The results of all seeds."""
+
+    results: tuple[SeedResult, ...]
+
+    @property
+    def words(self) -> Iterator[str]:
+        """A line per figure, over the seeds that have it."""
+        n = len(self.results)
+        counts = Counter(result.outcome for result in self.results)
+        yield f'outcomes of {n} seeds: ' + ', '.join(
+            f'{outcome} {count}' for outcome, count in sorted(counts.items()))
+        for name, words in (
+                ('true_mean_deg', 'mean error of the TS'),
+                ('true_std_deg', 'standard deviation of its error'),
+                ('mean_deg', 'mean difference TS - RS'),
+                ('std_deg', 'standard deviation of the difference')):
+            values = self.values(name)
+            if values.size:
+                yield (f'{words}: mean {np.mean(values):+.4f} deg, spread {_spread(values):.4f} '
+                       f'deg, {values.min():+.4f} to {values.max():+.4f} deg')
+        within, judged = self.coverage
+        if judged:
+            low, high = _wilson(within, judged)
+            yield (f'the 95 % interval of the mean difference holds the mean of the other seeds '
+                   f'in {within} of {judged} seeds: {within / judged:.0%} '
+                   f'({low:.0%} to {high:.0%})')
+        covered = self.values('covered')
+        if covered.size:
+            yield (f'errors of the TS within twice its claim: {np.mean(covered):.1%} of the '
+                   f'readings, {covered.min():.1%} to {covered.max():.1%} by seed')
+
+    @property
+    def table(self) -> dict[str, Reals]:
+        """The figures that are drawn, a column each; nan where a seed has none."""
+        rows = [(result.seed, result.true_mean_deg, result.mean_deg, *result.interval_deg)
+                for result in self.results]
+        return dict(zip(('seed', 'true_mean_deg', 'mean_deg', 'low_deg', 'high_deg'),
+                        np.array(rows, np.float64).T))
+
+    def values(self, name: str) -> Reals:
+        """Return a figure of every seed that has it."""
+        values = np.array([getattr(result, name) for result in self.results], np.float64)
+        return values[np.isfinite(values)]
+
+    @property
+    def coverage(self) -> tuple[int, int]:
+        """
+        The seeds whose interval holds the mean, and the seeds that have an interval.
+
+        The mean is that of the other seeds. Its own uncertainty widens the interval.
+        """
+        sound = [result for result in self.results if all(map(math.isfinite, result.interval_deg))]
+        if len(sound) < 3:
+            return 0, 0
+        means = np.array([result.mean_deg for result in sound])
+        within = 0
+        for k, result in enumerate(sound):
+            others = np.delete(means, k)
+            low, high = result.interval_deg
+            half = math.hypot(0.5 * (high - low), _TWO_SIGMA * _spread(others)
+                              / math.sqrt(others.size))
+            within += abs(result.mean_deg - float(others.mean())) <= half
+        return within, len(sound)
+
+
+def _spread(values: Reals) -> float:
+    """Return the standard deviation; 0 for a single value."""
+    return float(np.std(values, ddof=1)) if values.size > 1 else 0.0
+
+
+def _wilson(within: int, n: int) -> tuple[float, float]:
+    """Return the 95 % interval of a share (Wilson 1927)."""
+    share, z2 = within / n, 1.96**2
+    middle = (share + z2 / (2.0 * n)) / (1.0 + z2 / n)
+    half = math.sqrt(share * (1.0 - share) / n + z2 / (4.0 * n * n)) * 1.96 / (1.0 + z2 / n)
+    return middle - half, middle + half
+
+
+def repeat_trial(scenario: Scenario, seeds: Sequence[int], settings: Settings, *,
+                 track: Track | None = None,
+                 progress: Callable[[str], None] = lambda text: None) -> Repeated:
+    """
+    Simulate and judge a trial with many seeds.
+
+    Parameters
+    ----------
+    scenario : Scenario
+        The trial; its own seed is not used.
+    seeds : sequence of int
+        A trial is made for each.
+    settings : Settings
+        With the norms.
+    track : Track, optional
+        The voyage that the ship repeats.
+    progress : callable
+        Called with the progress in words.
+
+    Raises
+    ------
+    SettingsError
+        If a norm is missing.
+
+    """
+    results = []
+    for k, seed in enumerate(seeds):
+        progress(f'seed {k + 1} of {len(seeds)}')
+        results.append(_simulate(Simulation(replace(scenario, seed=seed), track=track), settings))
+    return Repeated(tuple(results))
+
+
+def _simulate(simulation: Simulation, settings: Settings) -> SeedResult:
+    """Simulate and judge one trial."""
+    ts, rs, moved = [], [], []
+    errors, claims = [], []
+    ship = simulation.truth()
+    for chunk in simulation.chunks():
+        readings = chunk.ts_readings
+        ts.append(chunk.ts)
+        rs.append(chunk.rs)
+        moved.append(chunk.motion)
+        errors.append(wrap180(readings.headings.heading_deg - ship.heading_deg(readings.t_s)))
+        claims.append(readings.sigma_deg)
+    verdict = analyze(Headings.concatenate(ts), Headings.concatenate(rs), settings,
+                      motion=Motion.concatenate(moved))
+    error_deg, claim_deg = np.concatenate(errors), np.concatenate(claims)
+    given = np.isfinite(error_deg)
+    error_deg, claim_deg = error_deg[given], claim_deg[given]
+    claimed = np.isfinite(claim_deg) & (claim_deg > 0.0)
+    run = verdict.runs[0] if verdict.runs else None
+    mean_deg = math.nan if run is None or run.mean_deg is None else run.mean_deg
+    std_deg = math.nan if run is None or run.std_deg is None else run.std_deg
+    interval = None if run is None else run.guarded.bias_interval_deg
+    return SeedResult(
+        simulation.scenario.seed, verdict.outcome.value, mean_deg, std_deg,
+        interval or (math.nan, math.nan),
+        float(error_deg.mean()) if error_deg.size else math.nan,
+        float(error_deg.std()) if error_deg.size else math.nan,
+        float(np.mean(np.abs(error_deg[claimed]) <= _TWO_SIGMA * claim_deg[claimed]))
+        if claimed.any() else math.nan)

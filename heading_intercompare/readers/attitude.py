@@ -1,0 +1,127 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""Roll and pitch of the ship in a recording: a bag, a csv, or a log of NMEA sentences."""
+
+from __future__ import annotations
+
+from array import array
+import math
+import os
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from heading_intercompare.bags.csv.csv_rows import CsvRows
+from heading_intercompare.bags.errors import BagError
+from heading_intercompare.core.records import Attitude
+from heading_intercompare.drivers.motion.attitude_log import read_log_attitude
+from heading_intercompare.drivers.settings import DriverSettings
+from heading_intercompare.messages.heading_messages import ORIENTATION_TYPES, read_attitude
+
+from .errors import ReaderError
+from .registry import has_one_sensor
+from .tables import find_time_column, parse_time
+
+if TYPE_CHECKING:
+    from heading_intercompare.bags.rosbag2.readable import Readable
+
+__all__ = ['attitude_of_bag', 'attitude_of_log', 'attitude_of_table', 'find_attitude']
+
+_ROLLS, _PITCHES = ('roll_deg', 'roll'), ('pitch_deg', 'pitch')
+_BATCH = 20_000
+
+
+def find_attitude(path: str | os.PathLike[str], driver: DriverSettings) -> Attitude:
+    """
+    Return roll and pitch in a file that is no bag; empty if it has none.
+
+    Parameters
+    ----------
+    path : path
+        A log of NMEA sentences, or a csv.
+    driver : DriverSettings
+        How the lines of a log are stamped.
+
+    Raises
+    ------
+    OSError
+        If it cannot be read.
+    ValueError
+        If it is damaged.
+
+    """
+    name = os.fspath(path)
+    if has_one_sensor(name) and len(rows := attitude_of_log(name, driver)):
+        return rows
+    is_table = name.endswith('.csv') and os.path.isfile(name)
+    return attitude_of_table(name) if is_table else Attitude.empty()
+
+
+def attitude_of_log(path: str, driver: DriverSettings) -> Attitude:
+    """Return roll and pitch in a log of NMEA sentences."""
+    return read_log_attitude(path, driver).rows
+
+
+def attitude_of_table(path: str) -> Attitude:
+    """
+    Return roll and pitch in a csv with columns of times, `roll_deg` and `pitch_deg`.
+
+    Roll is positive with starboard down, pitch with bow up. Rows without them are left out.
+    """
+    stamps, angles = array('q'), (array('d'), array('d'))
+    try:
+        with CsvRows(path, 'of times') as rows:
+            time = find_time_column(rows.names)
+            by_name = {name.lower(): place for place, name in enumerate(rows.names)}
+            places = [next((by_name[name] for name in names if name in by_name), None)
+                      for names in (_ROLLS, _PITCHES)]
+            if time is None or None in places:
+                return Attitude.empty()
+            at = rows.names.index(time)
+            for row in rows:
+                try:
+                    stamp_ns = parse_time(row[at].strip() if ':' in row[at]
+                                          else rows.plain(row[at]))
+                    values = [float(rows.plain(row[place])) for place in places
+                              if place is not None]
+                except (ValueError, ArithmeticError, IndexError):
+                    continue
+                if all(map(math.isfinite, values)):
+                    stamps.append(stamp_ns)
+                    for column, value in zip(angles, values):
+                        column.append(value)
+    except BagError as error:
+        raise ReaderError(path, error.problem) from error
+    return Attitude.of(np.array(stamps, np.int64), *angles)
+
+
+def attitude_of_bag(bag: Readable, topic: str, convention: str) -> Attitude:
+    """
+    Return roll and pitch of a topic with orientations; empty if all of them are level.
+
+    Parameters
+    ----------
+    bag : Readable
+        The recording.
+    topic : str
+        A topic of a heading.
+    convention : {'enu', 'ned'}
+        World axes of the orientations.
+
+    """
+    name = bag.resolve(topic)
+    kind = bag.topics[name].type_name
+    if kind not in ORIENTATION_TYPES:
+        return Attitude.empty()
+    chunks: list[Attitude] = []
+    waiting: list[bytes] = []
+    for message in bag.messages([name]):
+        waiting.append(message.data)
+        if len(waiting) >= _BATCH:
+            chunks.append(read_attitude(kind, convention, waiting)[0])
+            waiting = []
+    chunks.append(read_attitude(kind, convention, waiting)[0])
+    rows = Attitude.concatenate(chunks)
+    rows = rows[np.isfinite(rows.roll_deg) & np.isfinite(rows.pitch_deg)]
+    # A message of a heading alone has a level orientation.
+    return rows if np.any(rows.roll_deg) or np.any(rows.pitch_deg) else Attitude.empty()

@@ -1,0 +1,46 @@
+# SPDX-FileCopyrightText: 2026 The heading_intercompare authors
+# SPDX-License-Identifier: Apache-2.0
+"""The page of a simulated trial: one HTML file with its figures, without script or network."""
+
+from __future__ import annotations
+
+from html import escape
+from typing import Iterable, Mapping, Sequence
+
+from .figures.trial_figures import draw_seeds, draw_trace
+from .sketching.trace import Trace
+
+__all__ = ['compose_trial_page']
+
+_STYLE = """
+body { font-family: Helvetica, Arial, sans-serif; margin: 2em auto; max-width: 190mm; }
+svg { width: 100%; height: auto; }
+"""
+
+
+def compose_trial_page(title: str, lines: Iterable[str], traces: Sequence[Trace] = (),
+                       seeds: Mapping[str, Sequence[float]] | None = None) -> str:
+    """
+    Return the page of a simulated trial.
+
+    Parameters
+    ----------
+    title : str
+        Title of the trial.
+    lines : iterable of str
+        What the command says of it.
+    traces : sequence of Trace
+        What each sensor showed.
+    seeds : mapping of str to sequence of float, optional
+        Columns `seed`, `true_mean_deg`, `mean_deg`, `low_deg` and `high_deg` of a repeated trial.
+
+    """
+    said = ''.join(f'<p>{escape(line)}</p>\n' for line in lines)
+    charts = ''.join(
+        f'<h2>{escape(trace.name)}</h2>\n{"".join(draw_trace(trace, number))}\n'
+        for number, trace in enumerate(traces))
+    if seeds is not None:
+        charts += f'<h2>Seeds</h2>\n{draw_seeds(seeds)}\n'
+    return ('<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+            f'<title>{escape(title)}</title>\n<style>{_STYLE}</style>\n</head>\n<body>\n'
+            f'<h1>{escape(title)}</h1>\n{said}{charts}</body>\n</html>\n')
