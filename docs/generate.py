@@ -231,8 +231,10 @@ def tables() -> str:
     lines = ['# Settings', '',
              'Written by `docs/generate.py` from the classes that declare the settings. '
              'Unknown names',
-             'are errors everywhere, an integer is accepted for a number, and settings are frozen '
-             'during a run.',
+             'are errors everywhere, and so is a name given twice, in a file or by `--set`.',
+             'Files are YAML 1.2: `1e9` is a number, `on` and `1:30` are words. A number such as',
+             '`010`, which ROS reads as 8, is rejected.',
+             'An integer is accepted for a number, and settings are frozen during a run.',
              '`none` means that the row is absent. The parameter file with all defaults is',
              '[config/heading_intercompare.yaml](../config/heading_intercompare.yaml).']
     for title, comment, settings in CHAPTERS:

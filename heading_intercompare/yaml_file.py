@@ -17,7 +17,8 @@ Reads YAML files as plain values, and reports a mistake in one line.
 
 Numbers and booleans are those of YAML 1.2: 1e9 is a number, as in ROS, and `on` is a word. The
 parser rejects everything that a reader could misunderstand or that could take unlimited time: a
-name given twice, an anchor or a tag, a second document, deep nesting, a large file.
+name given twice, an anchor or a tag, a second document, deep nesting, a large file. In settings it
+also rejects numbers such as 010, which is 10 in YAML 1.2 and 8 for ROS.
 """
 
 from __future__ import annotations
@@ -30,7 +31,7 @@ import yaml
 
 from heading_intercompare.core.settings import SettingsError
 
-__all__ = ['load_yaml', 'parse_yaml', 'YamlError']
+__all__ = ['load_settings', 'load_yaml', 'parse_yaml', 'YamlError']
 
 #: More than any parameter file or scenario needs.
 _MOST_BYTES = 2**20
@@ -45,6 +46,7 @@ _WORDS = {'': None, '~': None, **dict.fromkeys(('null', 'Null', 'NULL')),
           **dict.fromkeys(('true', 'True', 'TRUE'), True),
           **dict.fromkeys(('false', 'False', 'FALSE'), False)}
 _INTEGER = re.compile(r'[-+]?[0-9]+')
+_OCTAL_IN_ROS = re.compile(r'[-+]?0[0-9]+')
 _BASED = re.compile(r'0o[0-7]+|0x[0-9a-fA-F]+')
 _REAL = re.compile(r'[-+]?(\.[0-9]+|[0-9]+(\.[0-9]*)?)([eE][-+]?[0-9]+)?')
 _NOT_FINITE = re.compile(r'(?P<sign>[-+]?)\.(?P<word>inf|Inf|INF)|\.(nan|NaN|NAN)')
@@ -85,8 +87,9 @@ def _read_scalar(text: str) -> Any:
 class _Builder:
     """Builds plain values from the events of a parser; rejects events that are not accepted."""
 
-    def __init__(self, events: Iterator[yaml.Event]) -> None:
+    def __init__(self, events: Iterator[yaml.Event], settings: bool) -> None:
         self._events = events
+        self._settings = settings
         self._line = 1
         self._depth = 0
 
@@ -115,6 +118,9 @@ class _Builder:
 
     def _value(self, event: yaml.Event) -> Any:
         if isinstance(event, yaml.ScalarEvent):
+            if self._settings and event.implicit[0] and _OCTAL_IN_ROS.fullmatch(event.value):
+                raise YamlError(f'{event.value} may be octal: write it without the first zeros, '
+                                'or in quotes if it is no number', self._line)
             try:
                 return _read_scalar(event.value) if event.implicit[0] else event.value
             except YamlError as error:
@@ -168,10 +174,19 @@ def load_yaml(text: str, most_bytes: int = _MOST_BYTES) -> Any:
     [1000000000.0, 0.0025, '1e', 7, 16, 'on', True]
 
     """
+    return _load(text, most_bytes, settings=False)
+
+
+def load_settings(text: str) -> Any:
+    """Return the value of a YAML text that holds settings; YamlError as `load_yaml`."""
+    return _load(text, _MOST_BYTES, settings=True)
+
+
+def _load(text: str, most_bytes: int, settings: bool) -> Any:
     if len(text) > most_bytes:
         raise YamlError(f'longer than {most_bytes} bytes')
     try:
-        return _Builder(yaml.parse(text, Loader=_Loader)).document()
+        return _Builder(yaml.parse(text, Loader=_Loader), settings).document()
     except UnicodeEncodeError as error:
         raise YamlError('not YAML: not text') from error
     except yaml.YAMLError as error:
@@ -190,7 +205,7 @@ def _find_line(text: str, error: yaml.YAMLError) -> int | None:
 
 def parse_yaml(data: bytes, path: str | Path) -> Any:
     """
-    Return the value of a YAML file from its bytes.
+    Return the settings in a YAML file from its bytes.
 
     Raises
     ------
@@ -199,7 +214,7 @@ def parse_yaml(data: bytes, path: str | Path) -> Any:
 
     """
     try:
-        return load_yaml(data.decode())
+        return load_settings(data.decode())
     except UnicodeDecodeError as error:
         raise SettingsError(f'{path}: not YAML: not text') from error
     except YamlError as error:

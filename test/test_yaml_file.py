@@ -22,7 +22,7 @@ from pathlib import Path
 import pytest
 
 from heading_intercompare.core.settings import SettingsError
-from heading_intercompare.yaml_file import load_yaml, parse_yaml, YamlError
+from heading_intercompare.yaml_file import load_settings, load_yaml, parse_yaml, YamlError
 
 yaml = pytest.importorskip('yaml')
 ROOT = Path(__file__).resolve().parents[1]
@@ -67,6 +67,18 @@ def test_a_part_of_yaml_that_is_not_accepted_is_refused_with_its_line(text, line
     with pytest.raises(SettingsError) as refused:
         parse_yaml(text.encode(errors='surrogatepass'), 'my.yaml')
     assert str(refused.value).startswith('my.yaml') and '\n' not in str(refused.value)
+
+
+@pytest.mark.parametrize('text', ['010', '-07', 'a: [1, 00]', '{a: +012}'])
+def test_settings_hold_no_number_that_ros_reads_as_octal(text):
+    load_yaml(text)
+    with pytest.raises(YamlError, match='may be octal'):
+        load_settings(text)
+
+
+@pytest.mark.parametrize('text', ['0', '-0', '0.5', '0e3', '0x10', '0o17', '"010"', '01a'])
+def test_settings_hold_other_numbers_that_begin_with_zero(text):
+    assert load_settings(text) == load_yaml(text)
 
 
 def test_bytes_that_are_no_text_are_refused():

@@ -21,7 +21,7 @@ from pathlib import Path
 from typing import Any, Mapping, Sequence
 
 from heading_intercompare.core.settings import flatten, list_settings, Settings, SettingsError
-from heading_intercompare.yaml_file import load_yaml, parse_yaml, YamlError
+from heading_intercompare.yaml_file import load_settings, parse_yaml, YamlError
 
 __all__ = ['Config', 'load_config', 'settings_for']
 
@@ -82,7 +82,11 @@ def load_config(path: str | None) -> Config:
             values = flatten(parameters)
         except SettingsError as error:
             raise SettingsError(f'{path}: section {name!r}: {error}') from error
-        sections[str(name).lstrip('/') if name != SHARED else SHARED] = values
+        short = str(name).lstrip('/') if name != SHARED else SHARED
+        if short in sections:
+            raise SettingsError(f'{path}: section {short!r} is given twice, with and without a '
+                                'slash')
+        sections[short] = values
     return Config(path, sections.pop(SHARED, {}), sections)
 
 
@@ -93,13 +97,13 @@ def _parse_assignments(assignments: Sequence[str]) -> dict[str, Any]:
     Raises
     ------
     SettingsError
-        If one is not of this form.
+        If one is not of this form, or if two give different values to a name.
 
     """
     # The time 12:00 would be a number in YAML, and a reason may hold any sign.
     words = {s.name for s in list_settings(Settings)
              if s.kinds == (str,) or s.name in ('runs.cut_at_utc', 'exclusions', 'sensors')}
-    values = {}
+    values: dict[str, Any] = {}
     for assignment in assignments:
         name, equals, text = assignment.partition('=')
         name = name.strip()
@@ -107,10 +111,13 @@ def _parse_assignments(assignments: Sequence[str]) -> dict[str, Any]:
             raise SettingsError(f'--set {assignment}: must be name=value, '
                                 'e.g. --set norms.sigma_max_deg=0.2')
         try:
-            values[name] = text if name in words else load_yaml(text)
+            value = text if name in words else load_settings(text)
         except YamlError as error:
             raise SettingsError(
                 f'--set {assignment}: the value cannot be read: {error}') from error
+        if repr(values.setdefault(name, value)) != repr(value):
+            raise SettingsError(f'--set {assignment}: {name} is given twice, first as '
+                                f'{values[name]!r}')
     return values
 
 

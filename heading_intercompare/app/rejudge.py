@@ -279,8 +279,9 @@ def _stored_settings(reader: BagReader, report: Mapping[str, Any] | None) -> dic
 def _settings(config: Config, stored: Mapping[str, Any], assignments: Sequence[str]) -> Settings:
     """Return the settings to judge with."""
     try:
-        settings = settings_for(config, [*(f'{name}={value}' for name, value in stored.items()),
-                                         *assignments])
+        given = {each.partition('=')[0].strip() for each in assignments}
+        settings = settings_for(config, [*(f'{name}={value}' for name, value in stored.items()
+                                           if name not in given), *assignments])
     except SettingsError as error:
         raise SettingsError(f'its settings: {str(error).removeprefix("--set ")}; give them with '
                             '--config') from error

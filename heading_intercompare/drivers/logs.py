@@ -120,7 +120,8 @@ class LogReader:
                              'before theirs')
             if self._nmea.days.origin:
                 words.append(self._nmea.days.origin)
-        return words + [f'{path} ends too early' for path in self._files.cut]
+        return words + [f'{path} ends too early' for path in self._files.cut] + [
+            f'{path} is a link that leads nowhere' for path in self._files.dangling]
 
     @property
     def counts(self) -> dict[str, int]:

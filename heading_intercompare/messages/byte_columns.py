@@ -213,7 +213,9 @@ def decode_readable(decode: Callable[[Integers, Integers], _Chunk], start: Integ
         What is wrong with the first of the others; empty if there are none.
 
     """
-    readable, problem = np.ones(len(start), bool), ''
+    # An empty message has the offset of the next one.
+    readable = stop > start
+    problem = '' if readable.all() else 'a message of 0 bytes'
     while True:
         try:
             return decode(start[readable], stop[readable]), readable, problem

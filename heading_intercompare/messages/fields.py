@@ -129,11 +129,14 @@ def leaves(type_name: str, definitions: Definitions,
     Raises
     ------
     MessageError
-        If a type is not defined, or contains itself.
+        If a type is not defined, has no field, or contains itself.
 
     """
     if type_name not in definitions or not depth:
         raise MessageError(f'message type {type_name} is not defined in the schema')
+    if not definitions[type_name]:
+        # Nested, such types would take a time that doubles with each line of the text.
+        raise MessageError(f'message type {type_name} has no field')
     for field in definitions[type_name]:
         if field.type in CODES:
             yield field.name, CODES[field.type], field.size

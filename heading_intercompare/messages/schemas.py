@@ -23,6 +23,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
+from itertools import islice
 import json
 import os
 from pathlib import Path
@@ -87,6 +88,9 @@ DEFINITIONS = {
     'std_msgs/Header': 'builtin_interfaces/Time stamp\nstring frame_id\n',
     'std_msgs/String': 'string data\n',
 }
+
+#: A longer schema is not read: the longest of a known type, with its comments, has some kilobytes.
+_MOST_LETTERS = 2**18
 
 #: REP-2016 hashes (RIHS01) of ROS 2 Jazzy.
 TYPE_HASHES = {
@@ -238,15 +242,19 @@ def layout_problem(type_name: str, encoding: str, text: str) -> str | None:
     """
     if encoding != 'ros2msg':
         return f'its schema has encoding {encoding!r}, not ros2msg'
+    if len(text) > _MOST_LETTERS:
+        return f'its schema is longer than {_MOST_LETTERS} letters'
     name = short_name(type_name)
+    ours = list(leaves(name, definitions_of(type_name)))
     try:
-        theirs = list(leaves(name, definitions_in(name, text)))
+        # A few lines of types within types can mean more fields than any memory holds.
+        theirs = list(islice(leaves(name, definitions_in(name, text)), len(ours) + 1))
     except MessageError as error:
         return error.problem
-    ours = list(leaves(name, definitions_of(type_name)))
     for (path, *kind), (their_path, *their_kind) in zip(ours, theirs):
         if path != their_path or kind != their_kind:
             return f'its schema has field {their_path} where {path} is expected'
     if len(ours) != len(theirs):
-        return f'its schema has {len(theirs)} fields instead of {len(ours)}'
+        count = f'more than {len(ours)}' if len(theirs) > len(ours) else f'{len(theirs)}'
+        return f'its schema has {count} fields instead of {len(ours)}'
     return None

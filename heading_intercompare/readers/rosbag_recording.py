@@ -16,12 +16,14 @@
 Bags that `rosbags` reads: rosbag2 in SQLite or compressed by file or message, and ROS 1.
 
 Messages come one by one from the library, and are decoded in columns like those of MCAP bags.
-Topics of `nmea_msgs/Sentence` are read as a log, with the stamps of their headers.
+Topics of `nmea_msgs/Sentence` are read as a log, with the stamps of their headers. An unreadable
+message is an invalid reading at its log time, as in MCAP bags.
 """
 
 from __future__ import annotations
 
 from contextlib import contextmanager
+from functools import partial
 from itertools import islice
 import os
 from pathlib import Path
@@ -33,14 +35,16 @@ import weakref
 
 import numpy as np
 from rosbags.rosbag1 import Reader as Ros1Reader, ReaderError as Ros1Error
-from rosbags.rosbag2 import Reader as Ros2Reader, ReaderError as Ros2Error
+from rosbags.rosbag2 import Reader as Ros2Reader, reader as ros2, ReaderError as Ros2Error
 from rosbags.serde import SerdeError
 from rosbags.typesys import get_typestore, Stores
 
+from heading_intercompare.bags.packed_payloads import unpack_payload
 from heading_intercompare.bags.rosbag2.bag_reader import BagMessage, TopicInfo
 from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.drivers.logs import LogReader
 from heading_intercompare.drivers.settings import DriverSettings
+from heading_intercompare.messages.byte_columns import decode_readable, join_messages
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.heading_messages import decode_headings, HEADING_TYPES
 from heading_intercompare.natural_order import natural_key
@@ -54,7 +58,10 @@ SENTENCE = 'nmea_msgs/msg/Sentence'
 
 _MESSAGES = 4_000
 _FAULTS = (Ros1Error, Ros2Error, SerdeError, MessageError, sqlite3.Error, struct.error, EOFError,
-           KeyError, IndexError, AssertionError, RuntimeError, UnicodeDecodeError)
+           KeyError, IndexError, AssertionError, RuntimeError, UnicodeDecodeError,
+           getattr(getattr(ros2, 'zstd', None), 'ZstdError', RuntimeError))
+#: Errors of a single message of ROS 1 that cannot be converted.
+_UNREADABLE = (SerdeError, struct.error, IndexError, ValueError)
 
 
 def _faults() -> tuple[type[Exception], ...]:
@@ -66,15 +73,35 @@ def _faults() -> tuple[type[Exception], ...]:
     return (*_FAULTS, apsw.Error)
 
 
+def _take_packed(reader: Any) -> bool:
+    """
+    Tell whether the messages of a bag are compressed one by one; then have them come as they are.
+
+    The library ends at the first one that it cannot decompress.
+    """
+    storage = getattr(reader, 'storage', None)
+    if storage is None or reader.compression_mode != 'message':
+        return False
+    storage.metadata = storage.metadata._replace(compression_mode=None)
+    return True
+
+
 def _sentence_line(data: bytes, ros1: bool) -> bytes:
-    """Return the line of a log for the sentence in a message."""
+    """Return the line of a log for the sentence in a message; MessageError if it has none."""
+    if not ros1 and data[:2] not in (b'\0\0', b'\0\1'):
+        raise MessageError(f'{SENTENCE} message does not start as CDR')
     at, sign = (4, '<') if ros1 else (4, '<' if data[1] & 1 else '>')
-    sec, nsec, size = struct.unpack_from(f'{sign}III', data, at)
-    at += 12 + size
-    if not ros1:
-        # Strings end with a zero, and the next length is aligned after the head of 4 bytes.
-        at += -(at - 4) % 4
-    size, = struct.unpack_from(f'{sign}I', data, at)
+    try:
+        sec, nsec, size = struct.unpack_from(f'{sign}III', data, at)
+        at += 12 + size
+        if not ros1:
+            # Strings end with a zero, and the next length is aligned after the head of 4 bytes.
+            at += -(at - 4) % 4
+        size, = struct.unpack_from(f'{sign}I', data, at)
+    except struct.error:
+        size = len(data)
+    if at + 4 + size > len(data):
+        raise MessageError(f'{SENTENCE} message of {len(data)} bytes is too short')
     text = bytes(data[at + 4:at + 4 + size]).rstrip(b'\0\r\n')
     return b'%010d.%09d %s\r\n' % (sec, nsec, text)
 
@@ -85,30 +112,53 @@ class _Topic:
     def __init__(self, info: TopicInfo, convention: str, ros1: bool) -> None:
         self._type, self._convention, self._ros1 = info.type_name, convention, ros1
         self._log: IO[bytes] | None = None
+        #: Log times of sentences that cannot be read.
+        self._refused_ns: list[int] = []
+        self.unreadable = 0
+        self.problem = ''
 
-    def decode(self, raw: Sequence[bytes], last: bool) -> Headings:
-        """Return the headings of messages."""
+    def _refuse(self, count: int, problem: str) -> None:
+        self.unreadable += count
+        self.problem = self.problem or problem
+
+    def decode(self, raw: Sequence[tuple[int, bytes]], last: bool) -> Headings:
+        """Return the headings of messages, each given with its log time."""
         if self._type == SENTENCE:
             return self._take_sentences(raw, last)
         if not raw:
             return Headings.empty()
-        stops = np.cumsum(np.fromiter(map(len, raw), np.int64, len(raw)))
-        starts = np.concatenate(([0], stops[:-1]))
-        return decode_headings(self._type, self._convention, b''.join(raw), starts, stops)
+        data, starts, stops = join_messages([one for _, one in raw])
+        found, readable, problem = decode_readable(
+            partial(decode_headings, self._type, self._convention, data), starts, stops)
+        if not problem:
+            return found
+        self._refuse(int((~readable).sum()), problem)
+        stamp_ns, heading_deg = np.array([ns for ns, _ in raw]), np.full(len(raw), np.nan)
+        stamp_ns[readable], heading_deg[readable] = found.stamp_ns, found.heading_deg
+        return Headings(stamp_ns, heading_deg)
 
-    def _take_sentences(self, raw: Sequence[bytes], last: bool) -> Headings:
+    def _take_sentences(self, raw: Sequence[tuple[int, bytes]], last: bool) -> Headings:
         """Write sentences into a log; return its headings at the end."""
         if self._log is None:
             self._log = NamedTemporaryFile(suffix='.log')
-        self._log.write(b''.join(_sentence_line(one, self._ros1) for one in raw))
+        for ns, one in raw:
+            try:
+                self._log.write(_sentence_line(one, self._ros1))
+            except MessageError as error:
+                self._refuse(1, error.problem)
+                self._refused_ns.append(ns)
         if not last:
             return Headings.empty()
+        found = Headings.empty()
         with self._log as log:
             log.flush()
-            if not log.tell():
-                return Headings.empty()
-            return Headings.concatenate(list(LogReader(log.name, DriverSettings(
-                stamp_format='epoch'))))
+            if log.tell():
+                found = Headings.concatenate(list(LogReader(log.name, DriverSettings(
+                    stamp_format='epoch'))))
+        refused_ns = np.sort(np.array(self._refused_ns, np.int64))
+        places = np.searchsorted(np.maximum.accumulate(found.stamp_ns), refused_ns)
+        return Headings(np.insert(found.stamp_ns, places, refused_ns),
+                        np.insert(found.heading_deg, places, np.nan))
 
 
 class RosbagRecording:
@@ -148,21 +198,22 @@ class RosbagRecording:
         if self.path.is_dir() and not (self.path / 'metadata.yaml').exists():
             paths = sorted(self.path.glob('*.db3'), key=natural_key)
             self.incomplete = 'metadata.yaml is missing'
-        self._readers: list[Any] = []
+        #: The readers, and whether their messages are compressed one by one.
+        self._readers: list[tuple[Any, bool]] = []
         self.topics: dict[str, TopicInfo] = {}
         with self._named():
             for each in paths:
                 reader: Any = Ros1Reader(each) if self.ros1 else Ros2Reader(each)
                 reader.open()
                 weakref.finalize(self, reader.close)
-                self._readers.append(reader)
+                self._readers.append((reader, not self.ros1 and _take_packed(reader)))
                 for one in reader.connections:
                     known = self.topics.get(one.topic, TopicInfo(one.msgtype, 0))
                     if known.type_name != one.msgtype:
                         raise ReaderError(self.path, f'topic {one.topic} is both '
                                           f'{known.type_name} and {one.msgtype}')
                     self.topics[one.topic] = TopicInfo(one.msgtype, known.count + one.msgcount)
-            full = [one for one in self._readers if one.message_count]
+            full = [one for one, _ in self._readers if one.message_count]
             self.start_ns = min((one.start_time for one in full), default=None)
             self.end_ns = max((one.end_time - 1 for one in full), default=None)
 
@@ -202,7 +253,7 @@ class RosbagRecording:
         once = {(names[asked], convention): _Topic(self.topics[names[asked]], convention,
                                                    self.ros1)
                 for asked, convention in conventions.items()}
-        raw: dict[str, list[bytes]] = {name: [] for name in names.values()}
+        raw: dict[str, list[tuple[int, bytes]]] = {name: [] for name in names.values()}
 
         def hand_out(last: bool) -> dict[str, Headings]:
             found = {key: topic.decode(raw[key[0]], last) for key, topic in once.items()}
@@ -214,25 +265,39 @@ class RosbagRecording:
             messages = self._raw(raw)
             append = {name: data.append for name, data in raw.items()}
             while batch := list(islice(messages, _MESSAGES)):
-                for name, _, data in batch:
-                    append[name](data)
+                for name, time_ns, data in batch:
+                    append[name]((time_ns, data))
                 yield hand_out(False)
             yield hand_out(True)
+        unreadable = sum(topic.unreadable for topic in once.values())
+        if unreadable:
+            problem = next(topic.problem for topic in once.values() if topic.problem)
+            self.oddities.append(f'{unreadable} messages cannot be read and count as invalid '
+                                 f'readings; the first: {problem}')
 
     def _raw(self, wanted: Iterable[str]) -> Iterator[tuple[str, int, bytes]]:
-        """Yield topic, log time and data of messages, as CDR but for sentences of ROS 1."""
+        """
+        Yield topic, log time and data of messages, as CDR but for sentences of ROS 1.
+
+        A message that cannot be decompressed or converted is empty.
+        """
         wanted = set(wanted)
-        for reader in self._readers:
+        for reader, packed in self._readers:
             mine = [one for one in reader.connections if one.topic in wanted]
             messages = reader.messages(mine) if mine else ()
             if self._store is None:
                 for one, time_ns, data in messages:
-                    yield one.topic, time_ns, data
+                    # A row of SQLite may hold a number or a text.
+                    data = bytes(data) if isinstance(data, (bytes, memoryview)) else b''
+                    yield one.topic, time_ns, (unpack_payload(data) or b'') if packed else data
                 continue
             convert = self._store.ros1_to_cdr
             for one, time_ns, data in messages:
                 if one.msgtype != SENTENCE:
-                    data = convert(data, one.msgtype)
+                    try:
+                        data = convert(data, one.msgtype)
+                    except _UNREADABLE:
+                        data = b''
                 yield one.topic, time_ns, data
 
     def keeps_numbers(self) -> bool:

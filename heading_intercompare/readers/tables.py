@@ -112,6 +112,8 @@ def read_table(path: str) -> Collected:
                 if motion and stamp_ns is not None:
                     told.take(stamp_ns, row, rows)
             told.give(found, motion)
+            if rows.cut:
+                found.not_taken['cut_line'] += 1
     except BagError as error:
         raise ReaderError(path, error.problem) from error
     return found

@@ -98,7 +98,9 @@ def test_a_topic_of_another_type_says_which_types_would_do(bag, capsys):
     ('pairing.method=fast', "'interpolate_ts' or 'nearest'"),
     ('norms.sigma_max_deg', 'must be name=value')])
 def test_a_wrong_setting_says_what_is_allowed(assignment, words, bag, capsys):
-    assert words in refused(capsys, 'analyze', bag, *NORMS, '--set', assignment)
+    name = assignment.partition('=')[0]
+    norms = NORMS[2:] if NORMS[1].startswith(f'{name}=') else NORMS
+    assert words in refused(capsys, 'analyze', bag, *norms, '--set', assignment)
 
 
 @pytest.mark.parametrize('name, value', [
@@ -243,3 +245,81 @@ def test_the_command_leaves_linear_algebra_in_one_thread(monkeypatch):
     with pytest.raises(SystemExit):
         main()
     assert (os.environ['OPENBLAS_NUM_THREADS'], os.environ['MKL_NUM_THREADS']) == ('1', '3')
+
+
+#: What a number in YAML 1.1 or in ROS may be that is none here, and what the refusal says.
+NO_NUMBERS = {
+    'yes': 'must be a number', 'on': 'must be a number', 'off': 'must be a number',
+    'true': 'must be a number', '1:30': 'must be a number', '1_000': 'must be a number',
+    '010': 'may be octal', '-007': 'may be octal', '.nan': 'must be', '"0.3"': 'must be a number',
+    '.inf': 'must be', '2026-01-01': 'must be a number', '[0.3]': 'must be',
+    '&a 0.3': 'anchors', '!!float 0.3': 'tags', '[' * 100_000: 'nested deeper than 50 levels',
+    '{a: ' * 20_000: 'nested deeper than 50 levels', '9' * 400: 'too many digits'}
+
+
+def by_config(value, bag, folder):
+    file = folder / 'my.yaml'
+    file.write_text(f'/**:\n  ros__parameters:\n    norms:\n      sigma_max_deg: {value}\n'
+                    '      sigma_ref_max_deg: 0.1\n')
+    return ['analyze', bag, '--config', file]
+
+
+def by_set(value, bag, folder):
+    return ['analyze', bag, '--set', f'norms.sigma_max_deg={value}', *NORMS[2:]]
+
+
+def by_scenario(value, bag, folder):
+    file = folder / 'my.yaml'
+    file.write_text(f'duration_s: {value}\n')
+    return ['simulate', '--scenario', file, '-o', folder / 'new']
+
+
+@pytest.mark.parametrize('value', NO_NUMBERS, ids=lambda value: value[:12])
+@pytest.mark.parametrize('given', [by_config, by_set, by_scenario])
+def test_what_other_parsers_take_for_a_number_is_refused_in_one_line(given, value, bag, capsys,
+                                                                     tmp_path):
+    said = refused(capsys, *given(value, bag, tmp_path))
+    assert NO_NUMBERS[value] in said
+    assert '.yaml' in said or '--set' in said or 'sigma_max_deg' in said
+
+
+@pytest.mark.parametrize('text', ['1e-1', '1E-1', '.1', '+0.1', '0.10'])
+@pytest.mark.parametrize('given', [by_config, by_set])
+def test_numbers_are_read_however_they_are_written(given, text, bag, capsys, tmp_path):
+    assert main([*map(str, given(text, bag, tmp_path)), '--json', '-']) == 0
+    assert json.loads(capsys.readouterr().out)['settings']['norms.sigma_max_deg'] == 0.1
+
+
+@pytest.mark.parametrize('command, text, words', [
+    (['analyze', 'BAG', '--config', 'FILE'],
+     '/**:\n  ros__parameters:\n    norms:\n      sigma_max_deg: 0.1\n      sigma_max_deg: 0.2\n',
+     "line 5: 'sigma_max_deg' is given twice"),
+    (['analyze', 'BAG', '--config', 'FILE'],
+     '/compliance:\n  ros__parameters: {}\ncompliance:\n  ros__parameters: {}\n',
+     "section 'compliance' is given twice"),
+    (['simulate', '--scenario', 'FILE', '-o', 'NEW'], 'duration_s: 60\nduration_s: 90\n',
+     "line 2: 'duration_s' is given twice"),
+    (['analyze', 'BAG', *NORMS, '--set', 'norms.sigma_max_deg=0.4'], '',
+     'norms.sigma_max_deg is given twice, first as 0.3')])
+def test_a_name_given_twice_is_refused_in_one_line(command, text, words, bag, capsys, tmp_path):
+    (tmp_path / 'my.yaml').write_text(text)
+    places = {'BAG': bag, 'FILE': tmp_path / 'my.yaml', 'NEW': tmp_path / 'new'}
+    assert words in refused(capsys, *(places.get(each, each) for each in command))
+
+
+@pytest.mark.parametrize('command', ['analyze', 'info'])
+@pytest.mark.parametrize('text, words', [
+    ('  a: ' + '[' * 100_000, 'nested deeper than 50 levels'),
+    ('  a: 1\n  a: 2\n', "'a' is given twice"),
+    ('  relative_file_paths: [yes, 1:30]\n', None), ('  x: &a 1\n', 'anchors'),
+    ('  relative_file_paths: [010]\n', 'must be a list of names')])
+def test_traps_in_the_metadata_of_a_bag_are_refused_or_words(command, text, words, bag, capsys,
+                                                             tmp_path):
+    damaged = shutil.copytree(bag, tmp_path / 'bag')
+    (damaged / 'metadata.yaml').write_text(f'rosbag2_bagfile_information:\n{text}')
+    arguments = [command, damaged, *(NORMS if command == 'analyze' else [])]
+    if words:
+        assert words in refused(capsys, *arguments)
+        return
+    main([*map(str, arguments)])
+    assert 'yes is missing; 1:30 is missing' in ''.join(capsys.readouterr()).replace('\n', ' ')

@@ -16,9 +16,18 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 import numpy as np
 
-from heading_intercompare.messages.byte_columns import gather, join_messages, split_rows
+from heading_intercompare.core.records import Headings
+from heading_intercompare.messages.byte_columns import (
+    decode_readable,
+    gather,
+    join_messages,
+    split_rows,
+)
+from heading_intercompare.messages.heading_messages import decode_headings, encode_imu, IMU
 
 
 def test_values_are_gathered_wherever_they_are_in_either_byte_order():
@@ -41,3 +50,15 @@ def test_no_messages_are_joined_to_nothing():
 def test_rows_are_split_into_messages():
     assert split_rows(np.array([[1, 2], [3, 4]], np.uint8)) == [b'\1\2', b'\3\4']
     assert split_rows(np.empty((0, 8), np.uint8)) == []
+
+
+def test_an_empty_message_takes_no_other_with_it():
+    """It has the offset of the message after it."""
+    sent = Headings.of(10**18 + np.arange(4), np.arange(4.0))
+    rows = [row.tobytes() for row in encode_imu(sent, 'x')]
+    rows[1:3] = [b''] * 2
+    data, start, stop = join_messages(rows)
+    found, readable, problem = decode_readable(
+        partial(decode_headings, IMU, 'enu', data), start, stop)
+    assert readable.tolist() == [True, False, False, True]
+    assert found.stamp_ns.tolist() == [10**18, 10**18 + 3] and problem

@@ -20,6 +20,7 @@ import json
 from pathlib import Path
 import re
 import sys
+import time
 
 import pytest
 
@@ -129,6 +130,8 @@ def test_own_schemas_have_the_layout_assumed(type_name):
     ('orientation_covariance', 'covariance', 'field covariance where orientation_covariance'),
     ('float64[9] linear', 'float32[9] linear', 'field linear_acceleration_covariance where'),
     ('float64[9] linear_acceleration_covariance\n', '', '30 fields'),
+    ('linear_acceleration_covariance\n', 'linear_acceleration_covariance\nfloat64 x\n',
+     'more than 16 fields'),
     ('MSG: std_msgs/Header', 'MSG: std_msgs/Other', 'std_msgs/Header is not defined'),
 ])
 def test_a_schema_with_other_fields_is_described(old, new, problem):
@@ -137,6 +140,25 @@ def test_a_schema_with_other_fields_is_described(old, new, problem):
     fields = len(list(leaves('sensor_msgs/Imu', definitions_in(IMU, text))))
     expected = problem.replace('30', str(fields - 1))
     assert expected in layout_problem(IMU, 'ros2msg', text.replace(old, new, 1))
+
+
+def test_a_schema_of_a_million_fields_is_refused_unread():
+    text = 'float64 a\n' * 1_000_000
+    began_s = time.process_time()
+    assert 'longer than 262144 letters' in layout_problem(IMU, 'ros2msg', text)
+    assert time.process_time() - began_s < 0.5
+
+
+@pytest.mark.parametrize('last', ['', 'float64 x\n'])
+def test_types_within_types_take_no_time_that_grows_with_their_fields(last):
+    """Ten to the eighteenth fields in twenty lines."""
+    parts = [shipped_schema(IMU).text.replace('float64[9] linear_acceleration_covariance',
+                                              'my_msgs/T0 x')]
+    parts += [f'{"=" * 80}\nMSG: my_msgs/T{n}\n' + ''.join(
+        f'my_msgs/T{n + 1} a{k}\n' for k in range(10)) for n in range(18)]
+    parts.append(f'{"=" * 80}\nMSG: my_msgs/T18\n{last}')
+    expected = 'field x.a0' if last else 'has no field'
+    assert expected in layout_problem(IMU, 'ros2msg', ''.join(parts))
 
 
 def test_another_schema_encoding_is_described():

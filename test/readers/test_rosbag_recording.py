@@ -19,6 +19,7 @@ from __future__ import annotations
 from functools import reduce
 import json
 import shutil
+import sqlite3
 import struct
 
 import numpy as np
@@ -204,8 +205,9 @@ def test_a_topic_that_is_not_there_or_no_heading_is_one_line(bags):
         reader.headings({MARKER_TOPIC: 'enu'})
 
 
-@pytest.mark.parametrize('kind', ['sqlite', 'by file', 'ros1'])
-def test_a_damaged_bag_is_one_line(bags, tmp_path, capsys, kind):
+@pytest.mark.parametrize('kind, flipped', [('sqlite', False), ('by file', False),
+                                           ('by file', True), ('ros1', False)])
+def test_a_damaged_bag_is_one_line(bags, tmp_path, capsys, kind, flipped):
     path = tmp_path / 'bag'
     if bags[kind].is_dir():
         shutil.copytree(bags[kind], path)
@@ -214,10 +216,93 @@ def test_a_damaged_bag_is_one_line(bags, tmp_path, capsys, kind):
         victim = path
         path.write_bytes(bags[kind].read_bytes())
     data = victim.read_bytes()
-    victim.write_bytes(data[:len(data) // 2])
+    half = len(data) // 2
+    victim.write_bytes(data[:half] + (b'\xa5' * 5000 + data[half + 5000:] if flipped else b''))
     assert main(['analyze', str(path), *NORMS]) == 2
     out, err = capsys.readouterr()
     assert err.count('\n') == 1 and f'{path}' in err and 'Traceback' not in err
+
+
+#: What a recorder, a network or a disk may make of a message.
+WRONG = {
+    'short': lambda data: data[:20],
+    'a length beyond its end': lambda data: data[:12] + b'\xff\xff\xff\x7f' + data[16:],
+    'another encoding': lambda data: b'{"z": 1}' + data[8:],
+    'nothing': lambda data: b'',
+}
+
+
+def spoil(bag, wrong):
+    """Spoil three messages of the TS in the SQLite file of a bag."""
+    place, = bag.glob('*.db3*')
+    with sqlite3.connect(place) as file:
+        topic, = file.execute("SELECT id FROM topics WHERE name = '/ts/heading'").fetchone()
+        rows = file.execute('SELECT id, data FROM messages WHERE topic_id = ? ORDER BY timestamp',
+                            (topic,)).fetchall()
+        for number, data in rows[4000:4003]:
+            file.execute('UPDATE messages SET data = ? WHERE id = ?', (wrong(data), number))
+    file.close()
+
+
+def assert_three_rejected(capsys, path, *arguments):
+    verdict, notes = verdict_of(capsys, path, *arguments)
+    assert [line for line in notes if '3 messages cannot be read and count as invalid readings; '
+            'the first: ' in line]
+    assert verdict['runs'][0]['pairing']['rejected'] == {'ts': {'invalid': 3}, 'rs': {}}
+    assert verdict['outcome'] == 'compliant'
+
+
+@pytest.mark.parametrize('wrong', [*WRONG, 'a number'])
+def test_an_unreadable_message_in_sqlite_is_a_rejected_reading(bags, tmp_path, capsys, wrong):
+    path = shutil.copytree(bags['sqlite'], tmp_path / 'sqlite')
+    spoil(path, WRONG.get(wrong, lambda data: 7))
+    assert_three_rejected(capsys, path)
+
+
+@pytest.mark.parametrize('wrong', WRONG)
+def test_an_unreadable_message_compressed_by_itself_is_a_rejected_reading(bags, tmp_path, capsys,
+                                                                         wrong):
+    path = shutil.copytree(bags['by message'], tmp_path / 'by_message')
+    spoil(path, WRONG[wrong])
+    assert_three_rejected(capsys, path)
+
+
+@pytest.mark.parametrize('wrong', ['short', 'a length beyond its end', 'nothing'])
+def test_an_unreadable_message_of_ros1_is_a_rejected_reading(tmp_path, capsys, wrong):
+    store, plain = get_typestore(Stores.ROS1_NOETIC), get_typestore(Stores.ROS2_HUMBLE)
+    count = 0
+    with Ros1Writer(tmp_path / 'a.bag') as writer:
+        topics = {}
+        for ns, topic, kind, data in messages():
+            if topic not in topics:
+                topics[topic] = writer.add_connection(topic, kind, typestore=store)
+            data = bytes(plain.cdr_to_ros1(data, kind))
+            count += topic == '/ts/heading'
+            if topic == '/ts/heading' and 4000 <= count < 4003:
+                data = WRONG[wrong](data)
+            writer.write(topics[topic], ns, data)
+    assert_three_rejected(capsys, tmp_path / 'a.bag')
+
+
+@pytest.mark.parametrize('wrong', WRONG)
+def test_an_unreadable_sentence_is_an_invalid_reading_at_its_log_time(tmp_path, wrong):
+    store = get_typestore(Stores.ROS2_JAZZY)
+    store.register(get_types_from_msg(LAYOUT.replace('std_msgs/Header', 'std_msgs/msg/Header'),
+                                      SENTENCE))
+    types = store.types
+    with Writer(tmp_path / 'a', version=9) as writer:
+        nmea = writer.add_connection('/nmea', SENTENCE, typestore=store)
+        for n in range(10):
+            stamp = types['builtin_interfaces/msg/Time'](sec=T0 // S + n, nanosec=0)
+            message = types[SENTENCE](types['std_msgs/msg/Header'](stamp=stamp, frame_id='abc'),
+                                      sentence('HEHDT', 10.0 + n))
+            data = bytes(store.serialize_cdr(message, SENTENCE))
+            writer.write(nmea, T0 + n * S, WRONG[wrong](data) if n in (0, 5) else data)
+    reader = open_recording(tmp_path / 'a')
+    found = Headings.concatenate([chunk['/nmea'] for chunk in reader.headings({'/nmea': 'enu'})])
+    assert found.stamp_ns.tolist() == [T0 + n * S for n in range(10)]
+    assert np.flatnonzero(np.isnan(found.heading_deg)).tolist() == [0, 5]
+    assert '2 messages cannot be read' in reader.oddities[0]
 
 
 def test_the_length_of_a_sentence_is_that_of_its_message():

@@ -76,3 +76,8 @@ def test_columns_of_motion_are_taken_with_the_unit_in_their_names(tmp_path):
     assert motion['velocity'][1].east_m_s == pytest.approx([10 * 1852 / 3600])
     assert motion['rate'][1].rate_deg_s.tolist() == [-0.5]
     assert dict(found.not_taken) == {'cog sog_kn.out_of_range': 1}
+
+
+def test_a_last_line_that_is_cut_is_left_out_and_counted(tmp_path):
+    text = 't_ns,lat,hdg\n{0},1,10.5\n{0},1'.format(T_NS)
+    assert read(tmp_path, text) == ({'hdg': [(T_NS, 10.5)]}, {'cut_line': 1})

@@ -20,7 +20,7 @@ from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
     'checksum': ('crc32',),
-    'chunk_runs': ('Chunk', 'ChunkRun', 'ChunkRuns', 'count_messages', 'Counts', 'read_records'),
+    'chunk_runs': ('Chunk', 'ChunkRun', 'ChunkRuns', 'count_messages', 'Counts'),
     'chunk_writer': ('ChunkWriter', 'COMPRESSIONS'),
     'chunks': ('CHUNK_HEAD',),
     'fragments': ('BARE', 'CHUNK_BYTES', 'ChunkHead', 'decompress_begun', 'find_candidates',
@@ -43,7 +43,6 @@ if TYPE_CHECKING:
         ChunkRuns as ChunkRuns,
         count_messages as count_messages,
         Counts as Counts,
-        read_records as read_records,
     )
     from .chunk_writer import ChunkWriter as ChunkWriter, COMPRESSIONS as COMPRESSIONS
     from .chunks import CHUNK_HEAD as CHUNK_HEAD

@@ -27,7 +27,7 @@ from heading_intercompare.bags.errors import BagError
 
 from .record_stream import RecordStream
 
-__all__ = ['find_records', 'parse_attachment']
+__all__ = ['find_records', 'parse_attachment', 'read_attachment']
 
 #: Log time and time of creation; length of a text, and of the data.
 _TIMES, _COUNT, _SIZE = struct.Struct('<QQ'), struct.Struct('<I'), struct.Struct('<Q')
@@ -35,7 +35,7 @@ _TIMES, _COUNT, _SIZE = struct.Struct('<QQ'), struct.Struct('<I'), struct.Struct
 
 def parse_attachment(content: bytes) -> mcap.Attachment:
     """Return an attachment from the bytes after its head; BagError if it is damaged."""
-    found = _read_attachment(content)
+    found = read_attachment(content)
     crc = int.from_bytes(content[-4:], 'little')
     # The checksum covers all fields; pybag 0.13 computes it over the data only.
     if crc not in (0, zlib.crc32(content[:-4])) and crc != zlib.crc32(found.data):
@@ -43,7 +43,7 @@ def parse_attachment(content: bytes) -> mcap.Attachment:
     return found
 
 
-def _read_attachment(content: bytes) -> mcap.Attachment:
+def read_attachment(content: bytes) -> mcap.Attachment:
     """Return an attachment unchecked; what is no UTF-8 in its names is replaced."""
     try:
         log_time, create_time = _TIMES.unpack_from(content)

@@ -32,8 +32,8 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.packed_payloads import is_packed
 
 from .checksum import crc32
-from .chunks import CHUNK_HEAD, unpack
-from .fragments import CHUNK_BYTES, ChunkHead, decompress_begun, find_chunk_head, HEAD_BYTES
+from .chunks import LARGE_BYTES, unpack
+from .fragments import ChunkHead, find_chunk_head, HEAD_BYTES
 from .message_blocks import (
     Block,
     block_of,
@@ -44,12 +44,10 @@ from .message_blocks import (
     MESSAGE_HEAD,
 )
 
-__all__ = ['Chunk', 'ChunkRun', 'ChunkRuns', 'count_messages', 'Counts', 'read_records']
+__all__ = ['Chunk', 'ChunkRun', 'ChunkRuns', 'count_messages', 'Counts']
 
 #: Small chunks are checked together, up to this many bytes of records, or this many chunks.
 _RUN_BYTES, _RUN_CHUNKS = 2**20, 256
-#: The records of a chunk that claims more are decompressed piece by piece.
-_LARGE = 2**26
 #: Bytes read at once after a chunk, in search of message indexes.
 _INDEX_BYTES = 2**13
 
@@ -143,20 +141,6 @@ class _Part(NamedTuple):
     index: list[tuple[int, bytes]]
 
 
-def read_records(content: bytes, size: int,
-                 zstd: zstandard.ZstdDecompressor) -> bytes | bytearray | memoryview:
-    """Return the records in the content of a chunk and check them; BagError if it is damaged."""
-    if size <= _LARGE:
-        return unpack(content, zstd)
-    data = decompress_begun(content)
-    if len(data) != size:
-        raise BagError('chunk damaged: it decompresses to another size than its head says')
-    crc = CHUNK_HEAD.unpack_from(content)[3]
-    if crc and crc32(data) != crc:
-        raise BagError('chunk damaged: its checksum does not match')
-    return data
-
-
 def count_messages(channels: np.ndarray) -> Counts:
     """Return the number of messages of each channel."""
     numbers, counts = np.unique(channels, return_counts=True)
@@ -165,7 +149,7 @@ def count_messages(channels: np.ndarray) -> Counts:
 
 class ChunkRuns:
     """
-    Finds intact chunks in a file; never raises BagError.
+    Finds intact chunks in a file, but no large ones; never raises BagError.
 
     Parameters
     ----------
@@ -188,7 +172,7 @@ class ChunkRuns:
         size = 0
         end = self._size if end is None else end
         while size < _RUN_BYTES and len(parts) < _RUN_CHUNKS and at < end:
-            part = self._part(at, _RUN_BYTES - size if parts else CHUNK_BYTES)
+            part = self._part(at, _RUN_BYTES - size if parts else LARGE_BYTES)
             if part is None:
                 break
             parts.append(part)
@@ -204,7 +188,7 @@ class ChunkRuns:
             return None
         content = self._read(at + HEAD.size, head.length)
         try:
-            data = read_records(content, head.size, self._zstd)
+            data = unpack(content, self._zstd)
         except BagError:
             return None
         index, index_end = self._index(at + HEAD.size + head.length, head.size)

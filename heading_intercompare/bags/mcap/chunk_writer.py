@@ -34,12 +34,13 @@ from mcap.opcode import Opcode
 import numpy as np
 import zstandard
 
+from .attachments import read_attachment
 from .checksum import crc32
 from .chunk_runs import Chunk
 from .index_records import build_ending, build_record, chunk_index, message_index
 from .message_batch import Records
 from .message_blocks import ENTRY_BYTES, HEAD, MESSAGE_HEAD, Record, walk
-from .record_stream import MAGIC, parse_record
+from .record_stream import MAGIC
 from .record_validity import find_attached
 
 __all__ = ['ChunkWriter', 'COMPRESSIONS']
@@ -345,16 +346,24 @@ class ChunkWriter:
             create_time=time_ns, log_time=time_ns, name=name, media_type=media_type, data=data))))
 
     def append_attachment(self, record: bytearray) -> None:
-        """Write an attachment from a whole record whose lengths agree; set its checksum."""
+        """
+        Write an attachment from a whole record whose lengths agree; set its checksum.
+
+        In names that are no UTF-8, which few readers accept, U+FFFD replaces what is none.
+        """
         data_at = find_attached(lambda at, size: record[at:at + size],
                                 Record(Opcode.ATTACHMENT, HEAD.size, len(record) - HEAD.size))
+        # The fields before the data, followed by empty data.
+        begun = bytes(record[HEAD.size:data_at - 8]) + bytes(8 + _CRC.size)
+        head = read_attachment(begun)
+        if not all(name.encode() in begun for name in (head.name, head.media_type)):
+            head.data = bytes(record[data_at:-_CRC.size])
+            self.append_attachment(bytearray(build_record(head)))
+            return
         crc_at = len(record) - _CRC.size
         with memoryview(record) as view:
             crc = crc32(view[HEAD.size:crc_at])
         _CRC.pack_into(record, crc_at, crc)
-        # The fields before the data, followed by empty data.
-        head = parse_record(mcap.Attachment,
-                            bytes(record[HEAD.size:data_at - 8]) + bytes(8 + _CRC.size))
         index = mcap.AttachmentIndex(offset=self._end, length=len(record),
                                      create_time=head.create_time, log_time=head.log_time,
                                      data_size=crc_at - data_at, name=head.name,

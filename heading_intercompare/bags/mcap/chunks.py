@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 import struct
-from typing import BinaryIO, Iterator, NamedTuple
+from typing import BinaryIO, Callable, Iterator, NamedTuple
 
 import lz4.frame
 import numpy as np
@@ -28,8 +28,8 @@ from heading_intercompare.bags.errors import BagError
 from .checksum import crc32
 from .message_blocks import Block, block_of, HEAD, measure_whole
 
-__all__ = ['begin_chunk', 'BegunChunk', 'CHUNK_HEAD', 'Gathering', 'LargeChunk', 'UNFIT',
-           'unpack']
+__all__ = ['begin_chunk', 'BegunChunk', 'CHUNK_HEAD', 'Gathering', 'LARGE_BYTES', 'LargeChunk',
+           'UNFIT', 'unpack']
 
 #: First and last log time, size and checksum of the decompressed records, length of the
 #: compression's name.
@@ -41,12 +41,13 @@ _NAME_LIMIT = 32
 _HEAD_BYTES = CHUNK_HEAD.size + _NAME_LIMIT + _LENGTH.size
 #: One byte of lz4 decompresses to at most this many.
 _LZ4_MOST = 255
-#: The records of a chunk that has more are decompressed piece by piece.
-_LARGE_BYTES = 2**26
 _PIECE_BYTES, _PACKED_BYTES = 2**23, 2**18
 #: A record in such a chunk that claims more is not believed: memory would be filled by it.
-_RECORD_BYTES = 2**28
+_RECORD_BYTES = 2**27
 
+
+LARGE_BYTES = 2**26
+"""The records of a chunk that has more are decompressed piece by piece."""
 
 UNFIT = ('the index of the file does not fit this chunk; `recover` copies all chunks and writes a '
          'new index')
@@ -141,12 +142,17 @@ class BegunChunk(NamedTuple):
     @property
     def is_large(self) -> bool:
         """Whether it is too large to decompress at once."""
-        return self.head.size > _LARGE_BYTES
+        return self.head.size > LARGE_BYTES
 
     @property
     def said(self) -> tuple[int, int, int]:
         """First and last log time, and size of the records, as its head says."""
         return self.head.first_ns, self.head.last_ns, self.head.size
+
+    def cut(self, end: int) -> 'BegunChunk':
+        """Return the chunk as it is if its file, or what can be read of it, ends at a byte."""
+        length = min(self.head.length, max(end - self.start, 0))
+        return self._replace(end=min(self.end, end), head=self.head._replace(length=length))
 
 
 def begin_chunk(file: BinaryIO, length: int) -> BegunChunk:
@@ -169,10 +175,17 @@ class LargeChunk:
     A chunk of many records, which are decompressed and checked piece by piece.
 
     A small file may unpack to gigabytes; memory stays that of a few pieces.
+
+    Attributes
+    ----------
+    size : int
+        Bytes of records that `blocks` has decompressed.
+
     """
 
     def __init__(self, file: BinaryIO, begun: BegunChunk) -> None:
         self._file, (self._at, self._start, _, self._head) = file, begun
+        self.size = 0
 
     def verify(self) -> None:
         """Raise BagError unless the records have the size and the checksum in the head."""
@@ -186,21 +199,47 @@ class LargeChunk:
         if self._head.crc and crc != self._head.crc:
             raise BagError('chunk damaged: its checksum does not match')
 
-    def blocks(self) -> Iterator[Block]:
-        """Yield its messages block by block; BagError if a record in it is damaged."""
-        rest = b''
-        for piece in self._pieces():
+    def blocks(self, measure: Callable[[bytearray], int] = measure_whole) -> Iterator[Block]:
+        """
+        Yield its messages block by block.
+
+        Parameters
+        ----------
+        measure : callable
+            Returns the size of the sound records at the start of some bytes.
+
+        Raises
+        ------
+        BagError
+            If a record in it is damaged, after the blocks before that.
+
+        """
+        pieces, rest = self._pieces(), bytearray()
+        damage: BagError | None = None
+        more = True
+        while more:
+            try:
+                piece = next(pieces, b'')
+            except BagError as error:
+                piece, damage = b'', error
+            more = bool(piece)
             rest += piece
-            if len(rest) < _PIECE_BYTES:
+            self.size += len(piece)
+            if more and len(rest) < _PIECE_BYTES:
                 continue
-            size = measure_whole(rest)
+            size = measure(rest)
             if size:
-                yield block_of(rest[:size], self._at - HEAD.size)
-                rest = rest[size:]
-            elif len(rest) >= HEAD.size and HEAD.unpack_from(rest)[1] > _RECORD_BYTES:
-                raise BagError('chunk damaged: a record in it claims more than '
-                               f'{_RECORD_BYTES} bytes')
-        yield block_of(rest, self._at - HEAD.size)
+                whole, rest = rest, rest[size:]
+                yield block_of(memoryview(whole)[:size], self._at - HEAD.size)
+                del whole
+            if len(rest) >= HEAD.size:
+                length = HEAD.unpack_from(rest)[1]
+                if length > _RECORD_BYTES:
+                    raise BagError('chunk damaged: a record in it claims more than '
+                                   f'{_RECORD_BYTES} bytes')
+                more = more and HEAD.size + length > len(rest)
+        if damage or rest:
+            raise damage or BagError('chunk damaged: a record in it has a wrong length')
 
     def _pieces(self) -> Iterator[bytes]:
         """Yield the decompressed records in pieces of some megabytes."""

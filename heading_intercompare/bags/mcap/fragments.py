@@ -120,19 +120,33 @@ def decompress_begun(content: bytes) -> bytearray:
     return found
 
 
-def measure_leading(data: bytes | bytearray | memoryview, first_ns: int, last_ns: int) -> int:
-    """Return the size of the intact records at the start of a chunk of these log times."""
+def measure_leading(data: bytes | bytearray | memoryview,
+                    times: tuple[int, int] | None) -> int:
+    """
+    Return the size of the intact records at the start of a chunk.
+
+    Parameters
+    ----------
+    data : bytes
+        The decompressed records.
+    times : tuple of int or None
+        First and last log time in the head of a chunk that no checksum proves. Then a message at
+        another time, or a record of another kind, is not believed.
+
+    """
     at = 0
     while at + HEAD.size <= len(data):
         opcode, length = HEAD.unpack_from(data, at)
         behind = at + HEAD.size + length
-        if opcode not in BARE or behind > len(data) or (
-                opcode == Opcode.MESSAGE and length < MESSAGE_LEAST):
+        if behind > len(data) or opcode == Opcode.MESSAGE and length < MESSAGE_LEAST:
             break
-        if opcode == Opcode.MESSAGE:
-            log = MESSAGE_HEAD.unpack_from(data, at)[4]
-            if not first_ns <= log <= last_ns:
+        if times is not None:
+            if opcode not in BARE:
                 break
+            if opcode == Opcode.MESSAGE:
+                log = MESSAGE_HEAD.unpack_from(data, at)[4]
+                if not times[0] <= log <= times[1]:
+                    break
         at = behind
     return at
 

@@ -43,6 +43,7 @@ from heading_intercompare.messages.fields import full_name
 from heading_intercompare.messages.schemas import Schema
 
 from .inventory import Inventory, Kind, Piece, split_epochs
+from .large_chunks import read_blocks
 from .scanner import Salvage
 from .unreadable_sectors import open_with_holes
 
@@ -107,6 +108,8 @@ class Transfer:
                     self._copy_extra(found, file, piece.chunk)
                 elif piece.kind == Kind.CHUNK:
                     copying.take(piece, self._compression, self._singly)
+                elif piece.kind == Kind.LARGE:
+                    copying.take_large(piece)
                 else:
                     copying.take_part(piece)
                 progress(f'{piece.chunk.end / found.size:.0%} copied')
@@ -166,7 +169,7 @@ class _Copying:
         self._of_epoch: dict[int, list[tuple[int, int]]] = {}
         for (epoch, number), new in numbers.items():
             self._of_epoch.setdefault(epoch, []).append((number, new))
-        self.salvage = Salvage(file)
+        self.salvage = Salvage(file, found.unproven > 0)
         self._runs = ChunkRuns(self._read, self.salvage.size)
         self._same: dict[object, bool] = {}
         self._tables: tuple[int, np.ndarray] = (-1, np.empty(0, np.int64))
@@ -267,7 +270,7 @@ class _Copying:
         self.flush()
         at, end = piece.chunk.start, piece.chunk.end
         if piece.kind == Kind.FRAGMENT:
-            item = self.salvage.fragment(at, end)
+            item = self.salvage.fragment(at, end) or self.salvage.unproved(at)
             block = item.block if item is not None else None
         else:
             data = self._read(at, end - at)
@@ -275,6 +278,16 @@ class _Copying:
         if block is None:
             raise _blame_change(self._found)
         self._write(block, piece.epoch, at)
+
+    def take_large(self, piece: Piece) -> None:
+        """Take a chunk that is too large to decompress at once; it becomes several."""
+        self.flush()
+        at, base = piece.chunk.start, 0
+        for block in read_blocks(self._file, at, piece.chunk.end, self._found.large[at]):
+            self._write(block, piece.epoch, at, base)
+            base += len(block.data)
+        if base != piece.chunk.size:
+            raise _blame_change(self._found)
 
     def _table(self, epoch: int) -> np.ndarray:
         """Return the number in the new bag of each channel of an epoch, -1 for none."""
@@ -285,13 +298,13 @@ class _Copying:
             self._tables = epoch, table
         return self._tables[1]
 
-    def _write(self, block: Block, epoch: int, start: int) -> None:
-        """Write the wanted messages of a block, in order."""
+    def _write(self, block: Block, epoch: int, start: int, base: int = 0) -> None:
+        """Write the wanted messages of a block, in order; it begins `base` bytes into a chunk."""
         at = block.start - MESSAGE_HEAD.size
         channel = block.heads['channel'].astype(np.int64)
         log, publish = block.heads['log_time'].copy(), block.heads['publish_time'].copy()
         new = np.empty_like(channel)
-        for each, part in split_epochs(self._found.definitions, start, epoch, at):
+        for each, part in split_epochs(self._found.definitions, start, epoch, at + base):
             new[part] = self._table(each)[channel[part]]
         wanted = (new >= 0) & (log >= 0)
         data = block.data

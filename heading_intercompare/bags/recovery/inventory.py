@@ -21,7 +21,7 @@ from contextlib import suppress
 from dataclasses import dataclass, field
 from enum import IntEnum
 from pathlib import Path
-from typing import Callable, Iterator, NamedTuple
+from typing import BinaryIO, Callable, Iterator, NamedTuple
 
 from mcap import records as mcap
 from mcap.opcode import Opcode
@@ -40,6 +40,7 @@ from heading_intercompare.bags.mcap.message_blocks import (
 from heading_intercompare.bags.mcap.record_stream import parse_record
 
 from .channel_topics import Definitions
+from .large_chunks import Large, read_blocks
 from .scanner import Gap, Salvage, Sound
 from .unreadable_sectors import open_with_holes
 
@@ -59,6 +60,8 @@ class Kind(IntEnum):
     BARE = 2
     #: Metadata or an attachment.
     EXTRA = 3
+    #: A chunk that is read in blocks, or the intact beginning of one.
+    LARGE = 4
 
 
 class Piece(NamedTuple):
@@ -185,6 +188,10 @@ class Inventory:
         The metadata records `recovery` in it, from earlier recoveries.
     indexed : list of ChunkRow
         What its index says of the chunks.
+    unproven : int
+        Messages that are kept though the checksum of their chunk is wrong.
+    large : dict of int to Large
+        What the large chunks hold, by their first bytes.
     doubtful : list
         Numbers, epochs and rows of pieces that are believed only if the file has no chunk.
 
@@ -204,6 +211,8 @@ class Inventory:
     extras: int = 0
     earlier: list[dict[str, str]] = field(default_factory=list)
     indexed: list[ChunkRow] = field(default_factory=list)
+    unproven: int = 0
+    large: dict[int, Large] = field(default_factory=dict)
     doubtful: list[tuple[int, int, Chunk]] = field(default_factory=list)
 
     @property
@@ -213,7 +222,8 @@ class Inventory:
 
     def count_misplaced(self) -> int:
         """Return how many chunks are not those that the index of the file names in their place."""
-        chunks = [piece.chunk for piece in self.pieces if piece.kind == Kind.CHUNK]
+        chunks = [piece.chunk for piece in self.pieces
+                  if piece.kind in (Kind.CHUNK, Kind.LARGE)]
         if len(self.indexed) != len(chunks) or len(self.sections) > 1:
             # Something is missing, which is said elsewhere.
             return 0
@@ -269,7 +279,8 @@ def split_epochs(definitions: Definitions, start: int, epoch: int,
     yield epoch, slice(lo, len(at))
 
 
-def take_inventory(path: Path, progress: Callable[[str], None]) -> Inventory:
+def take_inventory(path: Path, progress: Callable[[str], None],
+                   unproven: bool = False) -> Inventory:
     """
     Read a whole file, and list its contents.
 
@@ -279,6 +290,8 @@ def take_inventory(path: Path, progress: Callable[[str], None]) -> Inventory:
         The file.
     progress : callable
         Called with the progress in words.
+    unproven : bool
+        Also keep the possible messages of chunks whose checksum is wrong.
 
     Raises
     ------
@@ -292,7 +305,7 @@ def take_inventory(path: Path, progress: Callable[[str], None]) -> Inventory:
     #: Whether message indexes here belong to a damaged chunk; None: no chunk precedes them.
     indexing: bool | None = None
     with open_with_holes(path, found.holes) as file:
-        salvage = Salvage(file)
+        salvage = Salvage(file, unproven)
         found.size = salvage.size
         for item in salvage.scan():
             index = isinstance(item, Sound) and item.record.opcode == Opcode.MESSAGE_INDEX
@@ -316,15 +329,17 @@ def take_inventory(path: Path, progress: Callable[[str], None]) -> Inventory:
             if item.fault:
                 found.damage.append(Damage(item.record.start - HEAD.size, item.end, item.fault,
                                            True, item.lost))
-                indexing, kept = True, len(item.block.start)
-            _take(found, item, salvage)
-            if item.block is not None:
+                indexing = True
+                kept = item.large.messages if item.large else len(item.block.start)
+                found.unproven += kept if item.unproven else 0
+            _take(found, item, salvage, file)
+            if item.block is not None or item.large is not None:
                 progress(f'{item.end / salvage.size:.0%} examined')
     found.sections[-1].indexed += max(named - kept, 0)
     return found
 
 
-def _take(found: Inventory, item: Sound, salvage: Salvage) -> None:
+def _take(found: Inventory, item: Sound, salvage: Salvage, file: BinaryIO) -> None:
     opcode = item.record.opcode
     if item.begins:
         # Only a header just after magic bytes begins another file; elsewhere the file was torn.
@@ -336,6 +351,8 @@ def _take(found: Inventory, item: Sound, salvage: Salvage) -> None:
         found.withdraw()
     if item.run is not None:
         _take_run(found, item.run)
+    elif item.large is not None:
+        _take_large(found, item.record.start - HEAD.size, item.end, item.large, file)
     elif item.block is not None:
         kind = Kind.FRAGMENT if opcode == Opcode.CHUNK else Kind.BARE
         found.chunks += kind == Kind.FRAGMENT
@@ -377,7 +394,7 @@ def _make_row(start: int, end: int, counts: Counts) -> Chunk:
 
 def _define(definitions: Definitions, block: Block, which: slice, checked: bool, start: int,
             base: int = 0) -> None:
-    """Take the definitions among the other records of a block."""
+    """Take the definitions among the other records of a block; `base`: where the chunk begins."""
     for record in block.others[which]:
         if record.opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
             content = bytes(block.data[record.start:record.start + record.length])
@@ -408,3 +425,32 @@ def _take_run(found: Inventory, run: ChunkRun) -> None:
             found.packed[chunk.compression] = (found.packed.get(chunk.compression, 0)
                                                + chunk.packed)
             found.pieces.add(Kind.CHUNK, epoch, chunk)
+
+
+def _take_large(found: Inventory, start: int, end: int, large: Large, file: BinaryIO) -> None:
+    """Take a large chunk; its messages are counted block by block."""
+    definitions, begun = found.definitions, found.definitions.epoch
+    totals: dict[int, int] = {}
+    base, first_ns, last_ns = 0, 2**63 - 1, 0
+    for block in read_blocks(file, start, end, large):
+        _define(definitions, block, slice(None), large.proved and large.head.crc > 0, start, -base)
+        log, channels = block.heads['log_time'].copy(), block.heads['channel']
+        timed = log >= 0
+        found.sections[-1].untimed += int((~timed).sum())
+        at = block.start - MESSAGE_HEAD.size + base
+        for each, part in split_epochs(definitions, start, begun, at):
+            counts = count_messages(channels[part][timed[part]])
+            found.count(each, counts)
+            for number, messages in counts:
+                totals[number] = totals.get(number, 0) + messages
+        if timed.any():
+            first_ns = min(first_ns, int(log[timed].min()))
+            last_ns = max(last_ns, int(log[timed].max()))
+        base += len(block.data)
+    found.chunks += 1
+    if totals:
+        compression = large.head.compression
+        found.packed[compression] = found.packed.get(compression, 0) + large.head.packed
+        found.large[start] = large
+        found.pieces.add(Kind.LARGE, begun, _make_row(start, end, tuple(totals.items()))._replace(
+            first_ns=first_ns, last_ns=last_ns, size=large.size))

@@ -71,6 +71,8 @@ class Recovered:
         summary of a closed file, or without a definition of their topic.
     messages_known : bool
         No other messages of the files can be lost; messages that were never written do not count.
+    messages_unproven : int
+        Messages kept though the checksum of their chunk is wrong; only if that was asked for.
     counts : dict of str to int
         Messages kept, by topic.
     notes : list of str
@@ -86,6 +88,7 @@ class Recovered:
     messages: int = 0
     messages_lost: int = 0
     messages_known: bool = True
+    messages_unproven: int = 0
     counts: dict[str, int] = field(default_factory=dict)
     notes: list[str] = field(default_factory=list)
 
@@ -111,13 +114,13 @@ def _find_files(source: Path) -> tuple[BagFiles, str]:
     return find_files(source), ''
 
 
-def _take_inventories(paths: list[Path], progress: Callable[[str], None]
+def _take_inventories(paths: list[Path], progress: Callable[[str], None], unproven: bool
                       ) -> tuple[list[Inventory], list[tuple[Path, str]]]:
     """Return the inventories of files, and why others cannot be read; OSError if all fail."""
     files, others = [], []
     for path in paths:
         try:
-            files.append(take_inventory(path, progress))
+            files.append(take_inventory(path, progress, unproven))
         except OSError as error:
             if len(others) + 1 == len(paths):
                 raise
@@ -132,6 +135,7 @@ def _sum_up(files: list[Inventory]) -> Recovered:
         total.bytes += found.size
         total.bytes_lost += sum(d.lost for d in found.damage)
         total.chunks += found.chunks
+        total.messages_unproven += found.unproven
         damaged = sum(d.chunk for d in found.damage)
         total.chunks_lost += damaged
         for damage in found.damage[:_NOTES]:
@@ -188,18 +192,21 @@ def _record(source: Path, total: Recovered,
             earlier: list[dict[str, str]]) -> dict[str, object]:
     """Return the metadata record `recovery`; it includes the losses of earlier recoveries."""
     losses = {name: getattr(total, name) for name in _LOSSES}
+    unproven = total.messages_unproven
     known, notes = total.messages_known, []
     for number, before in enumerate(earlier):
         if before in earlier[:number]:
             continue
         for name in _LOSSES:
             losses[name] += decimal(before.get(name, '')) or 0
+        unproven += decimal(before.get('messages_unproven', '')) or 0
         known = known and before.get('messages_lost_is') == 'all'
         notes += [text for name, text in before.items() if name.startswith('note.')]
     notes = (notes + total.notes)[:_NOTES]
     return {'source': source.name, 'files': total.files, 'bytes': total.bytes,
             'chunks': total.chunks, 'messages': total.messages, **losses,
             'messages_lost_is': 'all' if known else 'at least',
+            **({'messages_unproven': unproven} if unproven else {}),
             **{f'note.{n}': note for n, note in enumerate(notes, 1)}}
 
 
@@ -217,7 +224,8 @@ def _settings(given: BagSettings | None, files: list[Inventory]) -> BagSettings:
 
 def recover(source: str | os.PathLike[str], target: str | os.PathLike[str],
             settings: BagSettings | None = None,
-            progress: Callable[[str], None] = lambda text: None) -> Recovered:
+            progress: Callable[[str], None] = lambda text: None, *,
+            unproven: bool = False) -> Recovered:
     """
     Write everything readable of a bag into a new one.
 
@@ -234,6 +242,9 @@ def recover(source: str | os.PathLike[str], target: str | os.PathLike[str],
         with another compression are compressed again. Intact chunks keep their size.
     progress : callable
         Called with the progress in words.
+    unproven : bool
+        Also keep the messages of chunks whose checksum is wrong, as far as their lengths and log
+        times are possible. The new bag says how many there are.
 
     Returns
     -------
@@ -261,7 +272,8 @@ def recover(source: str | os.PathLike[str], target: str | os.PathLike[str],
     if Path(os.path.realpath(source)) in Path(os.path.realpath(target)).parents:
         raise BagError(f'lies inside the bag to recover; write it next to {source}', target)
     with TemporaryDirectory(prefix='heading_bag_') as unpacked:
-        return _recover(source, target, settings, progress, listed, problem, Path(unpacked))
+        return _recover(source, target, settings, progress, listed, problem, Path(unpacked),
+                        unproven)
 
 
 def _unpack(paths: Sequence[Path], folder: Path) -> tuple[list[Path], list[tuple[Path, str]]]:
@@ -277,9 +289,9 @@ def _unpack(paths: Sequence[Path], folder: Path) -> tuple[list[Path], list[tuple
 
 def _recover(source: Path, target: Path, settings: BagSettings | None,
              progress: Callable[[str], None], listed: BagFiles, problem: str,
-             unpacked: Path) -> Recovered:
+             unpacked: Path, unproven: bool) -> Recovered:
     paths, cut = _unpack(listed.paths, unpacked)
-    files, others = _take_inventories(paths, progress)
+    files, others = _take_inventories(paths, progress, unproven)
     total = _sum_up(files)
     for path, why in cut + others:
         total.note(path, why)

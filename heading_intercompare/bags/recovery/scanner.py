@@ -30,7 +30,8 @@ import zstandard
 
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.checksum import crc32
-from heading_intercompare.bags.mcap.chunk_runs import ChunkRun, ChunkRuns, read_records
+from heading_intercompare.bags.mcap.chunk_runs import ChunkRun, ChunkRuns
+from heading_intercompare.bags.mcap.chunks import LARGE_BYTES, unpack
 from heading_intercompare.bags.mcap.fragments import (
     BARE,
     CHUNK_BYTES,
@@ -57,6 +58,7 @@ from heading_intercompare.bags.mcap.record_validity import (
     SMALL,
 )
 
+from .large_chunks import find_fault, Large, survey
 from .unreadable_sectors import HOLE_BYTES
 
 __all__ = ['Gap', 'Salvage', 'Sound']
@@ -100,6 +102,10 @@ class Sound:
         Why the block is only part of a chunk; empty if it is complete.
     run : ChunkRun or None
         Consecutive chunks, each whole.
+    large : Large or None
+        A chunk that is too large for a block, or what is intact of it.
+    unproven : bool
+        Its checksum is wrong; its messages are possible, and nothing more is known of them.
     sure : int
         Up to this byte no other record can be hidden in it.
     begins : bool
@@ -114,6 +120,8 @@ class Sound:
     block: Block | None = None
     fault: str = ''
     run: ChunkRun | None = None
+    large: Large | None = None
+    unproven: bool = False
     sure: int = 0
     begins: bool = False
     lost: int = 0
@@ -149,11 +157,14 @@ class Salvage:
     ----------
     file : binary file
         Open for reading, seekable.
+    unproven : bool
+        Also keep the messages of chunks whose checksum is wrong, as far as they are possible.
 
     """
 
-    def __init__(self, file: BinaryIO) -> None:
+    def __init__(self, file: BinaryIO, unproven: bool = False) -> None:
         self._file = file
+        self._unproven = unproven
         self._stream = RecordStream(file)
         self.size = self._stream.size
         self._window, self._window_at = b'', 0
@@ -190,7 +201,7 @@ class Salvage:
                 at += len(MAGIC)
                 begins = True
                 continue
-            found = self._sound(at)
+            found = self._sound(at) or self.unproved(at)
             if found is not None:
                 unsure = found.sure
                 at = self._next = found.end
@@ -326,6 +337,8 @@ class Salvage:
     def _chunks(self, at: int, head: ChunkHead) -> Sound | None:
         """Return the intact chunks from a byte on, or the intact part of one."""
         end = at + HEAD.size + head.length
+        if head.size > LARGE_BYTES:
+            return self._large(at, head)
         if end > self.size:
             return self.fragment(at, self._search(at + 1, self.size, (Opcode.CHUNK,),
                                                   self._is_protected))
@@ -338,8 +351,37 @@ class Salvage:
 
     def _is_protected(self, at: int) -> bool:
         """Tell whether a chunk with a correct checksum begins at a byte."""
+        head = find_chunk_head(self._read(at, HEAD_BYTES))
+        if head is not None and head.size > LARGE_BYTES:
+            return bool(head.crc) and not find_fault(self._file, at, head)
         run = self._runs.run(at, at + 1)
         return run is not None and run.chunks[0].protected
+
+    def _large(self, at: int, head: ChunkHead) -> Sound | None:
+        """Return a large chunk, or the intact beginning of one that ends early."""
+        end = at + HEAD.size + head.length
+        fault = 'a chunk ends early'
+        if end > self.size:
+            end = self._search(at + 1, self.size, (Opcode.CHUNK,), self._is_protected)
+            if end == self.size:
+                fault = 'the file ends within a chunk'
+        else:
+            fault = find_fault(self._file, at, head)
+            if fault and self._crc(at, end) is None:
+                fault = 'the disk cannot read all of a chunk'
+            elif fault:
+                self._fault = fault
+                return None
+        large = survey(self._file, at, end, head, proved=not fault)
+        if large is None or fault and head.first_ns > head.last_ns:
+            self._fault = 'chunk damaged: its head does not agree with itself'
+            return None
+        if not fault and large.size < head.size:
+            fault = 'chunk damaged: a record in it has a wrong length'
+        length = end - at - HEAD.size
+        lost = end - at - HEAD.size - length * large.size // max(large.decompressed, 1)
+        return Sound(Record(Opcode.CHUNK, at + HEAD.size, length), end, None, fault, sure=end,
+                     lost=lost if fault else 0, large=large)
 
     def fragment(self, at: int, end: int) -> Sound | None:
         """Return the intact beginning of a chunk that ends early or has wrong records."""
@@ -357,15 +399,37 @@ class Salvage:
                      else 'a chunk ends early')
         else:
             try:
-                data = read_records(content, head.size, self._zstd)
+                data = unpack(content, self._zstd)
             except BagError as error:
                 self._fault = error.problem
                 return None
             fault = 'chunk damaged: a record in it has a wrong length'
-        kept = measure_leading(data, head.first_ns, head.last_ns)
+        kept = measure_leading(data, (head.first_ns, head.last_ns))
         lost = end - at - (HEAD.size + len(content) * kept // len(data) if data else 0)
         return Sound(Record(Opcode.CHUNK, at + HEAD.size, len(content)), end,
                      block_of(data[:kept], at), fault, sure=end, lost=lost)
+
+    def unproved(self, at: int) -> Sound | None:
+        """Return the possible messages of a chunk whose checksum is wrong, if they are wanted."""
+        head = find_chunk_head(self._read(at, HEAD_BYTES)) if self._unproven else None
+        if head is None or head.first_ns > head.last_ns:
+            return None
+        end = at + HEAD.size + head.length
+        record = Record(Opcode.CHUNK, at + HEAD.size, head.length)
+        fault = f'{self._fault}; what it holds is kept without proof'
+        if end > self.size:
+            return None
+        if head.size > LARGE_BYTES:
+            large = survey(self._file, at, end, head, proved=False)
+            if large is None or not large.messages:
+                return None
+            return Sound(record, end, None, fault, sure=end, large=large, unproven=True)
+        data = decompress_begun(self._read(at + HEAD.size, head.length))
+        block = block_of(data[:measure_leading(data, (head.first_ns, head.last_ns))], at)
+        if not len(block.start):
+            return None
+        lost = head.packed * (len(data) - len(block.data)) // len(data)
+        return Sound(record, end, block, fault, sure=end, lost=lost, unproven=True)
 
     def _find_next(self, at: int) -> int:
         """Return where the next intact record begins after damage at a byte."""

@@ -106,7 +106,7 @@ def check_bag(path: str | os.PathLike[str],
     found = BagCheck()
     place = Path(path)
     files = find_files(place)
-    found.faults += [f'{name} is missing' for name in files.absent]
+    found.faults += files.missing
     with TemporaryDirectory(prefix='heading_bag_') as unpacked:
         for file in files.paths:
             found.files += 1

@@ -44,7 +44,7 @@ class BagFiles(NamedTuple):
     paths : list of Path
         The files to read, in natural order of their names.
     absent : list of str
-        Names of listed files that do not exist.
+        Names of files that do not exist: listed ones, and links that lead nowhere.
     unlisted : list of str
         Names of files that are left out, because the list names others.
 
@@ -53,6 +53,13 @@ class BagFiles(NamedTuple):
     paths: list[Path]
     absent: list[str]
     unlisted: list[str]
+
+    @property
+    def missing(self) -> list[str]:
+        """Which files are missing, in words; of many only the first are named."""
+        more = len(self.absent) - _MOST_NAMED
+        return [f'{name} is missing' for name in self.absent[:_MOST_NAMED]] + (
+            [f'{more} more files are missing'] if more > 0 else [])
 
     @property
     def oddities(self) -> list[str]:
@@ -97,12 +104,16 @@ def find_files(path: Path, listed: list[str] | None = None) -> BagFiles:
                      for names in ([each.name for each in everything], listed))
     absent = [name for name in listed if not (path / name).is_file()
               and plain_name(name) not in there]
-    known = [each for each in everything if plain_name(each.name) in wanted]
+    # A link that leads nowhere, or to itself.
+    absent += sorted({each.name for each in path.glob('*.mcap*') if each.is_symlink()
+                      and not each.exists()} - {*absent})
+    known = {each for each in everything if plain_name(each.name) in wanted}
     if not known:
         return BagFiles(everything, absent, [])
     stems = {_stem(name) for name in listed} - {None}
     paths = [each for each in everything if each in known or _stem(each.name) in stems]
-    return BagFiles(paths, absent, [each.name for each in everything if each not in paths])
+    kept = set(paths)
+    return BagFiles(paths, absent, [each.name for each in everything if each not in kept])
 
 
 def _stem(name: str) -> str | None:

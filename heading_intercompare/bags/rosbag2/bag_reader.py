@@ -118,7 +118,7 @@ def _open_files(path: Path, oddities: list[str],
     """Return the files of a bag in order, and why some are missing; say what else is odd."""
     files = find_files(path)
     oddities += files.oddities
-    absent = [f'{name} is missing' for name in files.absent]
+    absent = files.missing
     paths = []
     for each in files.paths:
         if each.name.endswith(PACKED):
@@ -458,8 +458,11 @@ class BagReader:
         if not any(key.startswith('note.') for key in found):
             return None
         bound = 'at least ' if found.get('messages_lost_is') == 'at least' else ''
+        unproven = found.get('messages_unproven', '')
         return (f'recovered from a damaged bag: {bound}{found.get("messages_lost", "?")} messages '
-                f'and {found.get("bytes_lost", "?")} bytes were lost')
+                f'and {found.get("bytes_lost", "?")} bytes were lost'
+                + (f'; {unproven} messages are in it though their checksum is wrong'
+                   if unproven else ''))
 
     def metadata(self) -> dict[str, dict[str, str]]:
         """Return the metadata records by name; of several with one name the last. Read once."""

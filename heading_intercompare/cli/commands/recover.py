@@ -31,18 +31,24 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help='.mcap file or rosbag2 directory; it is not changed')
     parser.add_argument('-o', '--output', metavar='BAG', required=True,
                         help='the rosbag2 directory to write')
+    parser.add_argument('--unproven', action='store_true',
+                        help='also keep the messages of chunks whose checksum is wrong, as far '
+                             'as they can be read; the new bag and its verdicts say so')
 
 
 def run(arguments: argparse.Namespace) -> int:
     """Write the new bag, and print what was kept and what was lost."""
     with Progress(arguments.bag, arguments.quiet) as progress:
-        total = recover(arguments.bag, arguments.output, progress=progress.show)
+        total = recover(arguments.bag, arguments.output, progress=progress.show,
+                        unproven=arguments.unproven)
     for note in total.notes:
         tell(note)
     for topic, count in sorted(total.counts.items()):
         say_lines([f'{topic}: {count} messages'])
     say_lines([f'kept: {total.messages} messages in {total.chunks} chunks of {total.files} files, '
                f'{total.bytes} bytes', f'lost: {_describe_losses(total)}',
+               *([f'kept without proof: {total.messages_unproven} messages']
+                 if total.messages_unproven else []),
                f'bag: {arguments.output}'])
     return 0
 

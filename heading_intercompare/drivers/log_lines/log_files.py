@@ -62,6 +62,8 @@ class LogFiles:
         Bytes on the disk read so far by `blocks`.
     cut : list of str
         Compressed files that end too early; what they hold until then was read.
+    dangling : list of str
+        Links that lead nowhere, or to themselves.
 
     Raises
     ------
@@ -76,6 +78,7 @@ class LogFiles:
         self.path = path
         self.position = 0
         self.cut: list[str] = []
+        self.dangling: list[str] = []
 
     @cached_property
     def paths(self) -> list[str]:
@@ -102,7 +105,10 @@ class LogFiles:
         else:
             os.stat(self.path)
             return [self.path]
-        filled = sorted((path for path in found if os.path.getsize(path)), key=natural_key)
+        self.dangling = sorted((path for path in found if not os.path.exists(path)),
+                               key=natural_key)
+        filled = sorted((path for path in found if path not in self.dangling
+                         and os.path.getsize(path)), key=natural_key)
         if not filled:
             raise DriverError(f'{self.path}: no file with anything in it')
         return filled

@@ -51,7 +51,7 @@ def read(path: Path) -> list[int]:
 @pytest.fixture
 def small(monkeypatch) -> None:
     """Let chunks of 100 kB count as large, and let pieces be small."""
-    monkeypatch.setattr(chunks, '_LARGE_BYTES', 100_000)
+    monkeypatch.setattr(chunks, 'LARGE_BYTES', 100_000)
     monkeypatch.setattr(chunks, '_PIECE_BYTES', 10_000)
     monkeypatch.setattr(chunks, '_PACKED_BYTES', 777)
 

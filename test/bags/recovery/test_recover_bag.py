@@ -51,6 +51,7 @@ from heading_intercompare.bags.recovery.scanner import Salvage
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
 from heading_intercompare.bags.settings import BagSettings
+from heading_intercompare.cli import main
 from heading_intercompare.messages.cdr import encode
 from heading_intercompare.messages.heading_messages import IMU
 
@@ -863,7 +864,7 @@ def test_an_attachment_keeps_both_of_its_times(tmp_path):
 
 
 def test_a_chunk_of_a_large_message_takes_little_more_memory_than_the_message(tmp_path):
-    size = 2**26
+    size = 2**25
     path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten()), chunk(
         message(1, 2000, bytes(size)), crc=0))
     tracemalloc.start()
@@ -916,3 +917,50 @@ def test_recovery_of_channels_that_are_defined_again_and_again_is_linear(tmp_pat
         return time.process_time() - began_s
     seconds(500)
     assert seconds(16_000) < 3.0 * seconds(8_000)
+
+
+@pytest.mark.parametrize('compression', ['', 'lz4', 'zstd'])
+def test_what_nothing_proves_is_kept_only_if_asked_for_and_marked(tmp_path, compression):
+    """The first chunk has a wrong checksum and, after half of its messages, a wrong log time."""
+    rows = [message(1, n, text('x')) for n in range(1000, 1010)]
+    rows[5] = message(1, 5, text('x'))
+    path = write(tmp_path / 'x.mcap', indexed(
+        *TWO, *rows, crc=7, times=(1000, 1009), compression=compression), indexed(*TWO, *ten()))
+    assert recover(path, tmp_path / 'plain').messages == 10
+    assert 'messages_unproven' not in BagReader(tmp_path / 'plain').metadata()['recovery']
+    total = recover(path, tmp_path / 'new', unproven=True)
+    assert (total.messages, total.messages_unproven, total.chunks_lost) == (15, 5, 1)
+    assert 'kept without proof' in total.notes[0]
+    assert_exact(tmp_path / 'new')
+    reader = BagReader(tmp_path / 'new')
+    assert reader.metadata()['recovery']['messages_unproven'] == '5'
+    assert '5 messages are in it though their checksum is wrong' in reader.recovered
+    recover(tmp_path / 'new', tmp_path / 'again')
+    assert BagReader(tmp_path / 'again').recovered == reader.recovered
+
+
+def test_a_sound_bag_is_recovered_alike_with_and_without_proof(write_bag, tmp_path):
+    path = write_bag()
+    assert recover(path, tmp_path / 'a') == recover(path, tmp_path / 'b', unproven=True)
+
+
+def test_a_name_of_an_attachment_that_is_no_utf8_does_not_end_a_recovery(tmp_path):
+    spoiled = bytearray(attached(b'start,stop\n').replace(b'cal.mcap', b'\xffal.mcap'))
+    spoiled[-4:] = zlib.crc32(spoiled[9:-4]).to_bytes(4, 'little')
+    path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten()), bytes(spoiled))
+    assert recovered(path) == as_sent()
+    with open(next(path.with_suffix('.new').glob('*.mcap')), 'rb') as file:
+        kept, = make_reader(file, validate_crcs=True).iter_attachments()
+    assert (kept.name, kept.data) == ('\ufffdal.mcap', b'start,stop\n')
+
+
+def test_a_link_that_leads_nowhere_in_a_bag_is_named(write_bag, tmp_path, capsys):
+    path = write_bag()
+    (path / 'trial_7.mcap').symlink_to(path / 'trial_7.mcap')
+    (path / 'trial_8.mcap').symlink_to(tmp_path / 'gone')
+    missing = 'trial_7.mcap is missing; trial_8.mcap is missing'
+    reader = BagReader(path)
+    assert reader.incomplete == missing and len(list(reader.messages())) == 3000
+    assert recover(path, tmp_path / 'new').messages == 3000
+    assert main(['info', str(path)]) == 0
+    assert missing in capsys.readouterr().out

@@ -36,6 +36,16 @@ def bag(write_bag) -> Path:
     return write_bag()
 
 
+def test_of_many_missing_files_a_few_are_named(bag):
+    place = bag / 'metadata.yaml'
+    listed = ''.join(f'    - gone_{n}\n' for n in range(20_000))
+    place.write_text(place.read_text().replace('  relative_file_paths:\n',
+                                               f'  relative_file_paths:\n{listed}'))
+    said = BagReader(bag).incomplete
+    assert 'gone_4 is missing' in said and said.endswith('19995 more files are missing')
+    assert len(said) < 200 and len(check_bag(bag).faults) == 6
+
+
 @pytest.mark.parametrize('copy', ['trial_0 (copy).mcap', 'a.mcap', 'trial_0_copy_1.mcap',
                                   'trial_00 2.mcap'])
 def test_a_copy_in_the_folder_doubles_nothing_and_is_named(bag, tmp_path, copy):

@@ -132,3 +132,11 @@ def test_a_bag_is_no_folder_of_logs(tmp_path):
     (tmp_path / 'metadata.yaml').write_text('x: 1\n')
     (tmp_path / 'a.log').write_bytes(TEXT)
     assert not is_log(tmp_path)
+
+
+def test_a_link_in_a_folder_that_leads_nowhere_is_named(tmp_path):
+    (tmp_path / 'a.log').write_bytes(TEXT)
+    (tmp_path / 'b.log').symlink_to(tmp_path / 'b.log')
+    reader = LogReader(tmp_path)
+    assert sum(len(chunk) for chunk in reader) == 60
+    assert reader.remarks == [f'{tmp_path / "b.log"} is a link that leads nowhere']
