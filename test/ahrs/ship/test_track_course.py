@@ -35,7 +35,8 @@ def make_track(heading_deg=None, **given):
     heading = np.full(T_S.size, 45.0) if heading_deg is None else heading_deg
     parts = {'east_m_s': np.full(T_S.size, 6.0 * math.sin(math.pi / 4.0)),
              'north_m_s': np.full(T_S.size, 6.0 * math.cos(math.pi / 4.0)), **given}
-    return Track(10**18, 300.0, fit_smooth(T_S, np.radians(heading), 4.0), position_deg=(50.0, 3.0),
+    return Track(10**18, 300.0, fit_smooth(T_S, np.radians(heading), 4.0),
+                 position_deg=(50.0, 3.0),
                  **{name: fit_smooth(T_S, values, 4.0) for name, values in parts.items()})
 
 
