@@ -32,10 +32,6 @@ for name in ('OMP_NUM_THREADS', 'OPENBLAS_NUM_THREADS', 'MKL_NUM_THREADS'):
 # Seconds for one test, read by pytest-timeout: a test that hangs fails with every thread's stack.
 os.environ.setdefault('PYTEST_TIMEOUT', '600')
 
-# The first two workers begin with the tests of nodes, which must not wait for a processor.
-if os.environ.get('PYTEST_XDIST_WORKER', 'gw0') not in ('gw0', 'gw1'):
-    os.nice(10)
-
 # A process started in the background or with `nohup` ignores these signals, and so would every
 # process that a test starts.
 signal.signal(signal.SIGINT, signal.default_int_handler)
@@ -98,23 +94,56 @@ _LONG = {f'{_NODES}/test_{name}.py' for name in (
     'alarms_on_the_graph', 'launch', 'months', 'real_logs_over_udp', 'soak', 'soak_with_faults')}
 
 
-def _group(item: pytest.Item) -> str:
+def _group(path: str) -> str:
     """Return the group of tests that share a worker: tests of nodes in two groups, or a module."""
-    path = Path(item.path).relative_to(Path(__file__).parent)
-    if str(path) in _LONG:
+    if path in _LONG:
         return f'{_NODES}, long'
-    return _NODES if path.is_relative_to(_NODES) else str(path)
+    return _NODES if path.startswith(f'{_NODES}/') else path
+
+
+def _path(item: pytest.Item) -> str:
+    return Path(item.path).relative_to(Path(__file__).parent).as_posix()
 
 
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
-    """Mark the tests that run nodes, before `-m` selects, and give each test its worker."""
+    """Mark the tests that run nodes, before `-m` selects, and begin with them."""
     for item in items:
-        if _group(item).startswith(_NODES):
+        if _group(_path(item)).startswith(_NODES):
             item.add_marker('ros')
-        item.add_marker(pytest.mark.xdist_group(_group(item)))
     # The longest groups begin first, so that no worker is still busy with them at the end.
-    items.sort(key=lambda item: not _group(item).startswith(_NODES))
+    items.sort(key=lambda item: not _group(_path(item)).startswith(_NODES))
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_xdist_make_scheduler(config, log):
+    """
+    Give each group of tests to one worker.
+
+    The groups are found from the names of the tests. pytest 9.2 does not know the names that
+    pytest-xdist 3.8 makes of its own groups, and spreads the tests of nodes over all workers.
+    """
+    if config.getvalue('dist') != 'loadgroup':
+        return None
+    from xdist.scheduler import LoadScopeScheduling
+
+    class ByGroup(LoadScopeScheduling):
+        def _split_scope(self, nodeid):
+            return _group(nodeid.partition('::')[0])
+
+    return ByGroup(config, log)
+
+
+_begun = False
+
+
+def pytest_runtest_setup(item):
+    """Let a worker that does not begin with the tests of nodes yield to those that do."""
+    global _begun
+    if not _begun and 'PYTEST_XDIST_WORKER' in os.environ and not _group(_path(item)).startswith(
+            _NODES):
+        os.nice(10)
+    _begun = True
 
 
 def pytest_report_header():

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import os
 from pathlib import Path
+import re
 import subprocess
 import sys
 
@@ -69,3 +70,22 @@ def test_the_tests_can_be_loaded_one_by_one_from_their_files(tmp_path):
             [str(tmp_path), os.environ.get('PYTHONPATH', '')])},
         capture_output=True, text=True, timeout=500.0)
     assert done.returncode == 0, done.stdout[-4000:]
+
+
+@pytest.mark.slow
+@pytest.mark.process
+def test_the_tests_of_nodes_share_a_worker():
+    """Spread over all, they wait for processors, and each other, until deadlines pass."""
+    found = subprocess.run(
+        [sys.executable, '-m', 'pytest', '--numprocesses', '2', '--dist', 'loadgroup',
+         '--no-loadscope-reorder', '-v', '-p', 'no:cacheprovider',
+         'test/nodes/sensors/test_places.py', 'test/nodes/taking/test_renewal.py',
+         'test/core/test_angles.py'], cwd=ROOT, capture_output=True, text=True, timeout=300.0,
+        env={name: value for name, value in os.environ.items()
+             if not name.startswith('PYTEST_XDIST')})
+    assert found.returncode == 0, found.stdout
+    workers = {}
+    for worker, room in re.findall(r'^\[(gw\d)\].*PASSED test/(nodes|core)', found.stdout,
+                                   re.MULTILINE):
+        workers.setdefault(room, set()).add(worker)
+    assert {room: len(those) for room, those in workers.items()} == {'nodes': 1, 'core': 1}

@@ -181,6 +181,7 @@ def test_the_last_report_is_the_verdict_of_the_pure_part(ros, rng):
     assert [without_ledger(run) for run in report['runs']] == [
         without_ledger(run) for run in expected['runs']]
     assert report['runs'][0]['pairing'] == expected['runs'][0]['pairing']
+    ros.spin_until(lambda: len(graph.heard['verdict']) == 2)
     assert values(graph.heard['verdict'][-1])['outcome'] == graph.reports()[-1]['outcome']
 
 
