@@ -256,17 +256,18 @@ class Used(NamedTuple):
     ----------
     settings_class : type
         The class.
-    names : tuple of str
-        Names of settings, or of groups of settings.
+    names : tuple of str, optional
+        Names of settings, or of groups of settings; none names all of the class.
 
     """
 
     settings_class: type
-    names: tuple[str, ...]
+    names: tuple[str, ...] = ()
 
     def has(self, name: str) -> bool:
         """Tell whether a setting is one of them."""
-        return any(name == one or name.startswith(f'{one}.') for one in self.names)
+        return not self.names or any(
+            name == one or name.startswith(f'{one}.') for one in self.names)
 
 
 def from_mapping(settings_class: type, mapping: Mapping[str, Any]) -> Any:

@@ -120,6 +120,11 @@ class Pairing(Checked):
         'come, all at once, when a connection is made or is back [s]', 0.0, 3600.0)
     jump_s: float = setting(10.0, 'a longer step of the stamps is a jump [s]', 0.1, 86400.0)
 
+    @property
+    def longest_wait_s(self) -> float:
+        """Return how long a reading waits for its partner at most, live, seconds."""
+        return max(self.max_wait_s, self.silent_wait_s)
+
 
 @dataclass(frozen=True, slots=True)
 class RunCutting(Checked):

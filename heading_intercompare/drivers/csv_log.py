@@ -26,14 +26,13 @@ from __future__ import annotations
 
 from array import array
 from collections import Counter
-import os
 
 import numpy as np
 
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.records import Headings
 
-from .log_lines.log_files import head_of, is_pattern, LogFiles
+from .log_lines.log_files import head_of, is_several, LogFiles
 from .log_lines.log_order import holds_sentences
 from .sentences import Rejected
 from .settings import DriverError, DriverSettings
@@ -70,7 +69,7 @@ def open_csv(path: str, settings: DriverSettings) -> LogFiles | None:
         If a csv lacks a required column.
 
     """
-    if not os.path.isdir(path) and not is_pattern(path):
+    if not is_several(path):
         return None
     files = LogFiles(path)
     if any(map(holds_sentences, files.paths)) or not any(map(is_csv_file, files.paths)):

@@ -24,7 +24,7 @@ from typing import Iterator
 from heading_intercompare.core.records import Headings
 
 from .csv_log import CsvDecoder, is_csv_file, open_csv
-from .log_lines.log_files import is_pattern, LogFiles
+from .log_lines.log_files import is_several, list_files
 from .log_lines.log_order import holds_sentences, open_log
 from .nmea import NmeaDecoder
 from .settings import DriverError, DriverSettings
@@ -40,15 +40,8 @@ def is_log(path: str | PathLike) -> bool:
     An MCAP file, also under another name, and a file that does not exist are none.
     """
     name = os.fspath(path)
-    if os.path.isdir(name) or is_pattern(name):
-        try:
-            paths = LogFiles(name).paths
-        except DriverError:
-            return False
-        if any(each.endswith('.mcap') or os.path.basename(each) == 'metadata.yaml'
-               for each in paths):
-            return False
-        return any(holds_sentences(each) or is_csv_file(each) for each in paths)
+    if is_several(name):
+        return any(holds_sentences(each) or is_csv_file(each) for each in list_files(name))
     if not os.path.isfile(name) or name.endswith('.mcap'):
         return False
     return is_csv_file(name) or holds_sentences(name)

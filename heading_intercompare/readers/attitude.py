@@ -32,7 +32,7 @@ from heading_intercompare.messages.heading_messages import ORIENTATION_TYPES, re
 
 from .errors import ReaderError
 from .registry import has_one_sensor
-from .tables import find_time_column, parse_time
+from .tables import find_time_column, read_stamp
 
 if TYPE_CHECKING:
     from heading_intercompare.bags.rosbag2.readable import Readable
@@ -92,8 +92,7 @@ def attitude_of_table(path: str) -> Attitude:
             at = rows.names.index(time)
             for row in rows:
                 try:
-                    stamp_ns = parse_time(row[at].strip() if ':' in row[at]
-                                          else rows.plain(row[at]))
+                    stamp_ns = read_stamp(rows, row, at)
                     values = [float(rows.plain(row[place])) for place in places
                               if place is not None]
                 except (ValueError, ArithmeticError, IndexError):

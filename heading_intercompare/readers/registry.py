@@ -30,9 +30,8 @@ import sqlite3
 from typing import Callable, TYPE_CHECKING
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
-from heading_intercompare.drivers.log_lines.log_files import is_pattern, LogFiles
+from heading_intercompare.drivers.log_lines.log_files import is_several, list_files
 from heading_intercompare.drivers.logs import is_log, LogReader
-from heading_intercompare.drivers.settings import DriverError
 from heading_intercompare.natural_order import natural_key
 
 from . import json_lines, nmea2000, tables
@@ -183,34 +182,26 @@ def find_format(path: str | os.PathLike[str]) -> Format | None:
         If the file cannot be read.
 
     """
-    place = Path(path)
+    return _recognise(Path(path)) or next(
+        (replace(form, read=partial(_read_files, form))
+         for form in _forms_of_files(os.fspath(path)).values()), None)
+
+
+def _recognise(place: Path) -> Format | None:
     head = _head(place)
-    found = next((one for one in FORMATS if one.recognise(place, head)), None)
-    return found or next((replace(form, read=partial(_read_files, form))
-                          for form in _forms_of_files(os.fspath(path)).values()), None)
+    return next((one for one in FORMATS if one.recognise(place, head)), None)
 
 
 def _files_of(path: str) -> list[str]:
-    """Return the files of a folder or a pattern that may be those of one recording."""
-    if not os.path.isdir(path) and not is_pattern(path):
-        return []
-    try:
-        files = LogFiles(path).paths
-    except DriverError:
-        return []
-    names = [os.path.basename(file) for file in files]
-    bag = any(name.endswith('.mcap') or name == 'metadata.yaml' for name in names)
-    return [] if bag else files
+    return list_files(path) if is_several(path) else []
 
 
 def _forms_of_files(path: str) -> dict[str, Format]:
     """Return the files of a folder or a pattern that have streams, with the format of each."""
-    heads = {file: _head(Path(file)) for file in _files_of(path)}
-    found = {file: next((one for one in FORMATS if one.recognise(Path(file), head)), None)
-             for file, head in heads.items()}
+    found = {file: _recognise(Path(file)) for file in _files_of(path)}
     return {file: form for file, form in found.items()
             if form is not None and form.read is not None and form is not _LOG
-            and not has_pairs(file)}
+            and not _has_pairs(file, form)}
 
 
 def _read_files(form: Format, path: str) -> Collected:
@@ -254,7 +245,11 @@ def _need(path: str | os.PathLike[str], form: Format, error: ImportError) -> Rea
 def has_pairs(path: str | os.PathLike[str]) -> bool:
     """Tell whether a file is a Parquet table of pairs."""
     form = find_format(path)
-    if form is None or form.extra != 'parquet':
+    return form is not None and _has_pairs(path, form)
+
+
+def _has_pairs(path: str | os.PathLike[str], form: Format) -> bool:
+    if form.extra != 'parquet':
         return False
     try:
         from .parquet import has_pairs as of_parquet

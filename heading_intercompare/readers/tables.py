@@ -31,7 +31,7 @@ from .json_lines import is_heading_name
 from .motion_columns import find_motion_columns, make_motion, MotionColumn
 from .stream_recording import Collected
 
-__all__ = ['find_time_column', 'is_table', 'parse_time', 'read_table', 'TIMES']
+__all__ = ['find_time_column', 'is_table', 'parse_time', 'read_stamp', 'read_table', 'TIMES']
 
 TIMES = ('t_ns', 'stamp_ns', 'stamp_s', 'stamp_utc', 'timestamp', 'utc', 'datetime', 'date_time',
          'time', 't', 'epoch', 'unixtime', 'u_dday', 'dday')
@@ -76,6 +76,19 @@ def parse_time(text: str) -> int:
         if _LEAST <= whole * unit_ns // 1_000_000_000 < _MOST:
             return nanoseconds(text) if unit_ns == 1_000_000_000 else whole * unit_ns
     raise ValueError(text)
+
+
+def read_stamp(rows: CsvRows, row: list[str], at: int) -> int:
+    """
+    Return the time in a cell of a row as a stamp; see `parse_time`.
+
+    Raises
+    ------
+    ValueError, ArithmeticError, IndexError
+        If there is none.
+
+    """
+    return parse_time(row[at].strip() if ':' in row[at] else rows.plain(row[at]))
 
 
 def read_table(path: str) -> Collected:
@@ -148,7 +161,7 @@ def _take_row(found: Collected, rows: CsvRows, row: list[str], at: int,
               headings: list[tuple[int, str]]) -> int | None:
     """Take the headings of a row; return its stamp, None if it has none."""
     try:
-        stamp_ns = parse_time(row[at].strip() if ':' in row[at] else rows.plain(row[at]))
+        stamp_ns = read_stamp(rows, row, at)
     except (ValueError, ArithmeticError, IndexError):
         found.not_taken['bad_stamp'] += 1
         return None

@@ -80,7 +80,7 @@ class Pairer:
         self._max_gap_ns = round(rule.max_gap_s * 1e9)
         self._tolerance_ns = round(rule.tolerance_s * 1e9)
         self._max_wait_s = rule.max_wait_s
-        self._silent_wait_s = max(rule.max_wait_s, rule.silent_wait_s)
+        self._silent_wait_s = rule.longest_wait_s
         self._max_wait_ns = round(rule.max_wait_s * 1e9)
         self._run_gap_ns = round(settings.runs.gap_s * 1e9)
         self._clock = settings.runs.clock_cuts()

@@ -30,7 +30,7 @@ import zlib
 from heading_intercompare.drivers.settings import DriverError
 from heading_intercompare.natural_order import natural_key
 
-__all__ = ['head_of', 'is_pattern', 'LogFiles']
+__all__ = ['head_of', 'is_several', 'list_files', 'LogFiles']
 
 _BLOCK = 1 << 20
 _LONGEST_LINE = 1 << 16
@@ -39,9 +39,24 @@ _UTF16 = {b'\xff\xfe': 'utf-16-le', b'\xfe\xff': 'utf-16-be'}
 _DAMAGED = (gzip.BadGzipFile, zlib.error, lzma.LZMAError)
 
 
-def is_pattern(path: str) -> bool:
-    """Tell whether a path that names no file is a pattern of file names, such as `gyro*.log`."""
+def _is_pattern(path: str) -> bool:
     return not os.path.lexists(path) and glob.has_magic(path)
+
+
+def is_several(path: str) -> bool:
+    """Tell whether a path is a folder, or a pattern of file names, such as `gyro*.log`."""
+    return os.path.isdir(path) or _is_pattern(path)
+
+
+def list_files(path: str) -> list[str]:
+    """Return the files of a folder or a pattern; none if one of them is part of a bag."""
+    try:
+        files = LogFiles(path).paths
+    except DriverError:
+        return []
+    is_bag = any(file.endswith('.mcap') or os.path.basename(file) == 'metadata.yaml'
+                 for file in files)
+    return [] if is_bag else files
 
 
 class LogFiles:
@@ -93,7 +108,7 @@ class LogFiles:
             If no file matches.
 
         """
-        if is_pattern(self.path):
+        if _is_pattern(self.path):
             found = [path for path in glob.glob(self.path, recursive=True)
                      if os.path.isfile(path)]
         elif os.path.isdir(self.path):

@@ -16,7 +16,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 
 from heading_intercompare.drivers.framing import split
@@ -25,7 +24,7 @@ from heading_intercompare.drivers.settings import DriverError, DriverSettings
 
 from .days import Days
 from .line_stamps import find_date_order, LineStamps
-from .log_files import head_of, is_pattern, LogFiles
+from .log_files import head_of, is_several, LogFiles
 
 __all__ = ['holds_sentences', 'open_log']
 
@@ -54,7 +53,7 @@ def open_log(path: str, settings: DriverSettings) -> LogFiles:
 
     """
     files = LogFiles(path)
-    if not os.path.isdir(path) and not is_pattern(path):
+    if not is_several(path):
         return files
     days = Days(settings.date)
     stamps = LineStamps(settings, days, lambda: find_date_order(files.bare_blocks()))

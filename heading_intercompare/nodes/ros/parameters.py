@@ -81,20 +81,20 @@ def declare(node: Node, *classes: type | Used,
     """
     given = {name: parameter.value for name, parameter in node.get_parameters_by_prefix('').items()
              if name not in _OF_ROS}
-    used = [cls if isinstance(cls, Used) else None for cls in classes]
-    rules = {cls: {rule.name: rule for rule in list_settings(cls)} for cls in (
-        one.settings_class if isinstance(one, Used) else one for one in classes)}
+    rules = {used: {rule.name: rule for rule in list_settings(used.settings_class)}
+             for used in (one if isinstance(one, Used) else Used(one) for one in classes)}
     known = [name for names in rules.values() for name in names]
     for name in given:
         if name not in known:
             raise explain_unknown('parameter', name, known)
     made = []
-    for (cls, names), some in zip(rules.items(), used):
-        settings = from_mapping(cls, {n: v for n, v in given.items() if n in names})
+    for used, names in rules.items():
+        settings = from_mapping(used.settings_class,
+                                {n: v for n, v in given.items() if n in names})
         for name, value in to_mapping(settings).items():
             if name in given:
                 node.undeclare_parameter(name)
-            if some is not None and not some.has(name):
+            if not used.has(name):
                 continue
             rule = names[name]
             node.declare_parameter(
@@ -105,7 +105,8 @@ def declare(node: Node, *classes: type | Used,
                     f'{_FOLLOWED if name in followed else _READ_ONCE}',
                     dynamic_typing=True, **_find_range(rule)), ignore_override=True)
         made.append(settings)
-    owners = {name: cls for cls, names in rules.items() for name in names if name in followed}
+    owners = {name: used.settings_class for used, names in rules.items()
+              for name in names if name in followed}
     if owners:
         node.add_on_set_parameters_callback(partial(_check, owners))
     return tuple(made)

@@ -88,8 +88,7 @@ class PairJournals:
         self._started_ns, rule = time.time_ns(), settings.pairing
         self._behind_ns = round(min(rule.max_gap_s, _LONGEST_GAP_S) * 1e9)
         # A sensor that is not there does not hold up the others for ever.
-        self._latest_ns = self._behind_ns + round(
-            (rule.auto_s + max(rule.max_wait_s, rule.silent_wait_s)) * 1e9)
+        self._latest_ns = self._behind_ns + round((rule.auto_s + rule.longest_wait_s) * 1e9)
         self._taken: _Taken | None = None
         self._journals = {names: TrialJournal(node, one.compliance, own, health, '.'.join(names))
                           for names, one in self._others.items()}

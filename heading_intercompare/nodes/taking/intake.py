@@ -155,7 +155,7 @@ class Intake:
         self._beat_s, self._beat_n, self._latency_s = self._newest_s, 0, 0.0
         self.type_name = self._known_type = known_type
         if known_type is not None and known_type not in types:
-            find_heading_type(known_type)
+            find_heading_type(known_type)  # This says what is wrong with it.
         self._waits = False
         self._there_before: set[str] = set()
         self.open = True

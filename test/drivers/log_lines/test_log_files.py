@@ -23,7 +23,7 @@ import lzma
 import pytest
 import zstandard
 
-from heading_intercompare.drivers.log_lines.log_files import is_pattern
+from heading_intercompare.drivers.log_lines.log_files import is_several
 from heading_intercompare.drivers.logs import is_log, LogReader, read_log
 from heading_intercompare.drivers.settings import DriverError
 
@@ -121,8 +121,8 @@ def test_no_burst_goes_on_in_another_file(tmp_path):
 
 def test_a_pattern_is_what_names_no_file(tmp_path):
     (tmp_path / 'a[1].log').write_bytes(TEXT)
-    assert not is_pattern(str(tmp_path / 'a[1].log')) and is_log(tmp_path / 'a[1].log')
-    assert is_pattern(str(tmp_path / 'a*.log')) and not is_pattern(str(tmp_path / 'b.log'))
+    assert not is_several(str(tmp_path / 'a[1].log')) and is_log(tmp_path / 'a[1].log')
+    assert is_several(str(tmp_path / 'a*.log')) and not is_several(str(tmp_path / 'b.log'))
     with pytest.raises(DriverError, match='no file with anything in it'):
         LogReader(tmp_path / 'b*.log')
     assert not is_log(tmp_path / 'b*.log')
