@@ -16,6 +16,8 @@
 PYTHON ?= python3
 PYTEST ?=
 export PYTHON
+# Some containers set it: each of the hundreds of processes of the tests would compile all sources.
+unexport PYTHONDONTWRITEBYTECODE
 
 BIN := .venv/bin
 # An editable install follows all sources but these.
@@ -27,7 +29,7 @@ PYTHON312 := $(shell for p in python3.12 "$$(pyenv prefix 3.12 2>/dev/null)/bin/
 # For two cores: two workers for the tests that run graphs, which mostly wait, and one that yields to
 # them (conftest.py).
 WORKERS ?= 3
-TESTS := -m pytest --numprocesses $(WORKERS) --dist loadgroup --no-loadscope-reorder
+TESTS := -m pytest --numprocesses $(WORKERS) --dist loadscope --no-loadscope-reorder
 SITE := $(BIN)/python -m sphinx --fail-on-warning --keep-going -q -b html docs docs/_build
 TABLES := A B E cells gaps drift rates runs means looks short
 

@@ -89,49 +89,67 @@ def pytest_configure():
 
 
 _NODES = 'test/nodes'
-#: Modules whose graphs mostly wait for the clock; they run beside those of the others.
-_LONG = {f'{_NODES}/test_{name}.py' for name in (
-    'alarms_on_the_graph', 'launch', 'months', 'real_logs_over_udp', 'soak', 'soak_with_faults')}
+#: Graphs at the same time: more of them starve each other on two cores.
+_GRAPHS = 2
+#: The modules that take longest begin first, so that no worker is still busy with one at the end.
+_LONG = tuple(f'test/{name}.py' for name in (
+    'nodes/test_graph_processes', 'ahrs/gimballed/test_gimballed_ahrs', 'app/test_cluster'))
 
 
-def _group(path: str) -> str:
-    """Return the group of tests that share a worker: tests of nodes in two groups, or a module."""
-    if path in _LONG:
-        return f'{_NODES}, long'
-    return _NODES if path.startswith(f'{_NODES}/') else path
+def _runs_nodes(path: str) -> bool:
+    return path.startswith(f'{_NODES}/')
 
 
 def _path(item: pytest.Item) -> str:
     return Path(item.path).relative_to(Path(__file__).parent).as_posix()
 
 
+def _order(item: pytest.Item) -> tuple[bool, bool]:
+    path = _path(item)
+    return not _runs_nodes(path), path not in _LONG
+
+
 @pytest.hookimpl(tryfirst=True)
 def pytest_collection_modifyitems(items):
     """Mark the tests that run nodes, before `-m` selects, and begin with them."""
     for item in items:
-        if _group(_path(item)).startswith(_NODES):
+        if _runs_nodes(_path(item)):
             item.add_marker('ros')
-    # The longest groups begin first, so that no worker is still busy with them at the end.
-    items.sort(key=lambda item: not _group(_path(item)).startswith(_NODES))
+    items.sort(key=_order)
 
 
 @pytest.hookimpl(optionalhook=True)
 def pytest_xdist_make_scheduler(config, log):
     """
-    Give each group of tests to one worker.
+    Give the tests module by module, and those of nodes to two workers at most.
 
-    The groups are found from the names of the tests. pytest 9.2 does not know the names that
-    pytest-xdist 3.8 makes of its own groups, and spreads the tests of nodes over all workers.
+    The groups of pytest-xdist could not say this, and its version 3.8 loses them with pytest 9.2.
     """
-    if config.getvalue('dist') != 'loadgroup':
+    if config.getvalue('dist') != 'loadscope':
         return None
     from xdist.scheduler import LoadScopeScheduling
 
-    class ByGroup(LoadScopeScheduling):
-        def _split_scope(self, nodeid):
-            return _group(nodeid.partition('::')[0])
+    def _number(worker):
+        return int(worker.gateway.id.removeprefix('gw'))
 
-    return ByGroup(config, log)
+    class ByModule(LoadScopeScheduling):
+        def _split_scope(self, nodeid):
+            return nodeid.partition('::')[0]
+
+        def _next_for(self, worker):
+            """Return the module that a worker begins next; None if it has nothing left to do."""
+            others = (path for path in self.workqueue if not _runs_nodes(path))
+            may_run_nodes = worker in sorted(self.nodes, key=_number)[:_GRAPHS]
+            return next(iter(self.workqueue) if may_run_nodes else others, None)
+
+        def _assign_work_unit(self, node):
+            if (path := self._next_for(node)) is None:
+                node.shutdown()
+            else:
+                self.workqueue.move_to_end(path, last=False)
+                super()._assign_work_unit(node)
+
+    return ByModule(config, log)
 
 
 _begun = False
@@ -140,8 +158,7 @@ _begun = False
 def pytest_runtest_setup(item):
     """Let a worker that does not begin with the tests of nodes yield to those that do."""
     global _begun
-    if not _begun and 'PYTEST_XDIST_WORKER' in os.environ and not _group(_path(item)).startswith(
-            _NODES):
+    if not _begun and 'PYTEST_XDIST_WORKER' in os.environ and not _runs_nodes(_path(item)):
         os.nice(10)
     _begun = True
 

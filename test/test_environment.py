@@ -74,18 +74,21 @@ def test_the_tests_can_be_loaded_one_by_one_from_their_files(tmp_path):
 
 @pytest.mark.slow
 @pytest.mark.process
-def test_the_tests_of_nodes_share_a_worker():
+def test_two_workers_at_most_run_the_tests_of_nodes():
     """Spread over all, they wait for processors, and each other, until deadlines pass."""
     found = subprocess.run(
-        [sys.executable, '-m', 'pytest', '--numprocesses', '2', '--dist', 'loadgroup',
+        [sys.executable, '-m', 'pytest', '--numprocesses', '3', '--dist', 'loadscope',
          '--no-loadscope-reorder', '-v', '-p', 'no:cacheprovider',
          'test/nodes/sensors/test_places.py', 'test/nodes/taking/test_renewal.py',
-         'test/core/test_angles.py'], cwd=ROOT, capture_output=True, text=True, timeout=300.0,
+         'test/nodes/taking/test_reception.py', 'test/core/test_angles.py'], cwd=ROOT,
+        capture_output=True, text=True, timeout=300.0,
         env={name: value for name, value in os.environ.items()
              if not name.startswith('PYTEST_XDIST')})
     assert found.returncode == 0, found.stdout
     workers = {}
-    for worker, room in re.findall(r'^\[(gw\d)\].*PASSED test/(nodes|core)', found.stdout,
-                                   re.MULTILINE):
-        workers.setdefault(room, set()).add(worker)
-    assert {room: len(those) for room, those in workers.items()} == {'nodes': 1, 'core': 1}
+    for worker, module in re.findall(r'^\[(gw\d)\].*PASSED test/([^:]*)::', found.stdout,
+                                     re.MULTILINE):
+        workers.setdefault(module, set()).add(worker)
+    assert workers.pop('core/test_angles.py') == {'gw2'}
+    assert len(workers) == 3 and set.union(*workers.values()) == {'gw0', 'gw1'}
+    assert all(len(those) == 1 for those in workers.values())

@@ -286,7 +286,11 @@ def test_flipped_in_any_part_of_any_record_few_messages_are_lost(which, tmp_path
 
 
 def zeros_of_gigabytes(compression: str) -> bytes:
-    """Return a chunk of hardly any bytes that claims, and with zstd has, almost 2 GB of zeros."""
+    """
+    Return a chunk of hardly any bytes that claims, and with zstd has, almost 2 GB of zeros.
+
+    The chunk `records` has millions of records without content.
+    """
     size = 2**31 - 1
     if compression == 'zstd':
         # A frame of blocks that repeat one byte; the first three say how often, 128 kB at most.
@@ -299,6 +303,10 @@ def zeros_of_gigabytes(compression: str) -> bytes:
         compression = 'zstd'
         packed = zstandard.ZstdCompressor(write_content_size=False).compress(bytes(10**7))
         assert zstandard.frame_content_size(packed) == -1
+    elif compression == 'records':
+        compression = 'zstd'
+        size = 9 * 2**24
+        packed = zstandard.compress((b'\x80' + bytes(8)) * 2**24)
     else:
         packed = lz4.frame.compress(bytes(2**24))
     return record(Chunk(compression=compression, data=packed, message_start_time=0,
@@ -321,6 +329,13 @@ def test_a_chunk_that_claims_gigabytes_takes_no_memory(compression, place, tmp_p
         tracemalloc.stop()
     assert total.messages == sum(messages(2).values())
     assert total.chunks_lost == 1 and peak < 100e6
+
+
+def test_a_chunk_of_millions_of_empty_records_is_damaged(tmp_path):
+    path = tmp_path / 'x.mcap'
+    path.write_bytes(unfinished(2) + zeros_of_gigabytes('records'))
+    total = recover(path, tmp_path / 'new')
+    assert total.messages == sum(messages(2).values()) and total.chunks_lost == 1
 
 
 def test_heads_of_chunks_within_heads_of_chunks_do_not_take_forever(tmp_path):

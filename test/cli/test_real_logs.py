@@ -26,8 +26,8 @@ import pytest
 
 from heading_intercompare.cli import main
 
-NORMS = ['--set', 'norms.sigma_max_deg=0.2', '--set', 'norms.sigma_ref_max_deg=0.1',
-         '--set', 'norms.m_low=0.9', '--set', 'norms.k_rule=three']
+RULES = ['--set', 'norms.m_low=0.9', '--set', 'norms.k_rule=three']
+NORMS = ['--set', 'norms.sigma_max_deg=0.2', '--set', 'norms.sigma_ref_max_deg=0.1', *RULES]
 INTERPOLATE = ['--set', 'pairing.method=interpolate']
 NEAREST = ['--set', 'pairing.method=nearest', '--set', 'pairing.tolerance_s=0.1']
 SETS = {
@@ -101,7 +101,7 @@ def test_the_criteria_are_the_golden_ones(name, variant, suffix, bags, golden, c
     csv.write_text('\n'.join(','.join(row[:3]) for row in rows) + '\n')
     for case in pairs[name]['criteria']:
         (run,) = verdict_of(
-            capsys, 'analyze', csv, *NORMS, *gap, '--set', f'variant={variant}', '--set',
+            capsys, 'analyze', csv, *RULES, *gap, '--set', f'variant={variant}', '--set',
             f'norms.sigma_max_deg={case["smax"]}', '--set',
             f'norms.sigma_ref_max_deg={case["sref"]}')['runs']
         outcome = ('non_compliant' if case['bad5'] else

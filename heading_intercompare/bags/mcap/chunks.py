@@ -26,7 +26,7 @@ import zstandard
 from heading_intercompare.bags.errors import BagError
 
 from .checksum import crc32
-from .message_blocks import Block, block_of, HEAD, measure_whole
+from .message_blocks import Block, block_of, HEAD, measure_whole, refuse_definitions
 
 __all__ = ['begin_chunk', 'BegunChunk', 'CHUNK_HEAD', 'Gathering', 'LARGE_BYTES', 'LargeChunk',
            'UNFIT', 'unpack']
@@ -214,7 +214,7 @@ class LargeChunk:
             If a record in it is damaged, after the blocks before that.
 
         """
-        pieces, rest = self._pieces(), bytearray()
+        pieces, rest, others, messages = self._pieces(), bytearray(), 0, 0
         damage: BagError | None = None
         more = True
         while more:
@@ -230,8 +230,11 @@ class LargeChunk:
             size = measure(rest)
             if size:
                 whole, rest = rest, rest[size:]
-                yield block_of(memoryview(whole)[:size], self._at - HEAD.size)
-                del whole
+                block = block_of(memoryview(whole)[:size], self._at - HEAD.size)
+                others, messages = others + len(block.others), messages + len(block.start)
+                refuse_definitions(others, messages)
+                yield block
+                del whole, block
             if len(rest) >= HEAD.size:
                 length = HEAD.unpack_from(rest)[1]
                 if length > _RECORD_BYTES:

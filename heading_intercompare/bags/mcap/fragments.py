@@ -25,7 +25,7 @@ import numpy as np
 import zstandard
 
 from .chunks import CHUNK_HEAD
-from .message_blocks import HEAD, MESSAGE_HEAD
+from .message_blocks import HEAD, INVALID_OPCODE, MESSAGE_HEAD
 from .record_stream import MAGIC
 
 __all__ = ['BARE', 'CHUNK_BYTES', 'ChunkHead', 'decompress_begun', 'find_candidates',
@@ -138,7 +138,8 @@ def measure_leading(data: bytes | bytearray | memoryview,
     while at + HEAD.size <= len(data):
         opcode, length = HEAD.unpack_from(data, at)
         behind = at + HEAD.size + length
-        if behind > len(data) or opcode == Opcode.MESSAGE and length < MESSAGE_LEAST:
+        if (behind > len(data) or opcode == INVALID_OPCODE
+                or opcode == Opcode.MESSAGE and length < MESSAGE_LEAST):
             break
         if times is not None:
             if opcode not in BARE:

@@ -33,7 +33,8 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.messages.byte_columns import gather
 
 __all__ = ['Block', 'block_of', 'ENTRY_BYTES', 'HEAD', 'INDEX_HEAD', 'INDEX_LEAST',
-           'measure_whole', 'MESSAGE_HEAD', 'MESSAGE_HEADS', 'Record', 'walk']
+           'INVALID_OPCODE', 'measure_whole', 'MESSAGE_HEAD', 'MESSAGE_HEADS', 'Record',
+           'refuse_definitions', 'walk']
 
 #: Opcode and length of a record.
 HEAD = struct.Struct('<BQ')
@@ -46,6 +47,13 @@ INDEX_HEAD = struct.Struct('<BQHI')
 INDEX_LEAST, ENTRY_BYTES = INDEX_HEAD.size - HEAD.size, 16
 
 _FIXED = MESSAGE_HEAD.size - HEAD.size
+INVALID_OPCODE = 0
+"""No record has it. Without this rule, gigabytes of zeros would be records without content."""
+
+#: A file can number this many schemas and channels.
+_MOST_DEFINITIONS = 2 * 2**16
+#: Some writers define a channel again for each message.
+_DEFINITIONS_OF_MESSAGE = 4
 #: Most other records to skip before the first message.
 _DEFINITIONS = 64
 #: `MESSAGE_HEAD` as an array dtype.
@@ -90,8 +98,19 @@ class Block:
     others: tuple[Record, ...]
 
 
-def walk(data: bytes, begin: int, end: int) -> tuple[list[int], list[Record]]:
-    """Return message offsets and the other records; BagError unless they end at `end`."""
+def refuse_definitions(others: int, messages: int) -> None:
+    """Raise BagError for more other records than messages need, which would fill the memory."""
+    if others > max(_MOST_DEFINITIONS, _DEFINITIONS_OF_MESSAGE * messages):
+        raise BagError('too many records that are no messages')
+
+
+def walk(data: bytes, begin: int, end: int, of_messages: bool = True
+         ) -> tuple[list[int], list[Record]]:
+    """
+    Return message offsets and the other records; BagError unless they end at `end`.
+
+    Where the records are those of messages, more definitions than these need are refused.
+    """
     messages, others = [], []
     unpack, message = HEAD.unpack_from, int(Opcode.MESSAGE)
     at = begin
@@ -105,7 +124,11 @@ def walk(data: bytes, begin: int, end: int) -> tuple[list[int], list[Record]]:
         if opcode == message:
             messages.append(at)
         else:
+            if opcode == INVALID_OPCODE:
+                raise BagError('a record of type 0', offset=at)
             others.append(Record(opcode, at + HEAD.size, length))
+            if of_messages:
+                refuse_definitions(len(others), len(messages))
         at = behind
     return messages, others
 
@@ -116,7 +139,8 @@ def measure_whole(data: bytes, opcodes: tuple[int, ...] | None = None) -> int:
     while at + HEAD.size <= len(data):
         opcode, length = HEAD.unpack_from(data, at)
         behind = at + HEAD.size + length
-        if opcodes is not None and opcode not in opcodes or behind > len(data):
+        if (opcode == INVALID_OPCODE or opcodes is not None and opcode not in opcodes
+                or behind > len(data)):
             break
         at = behind
     return at
@@ -132,7 +156,7 @@ def _find_regular(data: bytes) -> _Found | None:
     opcode = length = 0
     while at + MESSAGE_HEAD.size <= len(data) and len(others) < _DEFINITIONS:
         opcode, length = HEAD.unpack_from(data, at)
-        if opcode == Opcode.MESSAGE:
+        if opcode in (Opcode.MESSAGE, INVALID_OPCODE):
             break
         others.append(Record(opcode, at + HEAD.size, length))
         at += HEAD.size + length
@@ -170,6 +194,7 @@ def _follow_index(data: bytes, at: np.ndarray) -> _Found | None:
         if messages:
             return None
         others += found
+        refuse_definitions(len(others), len(at))
     return at, heads, behind, others
 
 

@@ -27,6 +27,7 @@ from heading_intercompare.bags.mcap.message_blocks import (
     HEAD,
     measure_whole,
     MESSAGE_HEAD,
+    walk,
 )
 
 hypothesis = pytest.importorskip('hypothesis')
@@ -99,6 +100,30 @@ def test_records_that_do_not_fill_the_chunk_are_refused():
 def test_a_message_without_room_for_its_head_is_refused():
     with pytest.raises(BagError, match='wrong length'):
         block_of(HEAD.pack(Opcode.MESSAGE, 21) + bytes(21), 0)
+
+
+def test_zeros_are_no_records():
+    """They would be one without content every nine bytes: 0.2 billion in a chunk of 70 kB."""
+    first = message(1, 0, 5)
+    assert measure_whole(first + bytes(900)) == len(first)
+    for data in (bytes(900), first + bytes(900), bytes(9) + first, other(3) + bytes(9) + first):
+        with pytest.raises(BagError, match='chunk damaged: a record of type 0'):
+            block_of(data, 0)
+
+
+@pytest.mark.parametrize('opcode', [Opcode.SCHEMA, 0x80])
+def test_more_definitions_than_messages_need_are_refused(opcode):
+    """A file has numbers for 65 536 schemas and channels; a writer may define anew before each."""
+    empty, one = HEAD.pack(opcode, 0), message(1, 0, 5)
+    with pytest.raises(BagError, match='chunk damaged: too many records that are no messages'):
+        block_of(one + empty * 131_073, 0)
+    with pytest.raises(BagError, match='chunk damaged: too many records that are no messages'):
+        block_of(one + empty * 131_073 + one, 0, lambda: np.array(
+            [0, len(one) + 9 * 131_073], np.int64))
+    assert len(block_of(one + empty * 131_072, 0).others) == 131_072
+    many = one + (one + empty * 4) * 40_000
+    assert len(block_of(many, 0).others) == 160_000
+    assert len(walk(empty * 140_000, 0, 9 * 140_000, of_messages=False)[1]) == 140_000
 
 
 def test_whole_records_end_before_a_cut_and_before_other_kinds():

@@ -906,7 +906,7 @@ def test_a_loop_of_links_is_one_clear_error(tmp_path, command):
 
 
 def test_recovery_of_channels_that_are_defined_again_and_again_is_linear(tmp_path):
-    """Twice the records take about twice the time, not four times."""
+    """Eight times the records take about eight times the time, not 64 times."""
     def seconds(count: int) -> float:
         records = [schema(1) + channel(1, f'/t{n % 50}') + message(1, 10**18 + n, b'\0\1\0\0')
                    for n in range(count)]
@@ -916,7 +916,7 @@ def test_recovery_of_channels_that_are_defined_again_and_again_is_linear(tmp_pat
         assert recover(path, tmp_path / f'new_{count}').messages == count
         return time.process_time() - began_s
     seconds(500)
-    assert seconds(16_000) < 3.0 * seconds(8_000)
+    assert seconds(16_000) < 25.0 * seconds(2_000)
 
 
 @pytest.mark.parametrize('compression', ['', 'lz4', 'zstd'])
