@@ -57,7 +57,7 @@ endif
 		else echo '== 2/5 left out: types are checked with numpy 2.3 or later'; fi
 	@.ci/step '3/5 documentation' $(SITE)
 	@.ci/step '4/5 tests, examples in docstrings, installation with pip and with colcon' \
-		$(BIN)/python $(TESTS) --durations=10 $(PYTEST)
+		$(BIN)/python $(TESTS) -m 'not endurance' --durations=10 $(PYTEST)
 ifeq ($(PYTHON312),)
 	@echo '== 5/5 left out: the tests with the versions of Ubuntu 24.04 need Python 3.12'
 else
@@ -69,6 +69,7 @@ test-pins: .venv-pins/.test
 	.venv-pins/bin/python $(TESTS) -m 'not (slow or ros or process) or colcon' $(PYTEST)
 
 release: addresses test
+	@.ci/step 'tests that take long' $(BIN)/python $(TESTS) -m endurance
 	@.ci/step 'nodes with the versions of Ubuntu 24.04' .venv-pins/bin/python $(TESTS) -m 'not slow' test/nodes
 	@.ci/step 'large fuzz' env HYPOTHESIS_PROFILE=release $(BIN)/python $(TESTS) test/bags test/nodes
 	@.ci/venv .venv ros,serial,report,pdf,terminal,fast,dask,docs,test,browser,dev,notebook

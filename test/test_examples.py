@@ -77,6 +77,7 @@ def test_the_notebook_of_two_loggers_reads_their_tables_and_judges(capsys, monke
 
 
 @pytest.mark.slow
+@pytest.mark.endurance
 def test_the_notebook_on_lengths_shows_that_a_poor_sensor_is_not_certified(capsys):
     run_cells(EXAMPLES / 'how_long.ipynb')
     printed = capsys.readouterr().out

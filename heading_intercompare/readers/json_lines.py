@@ -22,6 +22,7 @@ import re
 from typing import Any, Iterator, Mapping, TypeGuard
 
 from heading_intercompare.bags.csv.stamp_cells import nanoseconds, utc_nanoseconds
+from heading_intercompare.core.records import KNOT_M_S
 
 from .stream_recording import Collected
 
@@ -39,6 +40,7 @@ _COURSE, _SPEED, _POSITION, _RATE = (
     'navigation.courseOverGroundTrue', 'navigation.speedOverGround', 'navigation.position',
     'navigation.rateOfTurn')
 _SELF = ('', 'vessels.self')
+_FASTEST_KN = 150.0
 #: A course and a speed in two updates belong together if they are at most this far apart.
 _TOGETHER_NS = 2 * 10 ** 9
 
@@ -194,6 +196,10 @@ def read_openrvdas(path: str) -> Collected:
 
     A stream is a field whose name says that it is a heading, such as ``s330/S330HeadingTrue``;
     see `is_heading_name`. Headings are degrees, `timestamp` is in seconds.
+
+    Fields such as ``S330Latitude`` and ``S330Longitude``, with ``S330NorS`` and ``S330EorW`` or
+    with a sign, tell the position; ``S330CourseTrue`` and ``S330SpeedKt`` tell the velocity. A
+    rate of turn has no unit that its name tells, and is not taken.
     """
     found = Collected()
     for record in _objects(path, b'"fields"', found):
@@ -201,18 +207,79 @@ def read_openrvdas(path: str) -> Collected:
         if not isinstance(fields, dict):
             continue
         label = f'{record["data_id"]}/' if record.get('data_id') else ''
+        stamp_ns = _unix_stamp(record.get('timestamp'))
         for name, value in fields.items():
             if not is_heading_name(name):
                 continue
-            try:
-                # The digits of the text, not those of a float, make the stamp.
-                stamp_ns = nanoseconds(repr(record.get('timestamp')))
-                heading_deg = float(value)
-            except (TypeError, ValueError, ArithmeticError):
+            heading_deg = _real(value)
+            if heading_deg is None or stamp_ns is None:
                 found.not_taken['bad_field'] += 1
-                continue
-            if not 0.0 <= heading_deg <= 360.0:
+            elif not 0.0 <= heading_deg <= 360.0:
                 found.not_taken['out_of_range'] += 1
             else:
                 found.add(f'{label}{name}', 'OpenRVDAS', stamp_ns, heading_deg)
+        if stamp_ns is not None:
+            _take_openrvdas_motion(found, label, stamp_ns, fields)
     return found
+
+
+def _unix_stamp(value: object) -> int | None:
+    try:
+        # The digits of the text, not those of a float, make the stamp.
+        return nanoseconds(repr(value))
+    except (ValueError, ArithmeticError):
+        return None
+
+
+def _real(value: Any) -> float | None:
+    """Return a number, or a text that is one; None for anything else."""
+    try:
+        return float(value)
+    except (TypeError, ValueError):
+        return None
+
+
+def _take_openrvdas_motion(found: Collected, label: str, stamp_ns: int,
+                           fields: Mapping[str, Any]) -> None:
+    for name in fields:
+        device = name.removesuffix('Latitude')
+        if device != name and fields[name] is not None:
+            place = _place(device, fields)
+            if place is None:
+                found.not_taken['position.bad_field'] += 1
+            else:
+                found.add_motion('fix', f'{label}{name}', stamp_ns, *place)
+        device = name.removesuffix('CourseTrue')
+        course_deg, speed_kn = _real(fields[name]), _real(fields.get(f'{device}SpeedKt'))
+        if device != name and course_deg is not None and speed_kn is not None:
+            if 0.0 <= course_deg <= 360.0 and 0.0 <= speed_kn <= _FASTEST_KN:
+                course, speed = math.radians(course_deg), speed_kn * KNOT_M_S
+                found.add_motion('velocity', f'{label}{name}', stamp_ns,
+                                 speed * math.sin(course), speed * math.cos(course))
+            else:
+                found.not_taken['velocity.out_of_range'] += 1
+
+
+def _place(device: str, fields: Mapping[str, Any]) -> tuple[float, float] | None:
+    """
+    Return latitude and longitude of a record, degrees; None if there are none.
+
+    Definitions of devices give them as decimal degrees or as in a sentence, degrees times 100 plus
+    minutes; which it is shows where they exceed 90 or 180.
+    """
+    latitude, longitude = (_real(fields.get(f'{device}{name}'))
+                           for name in ('Latitude', 'Longitude'))
+    if latitude is None or longitude is None:
+        return None
+    if abs(latitude) > 90.0 or abs(longitude) > 180.0:
+        latitude, longitude = map(_degrees_of_minutes, (latitude, longitude))
+    if fields.get(f'{device}NorS') == 'S':
+        latitude = -abs(latitude)
+    if fields.get(f'{device}EorW') == 'W':
+        longitude = -abs(longitude)
+    return (latitude, longitude) if abs(latitude) <= 90.0 and abs(longitude) <= 180.0 else None
+
+
+def _degrees_of_minutes(value: float) -> float:
+    degrees, minutes = divmod(abs(value), 100.0)
+    return math.copysign(degrees + minutes / 60.0, value) if minutes < 60.0 else math.nan

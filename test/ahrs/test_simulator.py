@@ -169,6 +169,7 @@ def test_chunk_must_have_a_length():
 
 
 @pytest.mark.slow
+@pytest.mark.endurance
 def test_a10_the_memory_does_not_grow_in_twelve_hours_at_100_hz():
     """TS an AHRS, RS a satellite compass."""
     scenario = Scenario.from_mapping({

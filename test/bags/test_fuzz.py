@@ -433,5 +433,6 @@ def test_hostile_bags_are_read_refused_or_recovered():
 
 
 @pytest.mark.slow
+@pytest.mark.endurance
 def test_five_hundred_hostile_bags_are_read_refused_or_recovered():
     examine_hostile(500)

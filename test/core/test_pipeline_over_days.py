@@ -204,6 +204,7 @@ def test_a_verdict_covers_the_newest_cuts_and_hands_out_the_runs_before(rng):
 
 
 @pytest.mark.slow
+@pytest.mark.endurance
 def test_thirty_days_take_no_more_memory_than_three():
     """A month at one reading in 5 s, cut each day, as the nodes judge it."""
     rng = np.random.default_rng(30)

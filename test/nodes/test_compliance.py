@@ -202,6 +202,8 @@ def test_a_final_ledger_that_has_come_is_read_before_the_end(ros, rng, monkeypat
     monkeypatch.setattr(compliance, '_ALONE_S', 0.0)
     graph = Graph(ros)
     graph.send(some_pairs(rng, 0, 100))
+    for timer in graph.node.timers:
+        timer.cancel()
     graph.book({'paired': 100, 'ts_paired': 100, 'rs_used': 100}, final=True)
     for publisher in (graph.pairs, graph.ledger):
         publisher.wait_for_all_acked(Duration(seconds=5))
@@ -212,8 +214,9 @@ def test_a_final_ledger_that_has_come_is_read_before_the_end(ros, rng, monkeypat
     graph.node.end()
     graph.node._drain()
     assert not graph.node.ended
-    ros.spin_until(lambda: graph.node.ended)
-    assert graph.node.verdict.to_dict()['ledger_complete']
+    ros.spin_until(lambda: graph.node._reporting.final)
+    graph.node._drain()
+    assert graph.node.ended and graph.node.verdict.to_dict()['ledger_complete']
 
 
 def test_a_synchronizer_that_has_gone_is_not_waited_for(ros, rng):

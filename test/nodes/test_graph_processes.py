@@ -284,7 +284,8 @@ def test_a_recorder_that_is_stopped_for_a_while_records_everything(processes, tm
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize('seconds', [7.0, 20.0])
+@pytest.mark.parametrize('seconds', [
+    7.0, pytest.param(20.0, marks=pytest.mark.endurance)])
 def test_a_synchronizer_that_the_middleware_had_given_up_misses_nothing(
         processes, tmp_path, monkeypatch, seconds):
     """
@@ -467,6 +468,7 @@ def test_a_compliance_that_is_killed_goes_on_and_the_verdict_is_that_of_the_bag(
 
 
 @pytest.mark.slow
+@pytest.mark.endurance
 @pytest.mark.parametrize('word', [' rs', ''], ids=['reference', 'free'])
 def test_sensors_watch_that_is_killed_goes_on_and_the_verdict_is_that_of_the_bag(
         processes, tmp_path, word):

@@ -27,6 +27,7 @@ from months import run  # noqa: E402
 
 
 @pytest.mark.slow
+@pytest.mark.endurance
 def test_thirty_days_of_the_nodes_take_no_more_memory_than_ten(tmp_path):
     """A reading of each sensor in 2 min; the queues of DDS are full after ten days."""
     days = [*run(30, 120.0, str(tmp_path))]

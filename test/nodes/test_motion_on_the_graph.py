@@ -24,15 +24,18 @@ import sys
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
+from nodes.killed import kill
 from nodes.lines import free_port
+from nodes.rclpy_objects import heading_messages
 from nodes.ros_nodes import NORMS
 import numpy as np
 import pytest
+from sensor_msgs.msg import Imu
 from std_msgs.msg import String
 
 from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.app.logs.two_logs import judge_logs
-from heading_intercompare.core.records import KNOT_M_S, Motion, Pairs
+from heading_intercompare.core.records import Headings, KNOT_M_S, Motion, Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.compare_verdicts import find_differences
 from heading_intercompare.drivers.settings import DriverError, DriverSettings
@@ -262,6 +265,45 @@ def test_a_sensors_watch_hears_the_motion_for_the_pairs_without_the_reference(ro
     (other,) = node._comparison.others.values()
     ros.spin_until(lambda: other.compliance.motion.rows is not None
                    and len(other.compliance.motion.rows) == 30)
+
+
+def test_a_sensors_watch_that_is_killed_goes_on_with_the_motion_of_its_runs(ros, tmp_path):
+    """Publishers send their last messages again, which must not count twice."""
+    course = ros.plain.create_publisher(TwistStamped, 'ship/velocity', qos.HEADINGS_OUT)
+    publishers = [ros.plain.create_publisher(Imu, f'{name}/heading', qos.HEADINGS_OUT)
+                  for name in 'ab']
+
+    def start():
+        watch = ros.ours(SensorsWatch, sensors='a sigma_max_deg=0.2; b sigma_max_deg=0.2',
+                         report_dir=str(tmp_path))
+        ros.spin_until(lambda: all(one.get_subscription_count() == 1
+                                   for one in (course, *publishers)))
+        return watch, watch._comparison.others['a', 'b'].compliance
+
+    def play(seconds, since=0):
+        for message in split_motion(rows(seconds, since=since), 'velocity', 'ship'):
+            course.publish(message)
+        stamps = START_NS + np.arange(since, seconds) * S
+        for message in heading_messages(Headings.of(stamps, np.full(stamps.size, 40.0)), 'x'):
+            for publisher in publishers:
+                publisher.publish(message)
+        ros.spin_until(lambda: compliance.motion.rows is not None
+                       and len(compliance.motion.rows) == seconds
+                       and (compliance.newest_ns or 0) == stamps[-2])
+    watch, compliance = start()
+    play(300)
+    journal = watch._journals._journals['a', 'b']
+    ros.spin_until(lambda: b'"velocity"' in (
+        tmp_path / 'sensors_watch.a.b.journal').read_bytes())
+    journal._journal._journal.flush(1e9)
+    kill(ros, watch, journal)
+    watch, compliance = start()
+    assert compliance.run_start_ns == START_NS and len(compliance.motion.rows) == 300
+    play(600, since=300)
+    ros.end(watch)
+    (pair,) = watch.verdict.pairs
+    # The reading of the last second was waiting when the node was killed.
+    assert pair.n in (599, 600) and not [words for words in pair.findings if 'motion' in words]
 
 
 def test_a_log_without_motion_is_refused_in_one_line(ros, tmp_path):

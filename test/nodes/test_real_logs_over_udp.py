@@ -117,7 +117,8 @@ def bound(port: int) -> bool:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize('ship', SHIPS)
+@pytest.mark.parametrize('ship', [
+    'nbp', pytest.param('lmg', marks=pytest.mark.endurance)])
 def test_logs_over_udp_give_the_verdict_of_their_import(ship, shared_data, tmp_path, capsys):
     logs, form, n = SHIPS[ship]
     ports = {role: free_port() for role in logs}

@@ -98,3 +98,35 @@ def test_records_of_openrvdas(tmp_path):
          'gyr1/Gyr1HeadingTrue': [(1406851200000000000, 234.5)],
          'Hdg': [(1406851201250000000, 359.99)]},
         {'bad_field': 2, 'out_of_range': 1})
+
+
+def test_records_of_openrvdas_tell_the_motion(tmp_path):
+    """Positions as decimal degrees with a sign or a hemisphere, and as in the sentence."""
+    def record(second, **fields):
+        return {'data_id': 's330', 'timestamp': 1406851200 + second, 'fields': {
+            f'S330{name}': value for name, value in fields.items()}}
+    rows = [
+        record(0, Latitude=-54.5, Longitude=-45.25),
+        record(1, Latitude=54.5, NorS='S', Longitude=45.25, EorW='W'),
+        record(2, Latitude='5430.0', NorS='S', Longitude='04515.0', EorW='W'),
+        record(3, Latitude=5430.0, NorS='N', Longitude=15.0, EorW='E'),
+        record(4, Latitude=5461.0, NorS='N', Longitude=15.0, EorW='E'),
+        record(5, Latitude=54.5, NorS='N', Longitude=None, EorW=None),
+        record(6, Latitude=None, Longitude=None),
+        record(7, CourseTrue=90.0, SpeedKt=10.0),
+        record(8, CourseTrue=361.0, SpeedKt=10.0),
+        record(9, CourseTrue=90.0, SpeedKt=None, RateOfTurn=2.0),
+        {'data_id': 's330', 'timestamp': 'x', 'fields': {'Latitude': 1.0, 'Longitude': 2.0}}]
+    path = tmp_path / 'a.log'
+    path.write_text(''.join(json.dumps(row) + '\n' for row in rows))
+    found = read_openrvdas(str(path))
+    motion = found.motion()
+    assert dict(found.not_taken) == {'position.bad_field': 2, 'velocity.out_of_range': 1}
+    (fixes,), (moved,) = motion['fix'].items(), motion['velocity'].items()
+    assert set(motion) == {'fix', 'velocity'}
+    assert fixes[0] == 's330/S330Latitude' and moved[0] == 's330/S330CourseTrue'
+    assert (fixes[1].stamp_ns // 10**9 - 1406851200).tolist() == [0, 1, 2, 3]
+    assert fixes[1].latitude_deg.tolist() == pytest.approx([-54.5, -54.5, -54.5, 54.5])
+    assert fixes[1].longitude_deg.tolist() == pytest.approx([-45.25, -45.25, -45.25, 0.25])
+    assert moved[1].east_m_s.tolist() == pytest.approx([10.0 * 1852.0 / 3600.0])
+    assert moved[1].north_m_s.tolist() == pytest.approx([0.0], abs=1e-12)

@@ -23,9 +23,10 @@ from typing import Iterator, Mapping
 
 from rclpy.node import Node
 
+from heading_intercompare.core.motion.motion_record import leave_out_known
 from heading_intercompare.core.pairing.incarnations import Incarnations
 from heading_intercompare.core.pairing.ledger import Ledger
-from heading_intercompare.core.records import Pairs
+from heading_intercompare.core.records import Motion, Pairs
 from heading_intercompare.core.sensors.comparison import SensorsComparison
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.judge import RunResult
@@ -93,6 +94,7 @@ class PairJournals:
         self._journals = {names: TrialJournal(node, one.compliance, own, health, '.'.join(names))
                           for names, one in self._others.items()}
         self.marks = {mark for one in self._journals.values() for mark in one.kept.marks}
+        self._known_ns = {names: {**one.kept.motion_ns} for names, one in self._journals.items()}
         self._before = {names: {**one.kept.numbers} for names, one in self._journals.items()}
         self._uncounted = {names for names, one in self._journals.items()
                            if one.kept.n_pairs and not one.kept.ledgers}
@@ -120,6 +122,13 @@ class PairJournals:
         paired = self._others[names].pairer.ledger.paired if len(pairs) else 0
         self._journals[names].add(pairs, {**self._before[names],
                                           str(self._started_ns): (1, paired, 0)})
+
+    def take_motion(self, motion: Motion) -> None:
+        """Keep motion of the ship and hand it on, to each pair what its journal has not."""
+        for names, journal in self._journals.items():
+            rows = leave_out_known(motion, self._known_ns[names])
+            journal.take_motion(rows)
+            self._others[names].take_motion(rows)
 
     def mark(self, kind: str, stamp_ns: int) -> None:
         """Keep a mark, before it takes effect."""

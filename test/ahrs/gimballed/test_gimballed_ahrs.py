@@ -168,6 +168,7 @@ def test_a9_own_velocity_oscillates_with_the_schuler_period(make_ahrs, run_for):
 
 
 @pytest.mark.slow
+@pytest.mark.endurance
 def test_own_latitude_brings_the_day_into_the_errors(make_ahrs, run_for):
     """An east drift of e swings the latitude by e / W in 24 h; the Schuler motion rides on it."""
     ahrs = make_ahrs(initial_state='aligned', operation='gyro_azimuth', azimuth_deg=0.0,

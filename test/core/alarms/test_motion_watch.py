@@ -72,7 +72,8 @@ def test_a_sensor_that_turns_round_is_named_within_three_minutes(voyage, rng, la
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize('seed', [1, 2, 4, 5])
+@pytest.mark.parametrize('seed', [
+    1, *(pytest.param(seed, marks=pytest.mark.endurance) for seed in (2, 4, 5))])
 def test_sound_sensors_raise_nothing_in_turns_current_and_leeway(seed, rng):
     voyage = sail(seed, current_kn=2.5, leeway_deg=8.0)
     ts, rs = voyage.sensors(rng)

@@ -37,6 +37,7 @@ def ornstein_uhlenbeck(rng, n, step_s, slowest_s):
 
 
 @pytest.mark.slow
+@pytest.mark.endurance
 @pytest.mark.parametrize('level, factor', [(0.5, 1.0), (0.7, 3.0)])
 def test_the_chances_are_those_of_real_verdicts(rng, level, factor):
     """60 verdicts of `analyze`, on a process made step by step: within five standard errors."""

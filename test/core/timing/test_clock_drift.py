@@ -91,6 +91,7 @@ def test_a_constant_skew_does_not_drift(rng):
 
 
 @pytest.mark.slow
+@pytest.mark.endurance
 def test_the_interval_holds_the_slope(rng):
     """95 % of 200; six standard errors of that are 9 %."""
     inside = 0

@@ -87,7 +87,9 @@ def test_an_offset_of_the_clocks_is_found(late_s, motion, rs_hz, rng):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize('motion', [quiet, swell, tones, one_tone, turns, wander])
+@pytest.mark.parametrize('motion', [
+    turns, wander, *(pytest.param(motion, marks=pytest.mark.endurance)
+                     for motion in (quiet, swell, tones, one_tone))])
 def test_independent_motion_gives_no_offset(motion, rng):
     """Of 300 pairs each, half of one ship with true clocks, none has a skew."""
     for k in range(300):

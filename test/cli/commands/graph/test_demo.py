@@ -100,7 +100,8 @@ def test_the_demo_removes_only_what_a_demo_made(tmp_path, capfd, speed):
 @pytest.mark.slow
 @pytest.mark.parametrize('ts, rs, n', [
     ('nbp1406/NBP1406_gyr1-2014-08-01', 'nbp1406/NBP1406_s330-2014-08-01', 625),
-    ('lmg1903/LMG1903_lgyr.d085', 'lmg1903/LMG1903_lsep.d085', 999)], ids=['nbp', 'lmg'])
+    pytest.param('lmg1903/LMG1903_lgyr.d085', 'lmg1903/LMG1903_lsep.d085', 999,
+                 marks=pytest.mark.endurance)], ids=['nbp', 'lmg'])
 def test_real_logs_played_live_give_the_verdict_of_their_import(ts, rs, n, shared_data, tmp_path,
                                                                 capfd):
     config = tmp_path / 'config.yaml'
