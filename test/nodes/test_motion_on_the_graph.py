@@ -301,9 +301,10 @@ def test_a_sensors_watch_that_is_killed_goes_on_with_the_motion_of_its_runs(ros,
     assert compliance.run_start_ns == START_NS and len(compliance.motion.rows) == 300
     play(600, since=300)
     ros.end(watch)
-    (pair,) = watch.verdict.pairs
+    (run,) = watch._journals.results()['a', 'b']
     # The reading of the last second was waiting when the node was killed.
-    assert pair.n in (599, 600) and not [words for words in pair.findings if 'motion' in words]
+    assert run.verdict.n in (599, 600)
+    assert run.verdict.motion.n_velocities == 600 and run.verdict.motion.kind == 'agrees'
 
 
 def test_a_log_without_motion_is_refused_in_one_line(ros, tmp_path):
