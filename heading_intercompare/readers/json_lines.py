@@ -265,7 +265,8 @@ def _place(device: str, fields: Mapping[str, Any]) -> tuple[float, float] | None
     Return latitude and longitude of a record, degrees; None if there are none.
 
     Definitions of devices give them as decimal degrees or as in a sentence, degrees times 100 plus
-    minutes; which it is shows where they exceed 90 or 180.
+    minutes; which it is shows where they exceed 90 or 180. So the latter are read wrongly within
+    one degree of the equator and, at the same time, two of the meridian of Greenwich.
     """
     latitude, longitude = (_real(fields.get(f'{device}{name}'))
                            for name in ('Latitude', 'Longitude'))
