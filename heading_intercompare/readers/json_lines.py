@@ -148,11 +148,16 @@ def _take_motion(found: Collected, update: Mapping[str, Any],
         told_ns, speed = speeds.get(source, (0, 0.0))
         if abs(stamp_ns - told_ns) <= _TOGETHER_NS:
             found.add_motion('velocity', f'{source}/courseOverGroundTrue', stamp_ns,
-                             speed * math.sin(course), speed * math.cos(course))
+                             *_velocity(course, speed))
         else:
             found.not_taken['courseOverGroundTrue.no_speed'] += 1
     if _is_number(rate):
         found.add_motion('rate', f'{source}/rateOfTurn', stamp_ns, math.degrees(rate))
+
+
+def _velocity(course_rad: float, speed_m_s: float) -> tuple[float, float]:
+    """Return the velocity to the east and the north."""
+    return speed_m_s * math.sin(course_rad), speed_m_s * math.cos(course_rad)
 
 
 def _take_update(found: Collected, update: Mapping[str, Any], vessel: str,
@@ -241,21 +246,21 @@ def _real(value: Any) -> float | None:
 
 def _take_openrvdas_motion(found: Collected, label: str, stamp_ns: int,
                            fields: Mapping[str, Any]) -> None:
-    for name in fields:
-        device = name.removesuffix('Latitude')
-        if device != name and fields[name] is not None:
-            place = _place(device, fields)
+    for name, value in fields.items():
+        if name.endswith('Latitude') and value is not None:
+            place = _place(name.removesuffix('Latitude'), fields)
             if place is None:
                 found.not_taken['position.bad_field'] += 1
             else:
                 found.add_motion('fix', f'{label}{name}', stamp_ns, *place)
-        device = name.removesuffix('CourseTrue')
-        course_deg, speed_kn = _real(fields[name]), _real(fields.get(f'{device}SpeedKt'))
-        if device != name and course_deg is not None and speed_kn is not None:
+        elif name.endswith('CourseTrue'):
+            course_deg = _real(value)
+            speed_kn = _real(fields.get(f'{name.removesuffix("CourseTrue")}SpeedKt'))
+            if course_deg is None or speed_kn is None:
+                continue
             if 0.0 <= course_deg <= 360.0 and 0.0 <= speed_kn <= _FASTEST_KN:
-                course, speed = math.radians(course_deg), speed_kn * KNOT_M_S
                 found.add_motion('velocity', f'{label}{name}', stamp_ns,
-                                 speed * math.sin(course), speed * math.cos(course))
+                                 *_velocity(math.radians(course_deg), speed_kn * KNOT_M_S))
             else:
                 found.not_taken['velocity.out_of_range'] += 1
 

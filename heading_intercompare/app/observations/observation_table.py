@@ -28,7 +28,7 @@ from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.observations.corrections import Observations
 from heading_intercompare.core.observations.sight_lines import quay_angle
 from heading_intercompare.readers.errors import ReaderError
-from heading_intercompare.readers.tables import find_time_column, parse_time, TIMES
+from heading_intercompare.readers.tables import find_time_column, read_stamp, TIMES
 
 from .targets import OWN_BEARINGS, Target
 
@@ -181,8 +181,7 @@ def _read_rows(path: str) -> tuple[list[_Row], list[str], float | None]:
             for cells in rows:
                 named = dict(zip(rows.names, map(str.strip, cells)))
                 try:
-                    stamp_ns = parse_time(named[time] if ':' in named[time]
-                                          else rows.plain(named[time]))
+                    stamp_ns = read_stamp(rows, cells, rows.names.index(time))
                 except (ValueError, ArithmeticError):
                     raise ReaderError(
                         path, f'line {rows.line}: {time} = {named[time]!r} must be a time such as '
