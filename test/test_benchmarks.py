@@ -20,6 +20,7 @@ import importlib
 from pathlib import Path
 import sys
 
+from deadlines import DEADLINE_S
 import numpy as np
 import pytest
 
@@ -145,7 +146,7 @@ def test_a_process_of_a_benchmark_finds_a_peer_on_a_relative_path(tmp_path, monk
     monkeypatch.setenv('PYTHONPATH', 'peers')
     process = live.Process(['-c', 'import only_there; print(only_there.__name__)'],
                            tmp_path / 'elsewhere', 1)
-    assert process.process.communicate(timeout=60.0)[0] == 'only_there\n'
+    assert process.process.communicate(timeout=DEADLINE_S)[0] == 'only_there\n'
 
 
 def test_ratios_to_a_peer_are_those_of_the_median_round():

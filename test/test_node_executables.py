@@ -21,6 +21,7 @@ import subprocess
 import sys
 import time
 
+from deadlines import DEADLINE_S
 import pytest
 
 from heading_intercompare import node_executables as executables
@@ -45,7 +46,7 @@ def test_a_node_that_is_interrupted_while_it_loads_ends_without_a_word(number, d
         assert process.stdout.readline() == 'loading\n'
         time.sleep(delay_s)
         process.send_signal(number)
-        said, errors = process.communicate(timeout=60.0)
+        said, errors = process.communicate(timeout=DEADLINE_S)
     finally:
         process.kill()
         process.wait()

@@ -34,6 +34,7 @@ import sys
 import time
 from xml.etree import ElementTree
 
+from deadlines import DEADLINE_S
 import pytest
 import yaml
 
@@ -301,13 +302,13 @@ def interrupted(command: list[str], environment: dict[str, str], cwd: Path) -> t
             stderr=subprocess.STDOUT, preexec_fn=lambda: signal.signal(
                 signal.SIGINT, signal.default_int_handler))
         try:
-            deadline = time.monotonic() + 20.0
+            deadline = time.monotonic() + DEADLINE_S
             while process.poll() is None and time.monotonic() < deadline:
                 if catches(process.pid, signal.SIGHUP):
                     process.send_signal(signal.SIGINT)
                     break
                 time.sleep(0.02)
-            return process.wait(20.0), log.read_text()
+            return process.wait(DEADLINE_S), log.read_text()
         finally:
             process.kill()
             process.wait()

@@ -34,6 +34,7 @@ import sys
 import time
 from types import SimpleNamespace
 
+from deadlines import DEADLINE_S
 import numpy as np
 import pytest
 
@@ -325,7 +326,7 @@ def test_no_process_outlives_the_command(tmp_path, number, code):
                 held.callback(os.close, entered(gate, process))
             process.send_signal(number)
             # Who still runs holds the output open.
-            process.communicate(timeout=20.0)
+            process.communicate(timeout=DEADLINE_S)
         assert process.returncode == code
     finally:
         with suppress(ProcessLookupError):

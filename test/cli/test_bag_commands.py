@@ -27,6 +27,7 @@ import sys
 import termios
 import time
 
+from deadlines import DEADLINE_S
 from mcap.reader import make_reader
 import numpy as np
 import pytest
@@ -347,7 +348,7 @@ class Person:
 
     def sees(self, words):
         """Wait for a text that matches a pattern."""
-        deadline_s = time.monotonic() + 20.0
+        deadline_s = time.monotonic() + DEADLINE_S
         while not (found := re.search(words, self.seen)):
             assert time.monotonic() < deadline_s, self.seen
             self.read()
@@ -355,7 +356,7 @@ class Person:
 
     def ends(self):
         """Wait for the end; return the exit code."""
-        deadline_s = time.monotonic() + 20.0
+        deadline_s = time.monotonic() + DEADLINE_S
         while self.process.poll() is None:
             assert time.monotonic() < deadline_s, self.seen
             self.read()

@@ -22,6 +22,7 @@ import subprocess
 import sys
 import time
 
+from deadlines import DEADLINE_S
 from nodes.launch_files import make_environment
 from ros_domain import DOMAIN
 
@@ -53,9 +54,9 @@ class Processes:
             if process.poll() is None:
                 process.send_signal(number)
 
-    def wait(self, *names: str, timeout_s: float) -> None:
+    def wait(self, *names: str) -> None:
         """Wait until processes have ended, each with exit code 0."""
-        deadline_s = time.monotonic() + timeout_s
+        deadline_s = time.monotonic() + DEADLINE_S
         for name in names:
             code = self.running[name].wait(max(0.1, deadline_s - time.monotonic()))
             said = (self.folder / f'{name}.log').read_text()
@@ -72,9 +73,9 @@ class Processes:
                 print(f'== {name}', said.read_text(errors='replace'), sep='\n')
 
 
-def wait_for(condition, timeout_s=30.0):
+def wait_for(condition):
     """Wait until a condition holds, else fail."""
-    deadline_s = time.monotonic() + timeout_s
+    deadline_s = time.monotonic() + DEADLINE_S
     while not condition():
         assert time.monotonic() < deadline_s, 'the condition did not come true in time'
         time.sleep(0.05)

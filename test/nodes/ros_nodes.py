@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import time
 
+from deadlines import DEADLINE_S
 import rclpy
 from rclpy.context import Context
 from rclpy.node import Node
@@ -69,9 +70,9 @@ class Ros:
         named = {key.replace('__', '.'): value for key, value in values.items()}
         return self.add(make, name=name, parameter_overrides=make_overrides({**NORMS, **named}))
 
-    def spin_until(self, condition, timeout_s=10.0):
+    def spin_until(self, condition):
         """Spin until a condition holds; fail if it does not in time."""
-        deadline_s = time.monotonic() + timeout_s
+        deadline_s = time.monotonic() + DEADLINE_S
         while not condition():
             assert time.monotonic() < deadline_s, 'the condition did not come true in time'
             self.executor.spin_once(0.02)

@@ -30,6 +30,7 @@ import termios
 from threading import Event, Thread
 import time
 
+from deadlines import DEADLINE_S
 from nodes import launch_files
 from nodes.graph_checks import assert_same, log, offline
 from nodes.launch_files import make_environment, nodes
@@ -95,21 +96,21 @@ def short_lease(path, seconds):
 
 def end_trial(processes):
     """Wait for the drivers, end the other nodes with a signal; they end well."""
-    processes.wait('ts_driver', 'rs_driver', timeout_s=60.0)
+    processes.wait('ts_driver', 'rs_driver')
     processes.signal(signal.SIGINT)
-    processes.wait('synchronizer', 'compliance', 'recorder', timeout_s=20.0)
+    processes.wait('synchronizer', 'compliance', 'recorder')
 
 
-def run_live(processes, config, order, number, timeout_s):
+def run_live(processes, config, order, number):
     """Run the live graph on two logs, end it with a signal; return its report and its bag."""
     folder = processes.folder
     bag, reports = folder / 'bag', folder / 'reports'
     made = plan_trial(config, bag, reports)
     for name in order:
         processes.start(made[name])
-    processes.wait('ts_driver', 'rs_driver', timeout_s=timeout_s)
+    processes.wait('ts_driver', 'rs_driver')
     processes.signal(number)
-    processes.wait('synchronizer', 'compliance', 'recorder', timeout_s=15.0)
+    processes.wait('synchronizer', 'compliance', 'recorder')
     written, = reports.iterdir()
     return json.loads(written.read_text('utf-8')), bag
 
@@ -132,7 +133,7 @@ DRIVERS_LAST = ('recorder', 'compliance', 'synchronizer', 'ts_driver', 'rs_drive
 def test_in_any_order_of_start_nothing_is_lost(processes, tmp_path, order, number):
     config = config_of(tmp_path, log(tmp_path / 'ts.log', 300, 0.0, 90.0),
                        log(tmp_path / 'rs.log', 300, 0.05, 90.1), 30.0)
-    report, bag = run_live(processes, config, order, number, 30.0)
+    report, bag = run_live(processes, config, order, number)
     run, = report['runs']
     assert (run['pairing']['ts_received'], run['pairing']['rs_received']) == (300, 300)
     assert run['pairing']['paired'] == run['n'] == 299
@@ -148,7 +149,7 @@ def test_real_logs_at_20_times_the_speed_give_the_offline_verdict(
     """Gyro against Seapath: every sentence of both logs arrives, is paired and recorded."""
     logs = [shared_data / 'nbp1406' / f'NBP1406_{name}-2014-08-01' for name in ('gyr1', 's330')]
     config = config_of(tmp_path, *(f'file:{path}' for path in logs), 20.0)
-    report, bag = run_live(processes, config, DRIVERS_LAST, signal.SIGINT, 120.0)
+    report, bag = run_live(processes, config, DRIVERS_LAST, signal.SIGINT)
     ts, rs = (read_log(path, DriverSettings(source=f'file:{path}'))[0] for path in logs)
     run, = report['runs']
     assert run['pairing']['ts_received'] == len(ts) == 5000
@@ -169,15 +170,15 @@ def test_real_logs_at_20_times_the_speed_give_the_offline_verdict(
 def test_a_replay_as_processes_ends_by_itself_and_gives_the_same_report(processes, tmp_path):
     config = config_of(tmp_path, log(tmp_path / 'ts.log', 300, 0.0, 90.0),
                        log(tmp_path / 'rs.log', 300, 0.05, 90.1), 60.0)
-    live, bag = run_live(processes, config, DRIVERS_LAST, signal.SIGINT, 30.0)
+    live, bag = run_live(processes, config, DRIVERS_LAST, signal.SIGINT)
     reports = tmp_path / 'replayed'
     for node in nodes('replay.launch.py', config=config, bag=str(bag), rate='50.0',
                       report_dir=str(reports)):
         processes.start(node)
-    processes.wait('replayer', timeout_s=30.0)
+    processes.wait('replayer')
     # What `ros2 launch` does when a node with on_exit=Shutdown() has ended.
     processes.signal(signal.SIGINT)
-    processes.wait('synchronizer', 'compliance', timeout_s=15.0)
+    processes.wait('synchronizer', 'compliance')
     written, = reports.iterdir()
     assert_same(json.loads(written.read_text('utf-8')), live)
 
@@ -227,8 +228,7 @@ def test_a_driver_that_is_stopped_keeps_the_times_of_receipt(processes, tmp_path
         ship.stopped.set()
         ship.join()
     processes.signal(signal.SIGINT)
-    processes.wait('ts_driver', 'rs_driver', 'synchronizer', 'compliance', 'recorder',
-                   timeout_s=20.0)
+    processes.wait('ts_driver', 'rs_driver', 'synchronizer', 'compliance', 'recorder')
     reader = BagReader(bag)
     recorded = Headings.concatenate([chunk['ts/heading'] for chunk in reader.headings(
         {'ts/heading': 'enu'})])
@@ -252,9 +252,9 @@ def test_a_replay_as_fast_as_possible_loses_nothing(processes, tmp_path, rate):
     for node in nodes('replay.launch.py', config=str(config), bag=str(bag), rate=rate,
                       report_dir=str(reports)):
         processes.start(node)
-    processes.wait('replayer', timeout_s=90.0)
+    processes.wait('replayer')
     processes.signal(signal.SIGINT)
-    processes.wait('synchronizer', 'compliance', timeout_s=15.0)
+    processes.wait('synchronizer', 'compliance')
     written, = reports.iterdir()
     report = json.loads(written.read_text('utf-8'))
     run, = report['runs']
@@ -276,9 +276,9 @@ def test_a_recorder_that_is_stopped_for_a_while_records_everything(processes, tm
     began_s = time.monotonic()
     wait_for(lambda: time.monotonic() > began_s + 4.0)
     recorder.send_signal(signal.SIGCONT)
-    processes.wait('ts_driver', 'rs_driver', timeout_s=120.0)
+    processes.wait('ts_driver', 'rs_driver')
     processes.signal(signal.SIGINT)
-    processes.wait('synchronizer', 'compliance', 'recorder', timeout_s=15.0)
+    processes.wait('synchronizer', 'compliance', 'recorder')
     counts = {name: info.count for name, info in BagReader(bag).topics.items()}
     assert (counts['/ts/heading'], counts['/rs/heading']) == (6000, 6000)
 
@@ -310,10 +310,9 @@ def test_a_synchronizer_that_the_middleware_had_given_up_misses_nothing(
     wait_for(lambda: time.monotonic() > began_s + seconds)
     for process in stopped:
         process.send_signal(signal.SIGCONT)
-    processes.wait('ts_driver', 'rs_driver', timeout_s=120.0)
+    processes.wait('ts_driver', 'rs_driver')
     ended_s = time.monotonic()
-    wait_for(lambda: count_recorded(bag, '/pairs') >= 1198 or time.monotonic() > ended_s + 40.0,
-             timeout_s=60.0)
+    wait_for(lambda: count_recorded(bag, '/pairs') >= 1198 or time.monotonic() > ended_s + 40.0)
     end_trial(processes)
     written, = reports.iterdir()
     report = json.loads(written.read_text('utf-8'))
@@ -376,9 +375,9 @@ def test_graphs_in_several_namespaces_of_one_domain_do_not_mix(processes, tmp_pa
         found[name] = start_graph(processes, config, f'/{name}', folder / 'bag',
                                   folder / 'reports')
     drivers = [name for names in found.values() for name in names if 'driver' in name]
-    processes.wait(*drivers, timeout_s=60.0)
+    processes.wait(*drivers)
     processes.signal(signal.SIGINT)
-    processes.wait(*(name for names in found.values() for name in names), timeout_s=20.0)
+    processes.wait(*(name for names in found.values() for name in names))
     for name, mean_deg in (('a', -0.1), ('b', 89.9)):
         written, = (tmp_path / name / 'reports').iterdir()
         run, = json.loads(written.read_text('utf-8'))['runs']
@@ -403,14 +402,14 @@ def test_a_second_graph_in_one_namespace_is_refused_and_the_first_goes_on(proces
         processes.start(node)
         second.append(node.file)
     for name in second:
-        assert processes.running[name].wait(20.0) == 2, name
+        assert processes.running[name].wait(DEADLINE_S) == 2, name
         said = (tmp_path / f'{name}.log').read_text()
         line, = [line for line in said.splitlines() if 'error:' in line]
         assert 'also publishes' in line and 'namespace' in line and 'Traceback' not in said
     before = count_recorded(bag)
     wait_for(lambda: count_recorded(bag) >= before + 20)
     processes.signal(signal.SIGINT)
-    processes.wait(*first, timeout_s=20.0)
+    processes.wait(*first)
     written, = reports.iterdir()
     run, = json.loads(written.read_text('utf-8'))['runs']
     expected, = offline(bag)['runs']
@@ -488,17 +487,17 @@ def test_sensors_watch_that_is_killed_goes_on_and_the_verdict_is_that_of_the_bag
         processes.start(node)
     watch = next(node for node in made if node.name == 'sensors_watch')
     for n in (300, 600):
-        wait_for(lambda n=n: count_recorded(bag, '/a/heading') >= n, 90.0)
+        wait_for(lambda n=n: count_recorded(bag, '/a/heading') >= n)
         assert (reports / 'sensors_watch.a.b.journal').exists()
         processes.running['sensors_watch'].kill()
         processes.running['sensors_watch'].wait()
         processes.start(watch)
-    processes.wait('a_driver', 'b_driver', 'c_driver', timeout_s=90.0)
+    processes.wait('a_driver', 'b_driver', 'c_driver')
     # In this order, so that a busy computer does not decide who is late.
     judges = [name for name in processes.running if name[1:] in ('synchronizer', 'compliance')]
     for name in (*sorted(judges, reverse=True), 'sensors_watch', 'recorder'):
         processes.running[name].send_signal(signal.SIGINT)
-        processes.wait(name, timeout_s=20.0)
+        processes.wait(name)
     written, = reports.glob('sensors_*.json')
     found = SensorsVerdict.from_dict(json.loads(written.read_text('utf-8')))
     whole = judge_sensor_bags([str(bag)], Settings.from_mapping(rule)).verdict
@@ -571,7 +570,8 @@ def test_sensors_that_go_on_when_the_graph_ends_do_not_hold_it_up(processes, tmp
     for name in names:
         processes.running[name].send_signal(signal.SIGINT)
     for name in names:
-        assert processes.running[name].wait(30.0) == 0, (tmp_path / f'{name}.log').read_text()
+        said = tmp_path / f'{name}.log'
+        assert processes.running[name].wait(DEADLINE_S) == 0, said.read_text()
     assert time.monotonic() - began_s < 20.0, 'nobody waits for sensors that never end'
     assert processes.running['sensors'].poll() is None
     if how == 'launch':
@@ -593,7 +593,7 @@ def test_a_trial_in_order_logs_no_warning_from_its_start_to_its_end(processes, t
         start_live(processes, tmp_path, config, 'live')
         wait_for(lambda: count_recorded(tmp_path / 'trial') > 100)
         processes.running['live'].send_signal(signal.SIGINT)
-        processes.wait('live', timeout_s=30.0)
+        processes.wait('live')
     finally:
         ship.stopped.set()
         ship.join()
@@ -657,7 +657,7 @@ def test_live_that_is_killed_goes_on_in_a_new_bag_of_the_same_run(processes, tmp
         start_live(processes, tmp_path, config, 'second')
         wait_for(lambda: count_recorded(tmp_path / 'trial_2') > 100)
         processes.running['second'].send_signal(signal.SIGINT)
-        processes.wait('second', timeout_s=30.0)
+        processes.wait('second')
     finally:
         ship.stopped.set()
         ship.join()

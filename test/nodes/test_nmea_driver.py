@@ -111,7 +111,7 @@ def test_what_was_held_back_until_the_sentence_was_chosen_overruns_nobody(ros):
             sender.sendto(''.join(sentence(round(0.1 * n, 1)) for n in range(
                 first, first + 50)).encode(), ('127.0.0.1', port))
             ros.executor.spin_once(0.001)
-    ros.spin_until(lambda: len(heard) == 3000, 20.0)
+    ros.spin_until(lambda: len(heard) == 3000)
 
 
 def test_what_gave_no_heading_is_in_the_diagnostics_by_reason(ros, tmp_path):

@@ -29,6 +29,7 @@ import sys
 import time
 
 from checksums import checksum_of
+from deadlines import DEADLINE_S
 from nodes.launch_files import make_environment
 from nodes.lines import free_port
 import pytest
@@ -94,7 +95,7 @@ class Graph:
         """Send SIGINT to all, as Ctrl-C does, and return the exit codes."""
         for process in self.processes.values():
             process.send_signal(signal.SIGINT)
-        return {name: process.wait(30) for name, process in self.processes.items()}
+        return {name: process.wait(DEADLINE_S) for name, process in self.processes.items()}
 
     def kill(self) -> None:
         for process in self.processes.values():
@@ -103,10 +104,10 @@ class Graph:
                 process.wait()
 
 
-def wait_until(condition, timeout_s: float, what: str) -> None:
-    deadline = time.monotonic() + timeout_s
+def wait_until(condition, what: str) -> None:
+    deadline = time.monotonic() + DEADLINE_S
     while not condition():
-        assert time.monotonic() < deadline, f'not in {timeout_s} s: {what}'
+        assert time.monotonic() < deadline, f'not in {DEADLINE_S} s: {what}'
         time.sleep(0.05)
 
 
@@ -130,9 +131,9 @@ def test_logs_over_udp_give_the_verdict_of_their_import(ship, shared_data, tmp_p
         for role, port in ports.items():
             graph.start('nmea_driver', f'source:="udp://127.0.0.1:{port}"',
                         f'topic:={role}/heading', 'stamp_format:=tag', name=f'{role}_driver')
-        wait_until(lambda: all(bound(port) for port in ports.values()), 60, 'drivers listen')
+        wait_until(lambda: all(bound(port) for port in ports.values()), 'drivers listen')
         # A live line has no audience to wait for: the graph must be up before the first datagram.
-        wait_until(lambda: heard(graph), 60, 'headings have subscriptions')
+        wait_until(lambda: heard(graph), 'headings have subscriptions')
         send({role: datagrams(shared_data / log, form) for role, log in logs.items()}, ports)
         codes = graph.stop()
     finally:

@@ -258,7 +258,7 @@ def test_after_a_second_what_came_is_on_the_disk(ros, tmp_path):
     def on_disk():
         info = BagReader(node.path).topics.get('/ts/heading')
         return info.count if info else 0
-    ros.spin_until(lambda: on_disk() == 50, timeout_s=3.0)
+    ros.spin_until(lambda: on_disk() == 50)
     assert BagReader(node.path).incomplete
 
 
@@ -423,7 +423,7 @@ def test_a_folder_that_is_removed_is_an_error_at_once_and_recording_goes_on(
     # At once, for something may be written into it meanwhile.
     shutil.rmtree((tmp_path / 'bag').rename(tmp_path / 'removed'))
     ros.spin_until(lambda: any(s.level[0] == ERROR and 'No such file' in s.message
-                               for m in states for s in m.status), timeout_s=2.0)
+                               for m in states for s in m.status))
     for message in sent[10:]:
         sensor.publish(message)
     ros.spin_until(lambda: node.written == 20)

@@ -48,7 +48,7 @@ publishers = [node.create_publisher(Imu, topic, qos.HEADINGS_OUT) for topic in t
 stamp_ns = 10 ** 18 + np.arange(count) * (10 ** 9 // rate_hz)
 readings = Headings.as_sent(stamp_ns, np.full(count, 90.0))
 messages = [row.tobytes() for row in encode_imu(readings, 'x')]
-until_s = time.monotonic() + 30.0
+until_s = time.monotonic() + 120.0
 while min(p.get_subscription_count() for p in publishers) < 1:
     if time.monotonic() > until_s:
         raise SystemExit('nobody listens')
@@ -97,7 +97,7 @@ def test_a_thousand_a_second_of_each_sensor_are_recorded_and_losses_counted(reco
         # Best effort may lose under load; what it loses it says.
         processes.signal(signal.SIGINT)
         sending.stdin.close()
-        processes.wait('recorder', timeout_s=15.0)
+        processes.wait('recorder')
     reader = BagReader(bag)
     assert reader.incomplete is None
     said, found = reader.metadata()['recording'], stamps(bag)

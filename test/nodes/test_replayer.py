@@ -526,7 +526,7 @@ def test_another_process_hears_it_under_the_new_name(arguments, tmp_path, monkey
     replayer = subprocess.Popen([sys.executable, *(part.format(bag) for part in arguments)],
                                 stdin=subprocess.DEVNULL)
     try:
-        ros.spin_until(lambda: replayer.poll() is not None, timeout_s=20.0)
+        ros.spin_until(lambda: replayer.poll() is not None)
         ros.spin_until(lambda: len(gyro) == len(rs) == 300)
         assert replayer.returncode == 0
     finally:

@@ -23,6 +23,7 @@ import subprocess
 import sys
 from xml.etree import ElementTree
 
+from deadlines import DEADLINE_S
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
 from nodes.lines import free_port
@@ -276,7 +277,7 @@ def test_a_start_without_keys_fails_closed_in_one_line(program, keystore, tmp_pa
     if keystore == 'empty':
         (tmp_path / 'empty' / 'enclaves').mkdir(parents=True)
     done = subprocess.run([sys.executable, *program], env=environment, cwd=tmp_path, text=True,
-                          capture_output=True, timeout=60, check=False)
+                          capture_output=True, timeout=DEADLINE_S, check=False)
     errors = [line for line in done.stderr.splitlines() if 'error: ' in line]
     assert done.returncode == 2 and len(errors) == 1
     assert 'security' in errors[0].lower() and 'Traceback' not in done.stderr
@@ -287,7 +288,7 @@ def test_a_start_without_keys_fails_closed_in_one_line(program, keystore, tmp_pa
 def test_without_ros2_the_script_says_what_to_install(tmp_path):
     done = subprocess.run([sys.executable, ROOT / 'security' / 'make_keystore.py', tmp_path / 'k'],
                           env={**os.environ, 'PATH': str(tmp_path)}, text=True,
-                          capture_output=True, timeout=60, check=False)
+                          capture_output=True, timeout=DEADLINE_S, check=False)
     assert done.returncode == 2
     assert done.stderr.count('\n') == 1 and 'ros-jazzy-sros2' in done.stderr
 
@@ -299,7 +300,7 @@ def test_the_script_fills_in_namespace_and_topics(tmp_path):
     stand_in.write_text(f'#!/bin/sh\necho "$@" >> {tmp_path}/said\nmkdir -p "$3" || true\n')
     stand_in.chmod(0o755)
     subprocess.run([sys.executable, ROOT / 'security' / 'make_keystore.py', tmp_path / 'k',
-                    '--namespace', '/ship1', '--ts', '/gyro/imu'], timeout=60, check=True,
+                    '--namespace', '/ship1', '--ts', '/gyro/imu'], timeout=DEADLINE_S, check=True,
                    env={**os.environ, 'PATH': f'{tmp_path}:{os.environ["PATH"]}'})
     said = (tmp_path / 'said').read_text().splitlines()
     assert [words.split()[1] for words in said] == ['create_keystore', 'generate_artifacts']

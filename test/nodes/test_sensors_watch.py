@@ -187,14 +187,14 @@ def test_a_compliance_node_that_starts_again_goes_on_and_the_others_do_not_notic
     judges = {name: several(ros, Compliance, name, report_dir=reports) for name in names}
     pairing = [several(ros, Synchronizer, name, subscribers=1) for name in names]
     simulator = several(ros, SensorSimulator, **{**TRIAL, 'subscribers': 2, 'speed': 15.0})
-    ros.spin_until(lambda: judges['gyro1'].n_pairs > 200, 60.0)
+    ros.spin_until(lambda: judges['gyro1'].n_pairs > 200)
     # What waits longest for the disk: a quarter of a second.
     killed = judges.pop('gyro1')
     ros.executor.remove_node(killed)
     ros.nodes.remove(killed)
     killed.destroy_node()
     judges['gyro1'] = several(ros, Compliance, 'gyro1', report_dir=reports)
-    ros.spin_until(lambda: simulator.done, 60.0)
+    ros.spin_until(lambda: simulator.done)
     ros.end(simulator, *pairing, *judges.values(), watch)
     found = watch.verdict
     assert found.vote.wrong == ('gyro2',)
@@ -234,7 +234,7 @@ class Trial:
         others = self.watch._comparison.others
         self.ros.spin_until(lambda: self.booked == {*others} and all(
             (one.compliance.newest_ns or 0) > START_NS + round(seconds * 1e9)
-            for one in others.values()), 60.0)
+            for one in others.values()))
 
     def kill(self):
         """Kill it; the readings go on for a second, 15 s of the trial."""
@@ -245,7 +245,7 @@ class Trial:
 
     def end(self):
         """Let the trial end; return the verdict."""
-        self.ros.spin_until(lambda: self.simulator.done, 60.0)
+        self.ros.spin_until(lambda: self.simulator.done)
         self.ros.end(self.simulator, *self.nodes, self.watch)
         return self.watch.verdict
 

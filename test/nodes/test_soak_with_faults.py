@@ -205,7 +205,7 @@ class Graph:
         self.ship.join()
         self.pause(2.0)
         self.processes.signal(signal.SIGINT)
-        self.processes.wait(*NODES, timeout_s=30.0)
+        self.processes.wait(*NODES)
         newest = max((self.folder / 'reports').iterdir(), key=lambda path: path.stat().st_mtime)
         return json.loads(newest.read_text('utf-8'))
 

@@ -30,6 +30,7 @@ from urllib.error import HTTPError
 from urllib.request import Request, urlopen
 
 from checksums import with_checksum
+from deadlines import DEADLINE_S
 import pytest
 
 pytestmark = [pytest.mark.slow, pytest.mark.process]
@@ -105,7 +106,7 @@ class Graph:
                  str(self._config), '--web', self._web, '--quiet'], cwd=self._folder, stdout=out,
                 stderr=subprocess.STDOUT, env={**os.environ, 'PYTHONPATH': os.pathsep.join(
                     [str(ROOT), os.environ.get('PYTHONPATH', '')])})
-        deadline_s = time.monotonic() + 60.0
+        deadline_s = time.monotonic() + DEADLINE_S
         while 'page: ' not in self.said.read_text():
             assert self._process.poll() is None, self.said.read_text()
             assert time.monotonic() < deadline_s
@@ -115,7 +116,7 @@ class Graph:
     def stop(self):
         if self._process is not None:
             self._process.send_signal(signal.SIGINT)
-            self._process.wait(40.0)
+            self._process.wait(DEADLINE_S)
             self._process = None
 
 
@@ -165,12 +166,12 @@ def page(browser, graph):
     assert wrong == []
 
 
-def await_text(page, selector, pattern, timeout_s=30.0):
+def await_text(page, selector, pattern):
     """Wait until an element has a text; return it."""
     page.wait_for_function(
         '([selector, pattern]) => new RegExp(pattern).test('
         'document.querySelector(selector)?.textContent ?? "")',
-        arg=[selector, pattern], timeout=1000.0 * timeout_s)
+        arg=[selector, pattern], timeout=1000.0 * DEADLINE_S)
     return page.text_content(selector)
 
 
@@ -246,7 +247,8 @@ def test_a_silent_sensor_goes_stale_raises_an_alarm_and_is_acknowledged(page, sh
     ({'Host': 'evil.example'}, 'GET', 403), ({}, 'GET', 200)])
 def test_requests_of_other_sites_are_refused(graph, headers, method, status):
     try:
-        with urlopen(Request(graph.url, headers=headers, method=method), timeout=10) as answer:
+        request = Request(graph.url, headers=headers, method=method)
+        with urlopen(request, timeout=DEADLINE_S) as answer:
             found = answer.status
     except HTTPError as error:
         found = error.code
@@ -256,10 +258,10 @@ def test_requests_of_other_sites_are_refused(graph, headers, method, status):
 def test_the_page_says_it_is_not_live_and_goes_on_after_a_restart(page, graph):
     await_text(page, '.k-ts_heading', r'^\d{3}')
     graph.stop()
-    page.wait_for_selector('#page-dead', state='visible', timeout=20000)
+    page.wait_for_selector('#page-dead', state='visible', timeout=1000.0 * DEADLINE_S)
     assert 'NOT LIVE' in page.text_content('#page-dead')
     graph.start()
-    page.wait_for_selector('#page-dead', state='hidden', timeout=40000)
+    page.wait_for_selector('#page-dead', state='hidden', timeout=1000.0 * DEADLINE_S)
     await_text(page, '.k-ts_heading', r'^\d{3}\.\d°$')
     # While the server is away, the browser says that it cannot be reached.
     page.wrong[:] = [text for text in page.wrong

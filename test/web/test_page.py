@@ -34,7 +34,7 @@ bridge.take_sensors('figures', 5, [Status('gyro1', OK, '', {{
     'heading_deg': '45.0', 'age_s': '0.1', 'stale': 'false'}})], 1.0)
 bridge.take_sensors('vote', 5, [Status('now', ERROR, 'gyro1 differs', {{'wrong': 'gyro1'}})], 1.0)
 server = PageServer(Controls(lambda: (bridge.view(1.5), 0.0), None), port=0)
-print(html.unescape(urllib.request.urlopen(server.url, timeout=30).read().decode()))
+print(html.unescape(urllib.request.urlopen(server.url, timeout=120).read().decode()))
 server.close()
 """
 

@@ -21,6 +21,7 @@ import socket
 import subprocess
 import sys
 
+from deadlines import DEADLINE_S
 import pytest
 
 from heading_intercompare.core.settings import SettingsError
@@ -61,6 +62,6 @@ def test_without_nicegui_one_line_says_what_to_install():
             'from heading_intercompare.web.server import PageServer\n'
             'PageServer(None, port=0)')
     done = subprocess.run([sys.executable, '-c', code], capture_output=True, text=True,
-                          timeout=60, check=False)
+                          timeout=DEADLINE_S, check=False)
     assert done.stderr.splitlines()[-1].endswith(
         "SettingsError: the page needs NiceGUI: pip install 'heading_intercompare[web]'")

@@ -25,6 +25,7 @@ import sys
 import threading
 import time
 
+from deadlines import DEADLINE_S
 import pytest
 
 from heading_intercompare.bags.errors import BagError
@@ -237,7 +238,7 @@ def test_no_helper_outlives_its_parent(write_bag):
     assert done.returncode == -signal.SIGKILL and not done.stderr
     children = done.stdout.split()
     assert len(children) == 2
-    deadline = time.monotonic() + 60.0
+    deadline = time.monotonic() + DEADLINE_S
     while (alive := [pid for pid in children if _runs(pid)]) and time.monotonic() < deadline:
         time.sleep(0.05)
     assert not alive

@@ -27,6 +27,7 @@ import sys
 import threading
 import time
 
+from deadlines import DEADLINE_S
 import pytest
 
 from heading_intercompare.bags.mcap.chunk_writer import ChunkWriter
@@ -102,7 +103,7 @@ class Trial:
 
     def run_until(self, condition) -> None:
         """Record until a condition holds."""
-        deadline_s = time.monotonic() + 10.0
+        deadline_s = time.monotonic() + DEADLINE_S
         while not condition():
             assert time.monotonic() < deadline_s
             self.run(0.1)
@@ -423,7 +424,7 @@ while True:
 def test_killed_at_any_moment_at_most_a_second_is_lost(tmp_path, after_s):
     process = subprocess.Popen([sys.executable, '-c', SENDER, str(tmp_path / 'bag')])
     try:
-        deadline_s = time.monotonic() + 30.0
+        deadline_s = time.monotonic() + DEADLINE_S
         while not (tmp_path / 'bag' / 'metadata.yaml').exists():
             assert time.monotonic() < deadline_s and process.poll() is None
             os.sched_yield()
@@ -455,7 +456,7 @@ def test_a_disk_that_takes_long_to_sync_holds_up_nobody(tmp_path, disk, monkeypa
     def slow(descriptor):
         assert threading.current_thread() is not threading.main_thread()
         waited.append(descriptor)
-        assert over.wait(30.0)
+        assert over.wait(DEADLINE_S)
         fsync(descriptor)
     with monkeypatch.context() as patch:
         patch.setattr(os, 'fsync', slow)
@@ -516,8 +517,8 @@ print(bag.faults, bag.lost, bag.written)
 
 @pytest.mark.process
 def test_files_that_the_system_refuses_to_let_grow_are_followed_by_others(tmp_path):
-    done = subprocess.run([sys.executable, '-c', LIMITED, str(tmp_path / 'bag')], timeout=60,
-                          capture_output=True, text=True, check=True)
+    done = subprocess.run([sys.executable, '-c', LIMITED, str(tmp_path / 'bag')],
+                          timeout=DEADLINE_S, capture_output=True, text=True, check=True)
     faults, rest = done.stdout.split(' ', 1)
     assert int(faults) >= 2 and rest == '{} 2000\n', done.stderr
     reader = BagReader(tmp_path / 'bag')

@@ -21,6 +21,7 @@ from pathlib import Path
 import shutil
 import subprocess
 
+from deadlines import DEADLINE_S
 import numpy as np
 import pytest
 
@@ -216,7 +217,7 @@ def javascript(tmp_path_factory):
 @pytest.mark.slow
 def test_the_libraries_of_foxglove_decode_every_message(bag, javascript):
     done = subprocess.run(['node', 'read.js', str(bag / 'bag_0.mcap')], cwd=javascript,
-                          capture_output=True, text=True, timeout=60)
+                          capture_output=True, text=True, timeout=DEADLINE_S)
     assert done.returncode == 0, done.stderr
     theirs = {(topic, int(stamp)): without_rounding(message)
               for topic, stamp, message in json.loads(done.stdout)}
@@ -230,7 +231,7 @@ def test_the_libraries_of_foxglove_decode_every_message(bag, javascript):
 def test_what_the_library_of_foxglove_writes_is_read(tmp_path, javascript, chunks):
     path = tmp_path / 'a.mcap'
     done = subprocess.run(['node', 'write.js', str(path), chunks], cwd=javascript,
-                          capture_output=True, text=True, timeout=60)
+                          capture_output=True, text=True, timeout=DEADLINE_S)
     assert done.returncode == 0, done.stderr
     assert_read(path)
 

@@ -29,6 +29,7 @@ import threading
 import time
 from types import SimpleNamespace
 
+from deadlines import DEADLINE_S
 import pytest
 
 from heading_intercompare.cli.terminal import progress
@@ -53,7 +54,7 @@ class Terminal:
         """Return the text written since the last call; the system may hand it over later."""
         self.stderr.write(_MARK)
         self.stderr.flush()
-        found, deadline_s = '', time.monotonic() + 10.0
+        found, deadline_s = '', time.monotonic() + DEADLINE_S
         while not found.endswith(_MARK):
             assert time.monotonic() < deadline_s
             if select.select([self.side], [], [], 0.1)[0]:

@@ -109,7 +109,7 @@ with LiveView('live: trial', 'Ctrl-C ends the trial') as view:
     print('page: http://127.0.0.1:1/')
     view.tell('alarm raised')
     import time
-    deadline = time.monotonic() + 5.0
+    deadline = time.monotonic() + 120.0
     while len(view._screen._tap.lines) < 4 and time.monotonic() < deadline:
         pass
     show(view, 4)

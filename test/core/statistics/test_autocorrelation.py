@@ -305,7 +305,7 @@ def test_segments_give_the_autocorrelation_of_the_whole(rng):
         spectrum = np.abs(np.fft.rfft(e, 2 * e.size)) ** 2
         expected = np.fft.irfft(spectrum)[:e.size] / (e @ e)
         for m in (1, 7, 5000, 40_000, 150_000):
-            assert autocorrelate(x, m) == pytest.approx(expected[:m + 1], abs=1e-11), (kind, m)
+            assert np.abs(autocorrelate(x, m) - expected[:m + 1]).max() < 1e-11, (kind, m)
 
 
 def test_one_measurement_serves_all_who_ask_for_the_correlation(rng):

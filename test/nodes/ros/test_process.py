@@ -24,6 +24,7 @@ import subprocess
 import sys
 import time
 
+from deadlines import DEADLINE_S
 from nodes.ros_nodes import NORMS
 import pytest
 
@@ -137,13 +138,13 @@ def test_a_recorder_whose_terminal_is_closed_closes_its_bag(tmp_path):
                           stdin=its, stdout=its, stderr=its, start_new_session=True) as process:
         os.close(its)
         try:
-            deadline_s = time.monotonic() + 120.0
+            deadline_s = time.monotonic() + DEADLINE_S
             while not (bag / 'metadata.yaml').exists():
                 assert time.monotonic() < deadline_s and process.poll() is None
                 time.sleep(0.02)
             os.close(mine)
             process.send_signal(signal.SIGHUP)
-            assert process.wait(timeout=15.0) == 0
+            assert process.wait(timeout=DEADLINE_S) == 0
         finally:
             process.kill()
     assert BagReader(bag).incomplete is None
@@ -154,7 +155,7 @@ def test_a_recorder_whose_terminal_is_closed_closes_its_bag(tmp_path):
 def test_every_executable_of_the_package_is_a_node_that_refuses_what_it_does_not_know(name):
     code = f'from heading_intercompare.nodes.{name} import main; raise SystemExit(main())'
     done = subprocess.run([sys.executable, '-c', code, '--ros-args', '-p', 'nonsense:=1'],
-                          capture_output=True, text=True, timeout=60)
+                          capture_output=True, text=True, timeout=DEADLINE_S)
     assert done.returncode == 2
     assert done.stderr.strip() == f"{name}: error: unknown parameter 'nonsense'"
 

@@ -117,7 +117,7 @@ def test_services_and_bursts_of_single_messages_are_served(ros):
     for _ in range(500):
         publisher.publish(String(data='x'))
     asked = client.call_async(Trigger.Request())
-    ros.spin_until(lambda: asked.done() and len(heard) == 500, 5.0)
+    ros.spin_until(lambda: asked.done() and len(heard) == 500)
 
 
 def test_what_is_destroyed_in_a_callback_is_gone_and_what_is_made_there_is_spun(ros):

@@ -22,6 +22,7 @@ import subprocess
 import sys
 import time
 
+from deadlines import DEADLINE_S
 import pytest
 from ros_domain import DOMAIN
 
@@ -51,10 +52,10 @@ def test_a_note_reaches_the_bag_that_is_recorded(tmp_path):
         env=environment, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
     try:
         done = subprocess.run([*command, 'note', 'course', 'change'], env=environment,
-                              cwd=tmp_path, capture_output=True, text=True, timeout=30)
+                              cwd=tmp_path, capture_output=True, text=True, timeout=DEADLINE_S)
         assert (done.returncode, done.stdout) == (0, 'noted: course change\n'), done.stderr
         recorder.send_signal(signal.SIGINT)
-        said = recorder.communicate(timeout=15)[1]
+        said = recorder.communicate(timeout=DEADLINE_S)[1]
     finally:
         recorder.kill()
         recorder.wait()

@@ -22,6 +22,7 @@ import subprocess
 import sys
 import time
 
+from deadlines import DEADLINE_S
 import numpy as np
 import pytest
 from ros_domain import take_domain
@@ -53,12 +54,12 @@ def test_without_a_terminal_lines_say_for_whom_a_replay_waits(tmp_path, options,
              *options], stderr=file,
             env={**os.environ, 'ROS_DOMAIN_ID': str(take_domain())}) as process:
         try:
-            deadline_s = time.monotonic() + 30.0
+            deadline_s = time.monotonic() + DEADLINE_S
             while wanted not in said.read_text():
                 assert time.monotonic() < deadline_s and process.poll() is None, said.read_text()
                 os.sched_yield()
             process.send_signal(signal.SIGINT)
-            assert process.wait(15.0) == 0
+            assert process.wait(DEADLINE_S) == 0
         finally:
             process.kill()
     assert said.read_text().splitlines()[0].startswith('bag: ')
