@@ -29,11 +29,13 @@ from numpy.typing import ArrayLike, NDArray
 from .given_stamps import integer_stamps, utc_stamps
 from .utc_text import utc
 
-__all__ = ['Attitude', 'Differences', 'Headings', 'Integers', 'KNOT_M_S', 'Losses', 'Motion',
-           'Pairs', 'Reals']
+__all__ = ['Attitude', 'Differences', 'FASTEST_M_S', 'FASTEST_TURN_DEG_S', 'Headings', 'Integers',
+           'KNOT_M_S', 'Losses', 'Motion', 'Pairs', 'Reals']
 
 KNOT_M_S = 1852.0 / 3600.0
 """One knot, m/s."""
+FASTEST_M_S, FASTEST_TURN_DEG_S = 80.0, 60.0
+"""No ship moves or turns faster, m/s and degrees per second: such a reading is a mistake."""
 
 Reals = NDArray[np.float64]
 Integers = NDArray[np.int64]

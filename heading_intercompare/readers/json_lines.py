@@ -22,7 +22,7 @@ import re
 from typing import Any, Iterator, Mapping, TypeGuard
 
 from heading_intercompare.bags.csv.stamp_cells import nanoseconds, utc_nanoseconds
-from heading_intercompare.core.records import KNOT_M_S
+from heading_intercompare.core.records import FASTEST_M_S, FASTEST_TURN_DEG_S, KNOT_M_S
 
 from .stream_recording import Collected
 
@@ -40,9 +40,10 @@ _COURSE, _SPEED, _POSITION, _RATE = (
     'navigation.courseOverGroundTrue', 'navigation.speedOverGround', 'navigation.position',
     'navigation.rateOfTurn')
 _SELF = ('', 'vessels.self')
-_FASTEST_KN = 150.0
 #: A course and a speed in two updates belong together if they are at most this far apart.
 _TOGETHER_NS = 2 * 10 ** 9
+#: A full turn, rounded up by a device that counts 1e-4 rad.
+_TURN_RAD = 6.2832
 
 
 def is_signalk(head: bytes) -> bool:
@@ -147,17 +148,23 @@ def _take_motion(found: Collected, update: Mapping[str, Any],
     if _is_number(course):
         told_ns, speed = speeds.get(source, (0, 0.0))
         if abs(stamp_ns - told_ns) <= _TOGETHER_NS:
-            found.add_motion('velocity', f'{source}/courseOverGroundTrue', stamp_ns,
-                             *_velocity(course, speed))
+            _take_velocity(found, f'{source}/courseOverGroundTrue', stamp_ns, course, speed)
         else:
             found.not_taken['courseOverGroundTrue.no_speed'] += 1
     if _is_number(rate):
-        found.add_motion('rate', f'{source}/rateOfTurn', stamp_ns, math.degrees(rate))
+        if abs(math.degrees(rate)) <= FASTEST_TURN_DEG_S:
+            found.add_motion('rate', f'{source}/rateOfTurn', stamp_ns, math.degrees(rate))
+        else:
+            found.not_taken['rateOfTurn.out_of_range'] += 1
 
 
-def _velocity(course_rad: float, speed_m_s: float) -> tuple[float, float]:
-    """Return the velocity to the east and the north."""
-    return speed_m_s * math.sin(course_rad), speed_m_s * math.cos(course_rad)
+def _take_velocity(found: Collected, stream: str, stamp_ns: int, course_rad: float,
+                   speed_m_s: float) -> None:
+    if 0.0 <= course_rad <= _TURN_RAD and 0.0 <= speed_m_s <= FASTEST_M_S:
+        found.add_motion('velocity', stream, stamp_ns, speed_m_s * math.sin(course_rad),
+                         speed_m_s * math.cos(course_rad))
+    else:
+        found.not_taken['velocity.out_of_range'] += 1
 
 
 def _take_update(found: Collected, update: Mapping[str, Any], vessel: str,
@@ -256,13 +263,9 @@ def _take_openrvdas_motion(found: Collected, label: str, stamp_ns: int,
         elif name.endswith('CourseTrue'):
             course_deg = _real(value)
             speed_kn = _real(fields.get(f'{name.removesuffix("CourseTrue")}SpeedKt'))
-            if course_deg is None or speed_kn is None:
-                continue
-            if 0.0 <= course_deg <= 360.0 and 0.0 <= speed_kn <= _FASTEST_KN:
-                found.add_motion('velocity', f'{label}{name}', stamp_ns,
-                                 *_velocity(math.radians(course_deg), speed_kn * KNOT_M_S))
-            else:
-                found.not_taken['velocity.out_of_range'] += 1
+            if course_deg is not None and speed_kn is not None:
+                _take_velocity(found, f'{label}{name}', stamp_ns, math.radians(course_deg),
+                               speed_kn * KNOT_M_S)
 
 
 def _place(device: str, fields: Mapping[str, Any]) -> tuple[float, float] | None:

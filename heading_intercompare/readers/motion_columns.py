@@ -20,7 +20,14 @@ from typing import NamedTuple, Sequence
 
 import numpy as np
 
-from heading_intercompare.core.records import Integers, KNOT_M_S, Motion, Reals
+from heading_intercompare.core.records import (
+    FASTEST_M_S,
+    FASTEST_TURN_DEG_S,
+    Integers,
+    KNOT_M_S,
+    Motion,
+    Reals,
+)
 
 __all__ = ['find_motion_columns', 'make_motion', 'MotionColumn']
 
@@ -32,7 +39,6 @@ _SPEEDS = {f'{name}_{unit}': factor for name in ('speed_over_ground', 'sog')
                                 ('knots', KNOT_M_S), ('m_s', 1.0), ('mps', 1.0))}
 _RATES = {f'{name}_{unit}': factor for name in ('rate_of_turn', 'rot')
           for unit, factor in (('deg_s', 1.0), ('deg_min', 1.0 / 60.0))}
-_FASTEST_M_S = 80.0
 
 
 class MotionColumn(NamedTuple):
@@ -102,9 +108,9 @@ def make_motion(column: MotionColumn, stamp_ns: Integers,
         good = (np.abs(values[0]) <= 90.0) & (np.abs(values[1]) <= 180.0)
     elif column.what == 'velocity':
         good = ((values[0] >= 0.0) & (values[0] <= 360.0) & (values[1] >= 0.0)
-                & (values[1] * column.factor <= _FASTEST_M_S))
+                & (values[1] * column.factor <= FASTEST_M_S))
     else:
-        good = np.abs(values[0] * column.factor) <= 60.0
+        good = np.abs(values[0] * column.factor) <= FASTEST_TURN_DEG_S
     kept, wrong = there & good, int(np.count_nonzero(there & ~good))
     stamps, told = stamp_ns[kept], [one[kept] for one in values]
     if column.what == 'fix':

@@ -19,6 +19,8 @@ from __future__ import annotations
 import math
 from typing import Any, Callable, Mapping, NamedTuple
 
+from heading_intercompare.core.records import FASTEST_M_S, FASTEST_TURN_DEG_S
+
 __all__ = ['decode_motion_fields', 'decode_motion_pgn', 'MOTION_PGNS', 'MovedRow']
 
 
@@ -57,16 +59,22 @@ def _position(latitude_deg: float, longitude_deg: float) -> MovedRow | str:
 
 
 def _velocity(course_rad: float, speed_m_s: float) -> MovedRow | str:
-    if not (0.0 <= course_rad <= 6.2832 and 0.0 <= speed_m_s <= 80.0):
+    if not (0.0 <= course_rad <= 6.2832 and 0.0 <= speed_m_s <= FASTEST_M_S):
         return 'out_of_range'
     return MovedRow('velocity', speed_m_s * math.sin(course_rad),
                     speed_m_s * math.cos(course_rad))
 
 
+def _rate(rate_deg_s: float) -> MovedRow | str:
+    if not abs(rate_deg_s) <= FASTEST_TURN_DEG_S:
+        return 'out_of_range'
+    return MovedRow('rate', rate_deg_s, math.nan)
+
+
 def _decode_rate(data: bytes) -> MovedRow | str:
     """Read PGN 127251: sequence, rate in 1e-6 / 32 rad/s."""
     rate = _signed(data, 1, 4)
-    return 'empty' if rate >= _NO_LONG else MovedRow('rate', rate * _RATE_DEG_S, math.nan)
+    return 'empty' if rate >= _NO_LONG else _rate(rate * _RATE_DEG_S)
 
 
 def _decode_rapid_position(data: bytes) -> MovedRow | str:
@@ -150,7 +158,7 @@ def decode_motion_fields(pgn: int, fields: Mapping[str, Any], radians: float) ->
             return 'bad_field'
         values.append(float(value))
     if pgn == 127251:
-        return MovedRow('rate', math.degrees(values[0] * radians), math.nan)
+        return _rate(math.degrees(values[0] * radians))
     if pgn != 129026:
         # Positions are degrees in any units.
         return _position(values[0], values[1])

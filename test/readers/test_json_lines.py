@@ -49,6 +49,22 @@ def read(tmp_path, reader, text):
              for name, h in found.streams().items()}, dict(found.not_taken))
 
 
+def test_what_no_ship_does_is_not_taken_from_signal_k(tmp_path):
+    """It was believed: 300 m/s, a course of 9 rad, 70 degrees per second."""
+    rows = [delta('gps', speedOverGround=300.0, courseOverGroundTrue=1.0),
+            delta('gps', speedOverGround=5.0, courseOverGroundTrue=9.0),
+            delta('gps', speedOverGround=-5.0, courseOverGroundTrue=1.0),
+            delta('gps', rateOfTurn=math.radians(70.0)),
+            delta('gps', speedOverGround=5.0, courseOverGroundTrue=6.2832, rateOfTurn=0.01)]
+    path = tmp_path / 'a.log'
+    path.write_text(''.join(f'{json.dumps(row)}\n' for row in rows))
+    found = read_signalk(str(path))
+    assert dict(found.not_taken) == {'velocity.out_of_range': 3, 'rateOfTurn.out_of_range': 1}
+    motion = found.motion()
+    assert motion['velocity']['gps/courseOverGroundTrue'].north_m_s == pytest.approx([5.0])
+    assert motion['rate']['gps/rateOfTurn'].rate_deg_s == pytest.approx([math.degrees(0.01)])
+
+
 @pytest.mark.parametrize('prefix', ['', '1408118400081;I;'])
 def test_deltas_of_signal_k(tmp_path, prefix):
     rows = [

@@ -76,6 +76,7 @@ def test_a_message_is_decoded_by_hand(pgn):
     (129026, b'\x01\xfc\xff\xff\x00\x00\xff\xff', 'empty'),
     (129026, b'\x01\xfc\x00\x00\xff\xff\xff\xff', 'empty'), (129026, course(6.3), 'out_of_range'),
     (129026, course(m_s=90.0), 'out_of_range'), (129025, place(91.0), 'out_of_range'),
+    (127251, rate(1.05), 'out_of_range'),
     (129025, b'\xff\xff\xff\x7f' * 2, 'empty'), (127251, b'\x01\xff\xff\xff\x7f', 'empty'),
     (129029, fix(method=0), 'no_fix'), (129029, fix()[:31], 'too_few_fields')])
 def test_a_message_that_tells_nothing_says_why(pgn, data, why):

@@ -23,6 +23,7 @@ from __future__ import annotations
 
 from contextlib import contextmanager
 from functools import partial
+import math
 import os
 from pathlib import Path
 import struct
@@ -218,7 +219,7 @@ class Part:
     def _take_summary(self, summary: bytes) -> bool:
         """Take the contents from the summary section; False if something is missing."""
         statistics = None
-        for record in walk(summary, 0, len(summary), of_messages=False)[1]:
+        for record in walk(summary, 0, len(summary), math.inf)[1]:
             content = summary[record.start:record.start + record.length]
             if record.opcode == Opcode.STATISTICS:
                 statistics = parse_record(mcap.Statistics, content)

@@ -98,18 +98,22 @@ class Block:
     others: tuple[Record, ...]
 
 
+def _most_definitions(messages: int) -> int:
+    return max(_MOST_DEFINITIONS, _DEFINITIONS_OF_MESSAGE * messages)
+
+
 def refuse_definitions(others: int, messages: int) -> None:
     """Raise BagError for more other records than messages need, which would fill the memory."""
-    if others > max(_MOST_DEFINITIONS, _DEFINITIONS_OF_MESSAGE * messages):
+    if others > _most_definitions(messages):
         raise BagError('too many records that are no messages')
 
 
-def walk(data: bytes, begin: int, end: int, of_messages: bool = True
+def walk(data: bytes, begin: int, end: int, definitions: float = _MOST_DEFINITIONS
          ) -> tuple[list[int], list[Record]]:
     """
     Return message offsets and the other records; BagError unless they end at `end`.
 
-    Where the records are those of messages, more definitions than these need are refused.
+    More other records are refused than `definitions` and than the messages need.
     """
     messages, others = [], []
     unpack, message = HEAD.unpack_from, int(Opcode.MESSAGE)
@@ -127,8 +131,8 @@ def walk(data: bytes, begin: int, end: int, of_messages: bool = True
             if opcode == INVALID_OPCODE:
                 raise BagError('a record of type 0', offset=at)
             others.append(Record(opcode, at + HEAD.size, length))
-            if of_messages:
-                refuse_definitions(len(others), len(messages))
+            if len(others) > max(definitions, _DEFINITIONS_OF_MESSAGE * len(messages)):
+                raise BagError('too many records that are no messages')
         at = behind
     return messages, others
 
@@ -185,16 +189,21 @@ def _follow_index(data: bytes, at: np.ndarray) -> _Found | None:
     if (length.min() < _FIXED or length.max() > len(data) or (behind > ahead).any()
             or (heads['opcode'] != Opcode.MESSAGE).any()):
         return None
-    others = []
-    holes = [(0, at[0])] if at[0] else []
+    others: list[Record] = []
+    # Before each hole lie this many messages.
+    holes = [(0, 0, at[0])] if at[0] else []
     for number in np.flatnonzero(behind != ahead):
-        holes.append((behind[number], ahead[number]))
-    for begin, end in holes:
-        messages, found = walk(data, int(begin), int(end))
+        holes.append((number + 1, behind[number], ahead[number]))
+    for before, begin, end in holes:
+        try:
+            messages, found = walk(data, int(begin), int(end),
+                                   _most_definitions(int(before)) - len(others))
+        except BagError:
+            # The index may name a message within the payload of another.
+            return None
         if messages:
             return None
         others += found
-        refuse_definitions(len(others), len(at))
     return at, heads, behind, others
 
 

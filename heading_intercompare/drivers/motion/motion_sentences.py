@@ -20,12 +20,13 @@ import math
 import re
 from typing import Callable, NamedTuple
 
-from heading_intercompare.core.records import KNOT_M_S
+from heading_intercompare.core.records import FASTEST_M_S, FASTEST_TURN_DEG_S, KNOT_M_S
 from heading_intercompare.drivers.sentences import Rejected
 
 __all__ = ['COURSE', 'MOTION_KINDS', 'parse_motion', 'POSITION', 'RATE', 'Told']
 
 POSITION, COURSE, RATE = 'position', 'course', 'rate'
+_FASTEST_KN, _FASTEST_DEG_MIN = FASTEST_M_S / KNOT_M_S, 60.0 * FASTEST_TURN_DEG_S
 
 _is_number = re.compile(rb' *[+-]?(?:\d+\.?\d*|\.\d+) *\Z').match
 _is_angle = re.compile(rb'(\d{2,3})(\d\d(?:\.\d*)?)\Z').match
@@ -107,8 +108,8 @@ def _parse_vtg(fields: list[bytes]) -> list[Told]:
         raise Rejected('not_true')
     course = _number(fields, 1, 0.0, 360.0)
     if _field(fields, 5):
-        return [_course(course, _number(fields, 5, 0.0, 150.0))]
-    return [_course(course, _number(fields, 7, 0.0, 280.0) / 1.852)]
+        return [_course(course, _number(fields, 5, 0.0, _FASTEST_KN))]
+    return [_course(course, _number(fields, 7, 0.0, 1.852 * _FASTEST_KN) / 1.852)]
 
 
 def _parse_rmc(fields: list[bytes]) -> list[Told]:
@@ -118,7 +119,8 @@ def _parse_rmc(fields: list[bytes]) -> list[Told]:
     _check_mode(fields, 12)
     found = [_position(fields, 3)]
     if _field(fields, 7) and _field(fields, 8):
-        found.append(_course(_number(fields, 8, 0.0, 360.0), _number(fields, 7, 0.0, 150.0)))
+        found.append(_course(_number(fields, 8, 0.0, 360.0),
+                             _number(fields, 7, 0.0, _FASTEST_KN)))
     return found
 
 
@@ -148,7 +150,7 @@ def _parse_rot(fields: list[bytes]) -> list[Told]:
     """Read `xxROT,rate,A`: degrees per minute, negative to port."""
     if _field(fields, 2) != b'A':
         raise Rejected('invalid_mode')
-    return [Told(RATE, _number(fields, 1, -3600.0, 3600.0) / 60.0, math.nan)]
+    return [Told(RATE, _number(fields, 1, -_FASTEST_DEG_MIN, _FASTEST_DEG_MIN) / 60.0, math.nan)]
 
 
 #: Kind of sentence -> what it tells, and its parser; of each, the earlier kind is preferred.

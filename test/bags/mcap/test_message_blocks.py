@@ -16,6 +16,8 @@
 
 from __future__ import annotations
 
+import math
+
 from mcap.opcode import Opcode
 import numpy as np
 import pytest
@@ -123,7 +125,26 @@ def test_more_definitions_than_messages_need_are_refused(opcode):
     assert len(block_of(one + empty * 131_072, 0).others) == 131_072
     many = one + (one + empty * 4) * 40_000
     assert len(block_of(many, 0).others) == 160_000
-    assert len(walk(empty * 140_000, 0, 9 * 140_000, of_messages=False)[1]) == 140_000
+    assert len(walk(empty * 140_000, 0, 9 * 140_000, math.inf)[1]) == 140_000
+
+
+def test_definitions_after_many_messages_are_allowed_with_an_index_and_without():
+    """The index was refused: only the messages between the definitions were counted."""
+    empty, messages = HEAD.pack(Opcode.SCHEMA, 0), records([(1, 5), (1, 6)] * 20_000)
+    data = messages[0] + empty * 140_000 + message(2, 1, 5)
+    offsets = np.array([*messages[1], len(data) - len(message(2, 1, 5))])
+    found = block_of(data, 0, lambda: offsets)
+    assert (len(found.start), len(found.others)) == (40_001, 140_000)
+    assert same(found, block_of(data, 0))
+
+
+def test_an_index_that_names_a_message_within_another_does_no_harm():
+    """The chunk was refused as damaged."""
+    inner = message(1, 7, 3)
+    outer = MESSAGE_HEAD.pack(Opcode.MESSAGE, 22 + len(inner), 1, 0, 100, 200) + inner
+    data = outer + message(1, 1, 5)
+    found = block_of(data, 0, lambda: np.array([len(outer) - len(inner), len(outer)]))
+    assert same(found, block_of(data, 0)) and found.heads['sequence'].tolist() == [0, 1]
 
 
 def test_whole_records_end_before_a_cut_and_before_other_kinds():

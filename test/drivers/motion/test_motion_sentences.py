@@ -84,6 +84,8 @@ def test_the_rate_of_turn_is_in_degrees_a_minute_and_negative_to_port():
     (b'INVTG,215.11,M,239.79,M,9.1,N', 'not_true'),
     (b'INVTG,,T,,M,,N,,K,N', 'invalid_mode'), (b'INVTG,215.11,T,,M,9.1,N,,K,E', 'invalid_mode'),
     (b'INVTG,,T,,M,9.1,N', 'empty'), (b'INVTG,361.0,T,,M,9.1,N', 'out_of_range'),
+    (b'INVTG,36.0,T,,M,155.6,N', 'out_of_range'), (b'INVTG,36.0,T,,M,,N,288.1,K', 'out_of_range'),
+    (b'HEROT,3601.0,A', 'out_of_range'),
     (b'INVTG,1x,T,,M,9.1,N', 'bad_field'), (b'INVTG,15.0,T', 'too_few_fields'),
     (b'INRMC,100555.17,V,,,,,,,260319,,', 'invalid_mode'),
     (b'GPGGA,000000,,,,,0,,,,,,,,', 'invalid_mode'),
