@@ -59,7 +59,7 @@ _ALONE_S, _HOLD_OFF_S = 0.3, 0.002
 class Compliance(Node):
     """Publish figures of the run in progress, and the verdict and report at the end of each."""
 
-    done, _alone_s = False, math.inf
+    done, _alone_s, _end_s = False, math.inf, math.inf
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('compliance', **OVERRIDES, **kwargs)
@@ -91,7 +91,6 @@ class Compliance(Node):
             self.create_service(Trigger, f'~/{name}_run',
                                 lambda _, response, kind=name: self._command(kind, response))
         self.create_service(Trigger, '~/acknowledge', self._acknowledge)
-        self._end_s: float | None = None
         every(self, 1.0, self._beat)
 
     @property
@@ -120,7 +119,7 @@ class Compliance(Node):
         self.alarms.take(pairs)
         self._figures.publish(pairs)
         self._reporting.look(self._pairs.last_sequence)
-        if self._end_s is not None:
+        if self._end_s < math.inf:
             self._finish_if_complete()
 
     def _beat(self) -> None:
@@ -134,6 +133,7 @@ class Compliance(Node):
                 self._journal.mark(kind, stamp_ns)
                 self._compliance.mark(kind, stamp_ns)
                 self.alarms.start_run()
+        self._journal.tick(self.sole.clear)
 
     def _command(self, kind: str, response: Trigger.Response) -> Trigger.Response:
         """Set a mark after the newest pair; pairs up to it belong to the run before."""

@@ -124,6 +124,7 @@ class SensorsWatch(Node):
             if self._marks.take(kind, stamp_ns):
                 self._journals.mark(kind, stamp_ns)
                 self._comparison.mark(kind, stamp_ns)
+        self._journals.tick(self.sole.clear)
 
     def _command(self, kind: str, response: Trigger.Response) -> Trigger.Response:
         """Set a mark that acts on the runs of all pairs, a second after the newest reading."""

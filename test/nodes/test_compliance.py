@@ -736,6 +736,20 @@ def test_a_node_that_was_killed_goes_on_and_misses_nothing(ros, rng, tmp_path, e
     assert not [path for path in tmp_path.iterdir() if 'journal' in path.name]
 
 
+def test_a_mark_survives_a_kill_at_once(ros, rng, tmp_path):
+    """It was lost if the node was killed within a quarter of a second of its answer."""
+    pairs = some_pairs(rng, 0, 2000)
+    trial = Killed(ros, tmp_path)
+    trial.send(pairs[:1000])
+    assert trial.node._command('start', Trigger.Response()).success
+    kill(ros, trial.node, trial.node._journal)
+    trial.start()
+    trial.send(pairs[1000:])
+    trial.ledger.publish(ledger_of(2000, final=True))
+    ros.end(trial.node)
+    assert [run['n'] for run in trial.node.verdict.to_dict()['runs']] == [1000]
+
+
 def test_pairs_that_nobody_can_send_again_are_counted(ros, rng, tmp_path):
     """6000 pairs come while the node is down; the synchronizer keeps 5000 of them."""
     pairs, trial = some_pairs(rng, 0, 7000), Killed(ros, tmp_path)

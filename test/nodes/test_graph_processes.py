@@ -234,11 +234,12 @@ def test_a_driver_that_is_stopped_keeps_the_times_of_receipt(processes, tmp_path
         {'ts/heading': 'enu'})])
     for stamp_ns, heading in zip(recorded.stamp_ns.tolist(), recorded.heading_deg.tolist()):
         before_ns, after_ns = ship.sent[round(heading % 360.0, 1)]
-        # A busy kernel delivers a datagram some time after it was sent.
-        assert before_ns <= stamp_ns <= after_ns + 50_000_000, heading
+        # A busy kernel delivers a datagram some time after it was sent, 0.1 s once.
+        assert before_ns <= stamp_ns <= after_ns + 500_000_000, heading
     written, = reports.iterdir()
     run, = json.loads(written.read_text('utf-8'))['runs']
-    assert run['std_deg'] < 0.1
+    # By the driver's clock it would be 1.4.
+    assert run['std_deg'] < 0.3
 
 
 @pytest.mark.slow

@@ -31,6 +31,7 @@ from std_srvs.srv import Trigger
 from heading_intercompare.app.sensors import judge_sensor_bags
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.rows.sensor_table import read_sensors
 from heading_intercompare.core.sensors.compare_sensors import find_sensor_differences
@@ -236,12 +237,30 @@ class Trial:
             (one.compliance.newest_ns or 0) > START_NS + round(seconds * 1e9)
             for one in others.values()))
 
+    def stop_writing(self, names):
+        """Leave a journal as it is while the next ledger is kept in the other ones."""
+        journals = {**self.watch._journals._journals}
+        self.await_ledgers(journals)
+        journals.pop(names).tick = lambda clear: None
+        self.await_ledgers(journals)
+
+    def await_ledgers(self, journals):
+        """Wait until another ledger is in each of these journals."""
+        self.booked.clear()
+        self.ros.spin_until(lambda: self.booked >= {*journals} and not any(
+            one._journal._changed for one in journals.values()))
+
     def kill(self):
         """Kill it; the readings go on for a second, 15 s of the trial."""
         kill(self.ros, self.watch, *self.watch._journals._journals.values())
         began_s = time.monotonic()
         self.ros.spin_until(lambda: time.monotonic() > began_s + 1.0)
         self.start()
+
+    def count(self):
+        """Return what became of all readings, by pair."""
+        return {names: self.watch._journals._sum(names).total.total
+                for names in self.watch._comparison.others}
 
     def end(self):
         """Let the trial end; return the verdict."""
@@ -263,6 +282,41 @@ def test_a_watch_that_is_killed_goes_on_and_misses_nothing(ros, tmp_path, trial,
     assert [*find_sensor_differences(found, whole)] == []
     assert found.vote.wrong == ('gyro2',)
     assert not [path for path in tmp_path.rglob('*') if 'journal' in path.name]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('names', [('gyro1', 'gyro2'), ('gyro1', 'ins'), ('gyro2', 'ins')])
+def test_a_watch_that_is_killed_while_it_writes_its_ledgers_counts_nothing_twice(
+        ros, tmp_path, trial, names):
+    """The readings between the ledgers of two journals were counted twice, or not at all."""
+    _, folder, _ = trial
+    trial = Trial(ros, FREE, tmp_path)
+    trial.wait(40.0)
+    trial.stop_writing(names)
+    trial.kill()
+    found = trial.end()
+    whole = offline(str(folder / 'bag'), FREE)
+    assert [*find_sensor_differences(found, whole)] == []
+    rates_hz = {'gyro1': 5, 'gyro2': 5, 'ins': 10, 'gnss': 4}
+    for pair, ledger in trial.count().items():
+        assert [ledger.received(stream) for stream in ('ts', 'rs')] == [
+            150 * rates_hz[name] for name in pair]
+        assert ledger.counts[LedgerKey.TS_PAIRED] >= 150 * rates_hz[pair[0]] - 6
+
+
+def test_a_mark_that_one_journal_lacks_acts_on_its_pair_too(ros, tmp_path, trial):
+    """The node was killed while it wrote a mark; the pair went on with one run."""
+    trial = Trial(ros, FREE, tmp_path)
+    trial.wait(40.0)
+    trial.watch._journals._journals['gyro1', 'ins'].mark = lambda *_: None
+    answer = trial.watch._command('start', Trigger.Response())
+    assert answer.success
+    trial.kill()
+    found = trial.end()
+    n = {(pair.first, pair.second): pair.n for pair in found.pairs}
+    # Two a second; the runs of both began at the mark, after some 40 s of 150.
+    assert n['gyro1', 'ins'] == pytest.approx(n['gyro1', 'gyro2'], abs=3)
+    assert n['gyro1', 'ins'] < 230
 
 
 def test_what_nobody_sends_again_is_counted_and_said(ros, tmp_path):

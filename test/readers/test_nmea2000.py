@@ -108,7 +108,7 @@ def test_candump_in_each_of_its_forms(tmp_path, form):
         else:
             lines.append(f' (2015-07-10 06:17:32.{249713 + n * 1000:06d})  vcan1  {frame}   [8]  '
                          f'{data.hex(" ").upper()}')
-    other = re.sub(identifier(0x17), identifier(0x17, 127251), lines[0], flags=re.IGNORECASE)
+    other = re.sub(identifier(0x17), identifier(0x17, 130306), lines[0], flags=re.IGNORECASE)
     assert other != lines[0]
     lines.insert(1, other)
     lines.insert(1, '(1436509052.000000) can0 123#0102')

@@ -61,6 +61,8 @@ class Kept:
     ----------
     ledgers : dict of int to LedgerMessage
         The last ledger of each synchronizer, by its start.
+    before : LedgerMessage or None
+        The ledger that the newest one replaced.
     marks : set of (kind, stamp_ns)
         Marks that took effect.
     numbers : mapping
@@ -77,6 +79,7 @@ class Kept:
     """
 
     ledgers: dict[int, LedgerMessage] = field(default_factory=dict)
+    before: LedgerMessage | None = None
     marks: set[tuple[str, int]] = field(default_factory=set)
     numbers: Numbers = field(default_factory=dict)
     n_pairs: int = 0
@@ -84,6 +87,16 @@ class Kept:
     newest_ns: int | None = None
     dropped: int = 0
     motion_ns: Mapping[str, int] = field(default_factory=dict)
+
+    def book(self, message: LedgerMessage) -> None:
+        """Take the newest ledger of a synchronizer."""
+        self.before = self.ledgers.get(message.started_ns)
+        self.ledgers[message.started_ns] = message
+
+    @property
+    def newest(self) -> LedgerMessage | None:
+        """Return the last ledger of the last start; None before the first."""
+        return max(self.ledgers.values(), key=lambda one: one.started_ns, default=None)
 
     def sum_ledgers(self) -> Incarnations:
         """Return the ledgers of all starts of the synchronizer, to be added up."""
@@ -314,7 +327,7 @@ class JournalReader:
             [LedgerSegment(start_ns, counts) for start_ns, counts in rows], plain['newest_ns'],
             [SetBack(*one) for one in plain['set_backs']])
         numbers = {stream: StreamNumbers(*one) for stream, one in plain['numbers'].items()}
-        self.kept.ledgers[started_ns] = LedgerMessage(ledger, plain['final'], started_ns, numbers)
+        self.kept.book(LedgerMessage(ledger, plain['final'], started_ns, numbers))
 
 
 def describe_gaps(kept: Kept, torn: int) -> Iterator[str]:

@@ -210,14 +210,16 @@ class RunJournal:
                                    for what in {**known, **newest}}
 
     def mark(self, kind: str, stamp_ns: int) -> None:
-        """Keep a mark, before it takes effect."""
+        """Keep a mark, before it takes effect; the next `tick` writes it."""
         self._put_rows()
         self.kept.marks.add((kind, stamp_ns))
         self._journal.append(MARK, _text([kind, stamp_ns]))
+        # Nobody sends it again.
+        self._due_s = 0.0
 
     def book(self, message: LedgerMessage) -> None:
         """Keep the newest ledger of a synchronizer."""
-        self.kept.ledgers[message.started_ns] = message
+        self.kept.book(message)
         self._changed.add(message.started_ns)
 
     def _put_rows(self) -> None:
@@ -269,7 +271,8 @@ class RunJournal:
         if self.kept.motion_ns:
             rows = self._compliance.motion.rows
             yield Record(MOTION, self._pack_motion(Motion.empty() if rows is None else rows))
-        for message in self.kept.ledgers.values():
+        before = () if self.kept.before is None else (self.kept.before,)
+        for message in (*before, *self.kept.ledgers.values()):
             yield Record(LEDGER, self._pack_ledger(message, whole=True))
 
     def close(self, *, over: bool) -> None:

@@ -72,7 +72,7 @@ class PairJournals:
     Attributes
     ----------
     marks : set of (str, int)
-        Marks that took effect before.
+        Marks that took effect before. A pair whose journal lacks one takes it now.
 
     Notes
     -----
@@ -80,6 +80,9 @@ class PairJournals:
     readings after these again. It makes pairs of them again, which the judgement already has. So a
     ledger is kept only when pairs have been judged so far after it that no later pair needs a
     reading that it counts.
+
+    The ledgers of all pairs are kept at once, but each in its journal. Where the process ended
+    before all were written, those that are ahead of the others go back to the one before.
 
     """
 
@@ -101,22 +104,40 @@ class PairJournals:
         self._go_on()
         for names, one in self._others.items():
             one.keep_with(partial(self._keep, names))
-            for _, stamp_ns in sorted(self.marks, key=lambda mark: mark[1]):
-                one.pairer.ledger.cut_run(stamp_ns + 1)
+            known = self._journals[names].kept.marks
+            for kind, stamp_ns in sorted(self.marks, key=lambda mark: mark[1]):
+                if (kind, stamp_ns) in known:
+                    one.pairer.ledger.cut_run(stamp_ns + 1)
+                else:
+                    self._journals[names].mark(kind, stamp_ns)
+                    one.mark(kind, stamp_ns)
 
     def _go_on(self) -> None:
         """Take the headings after the newest ledgers of the process before."""
-        numbers: dict[str, tuple[str, int]] = {}
+        self._go_back()
+        ends: dict[str, tuple[str, int]] = {}
         for names, journal in self._journals.items():
-            newest = max(journal.kept.ledgers.values(), key=lambda one: one.started_ns,
-                         default=None)
-            for name, stream in zip(names, ('ts', 'rs')):
-                if newest is not None and stream in newest.numbers:
-                    one = newest.numbers[stream]
-                    numbers[name] = min(numbers.get(name, (one.last_publisher, one.last)),
-                                        (one.last_publisher, one.last))
-        for name, (publisher, last) in numbers.items():
+            for name, end in _ends_of(names, journal.kept.newest).items():
+                ends[name] = min(ends.get(name, end), end)
+        for name, (publisher, last) in ends.items():
             self._headings.intakes[name].resume_after(publisher, last)
+
+    def _go_back(self) -> None:
+        """Let all ledgers be of one time: those ahead of another one go back to that before."""
+        left = {*self._journals}
+        while ahead := next((names for names in left if self._is_ahead(names)), None):
+            left.remove(ahead)
+            journal = self._journals[ahead]
+            assert journal.kept.before is not None
+            journal.book(journal.kept.before)
+
+    def _is_ahead(self, names: Names) -> bool:
+        """Tell whether the newest ledger of another pair ends where the one before ended."""
+        kept = self._journals[names].kept
+        newest, before = _ends_of(names, kept.newest), _ends_of(names, kept.before)
+        return any(newest.get(name) != end == before.get(name)
+                   for others, journal in self._journals.items()
+                   for name, end in _ends_of(others, journal.kept.newest).items())
 
     def _keep(self, names: Names, pairs: Pairs) -> None:
         paired = self._others[names].pairer.ledger.paired if len(pairs) else 0
@@ -202,3 +223,10 @@ class PairJournals:
         """Remove the journals: the trial is over, and its report is out."""
         for journal in self._journals.values():
             journal.close()
+
+
+def _ends_of(names: Names, ledger: LedgerMessage | None) -> dict[str, tuple[str, int]]:
+    """Return the publisher and the number of the newest reading of each sensor in a ledger."""
+    numbers = {} if ledger is None else ledger.numbers
+    return {name: (numbers[stream].last_publisher, numbers[stream].last)
+            for name, stream in zip(names, ('ts', 'rs')) if stream in numbers}

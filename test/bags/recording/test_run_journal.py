@@ -170,6 +170,27 @@ def test_ledgers_of_all_synchronizers_come_back(tmp_path):
             ledger.newest_ns, {'ts': (SetBack('ts', T0, 7 * S),)})
 
 
+@pytest.mark.parametrize('replaced', [False, True])
+def test_the_ledger_before_the_newest_comes_back(tmp_path, rng, replaced):
+    """Also when the journal was replaced, because a run has ended."""
+    node = Node(tmp_path / 'j', settings())
+    pairs = some_pairs(rng, 20)
+    node.take(pairs[:10])
+    for k in range(3):
+        segments = [LedgerSegment(None, {'paired': 3}), LedgerSegment(T0, {'ts_unpaired': k})]
+        node.journal.book(LedgerMessage(Ledger.from_segments(segments, T0 + k), False, 5,
+                                        {'ts': StreamNumbers('ab', 1, 'ab', k)}))
+        node.take(Pairs.empty())
+    if replaced:
+        node.take(pairs[10:], [('stop', int(pairs.stamp_ns[15]))])
+        assert node.compliance.finished_runs == 1
+    node.kill()
+    kept = Node(tmp_path / 'j', settings()).journal.kept
+    assert kept.newest.numbers['ts'].last == 2 and kept.before.numbers['ts'].last == 1
+    assert kept.newest.ledger.segments[1].counts == {'ts_unpaired': 2}
+    assert kept.before.ledger.segments[1].counts == {'ts_unpaired': 1}
+
+
 @pytest.mark.parametrize('cut', [1, 7, 300])
 def test_a_torn_tail_is_left_out_and_named_and_the_trial_goes_on(tmp_path, rng, cut):
     pairs, path = some_pairs(rng, 200), tmp_path / 'j'
