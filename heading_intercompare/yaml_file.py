@@ -36,6 +36,7 @@ __all__ = ['load_settings', 'load_yaml', 'parse_yaml', 'YamlError']
 #: More than any parameter file or scenario needs.
 _MOST_BYTES = 2**20
 _DEEPEST = 50
+_TOO_DEEP = f'nested deeper than {_DEEPEST} levels'
 #: Python converts only numbers up to a few thousand digits, and no setting needs that many.
 _MOST_DIGITS = 300
 
@@ -127,7 +128,7 @@ class _Builder:
                 raise YamlError(str(error), self._line) from None
         self._depth += 1
         if self._depth > _DEEPEST:
-            raise YamlError(f'nested deeper than {_DEEPEST} levels', self._line)
+            raise YamlError(_TOO_DEEP, self._line)
         value = (self._mapping() if isinstance(event, yaml.MappingStartEvent)
                  else self._sequence())
         self._depth -= 1
@@ -190,7 +191,9 @@ def _load(text: str, most_bytes: int, settings: bool) -> Any:
     except UnicodeEncodeError as error:
         raise YamlError('not YAML: not text') from error
     except yaml.YAMLError as error:
-        raise YamlError(f'not YAML: {getattr(error, "problem", None) or "not text"}',
+        problem = getattr(error, 'problem', None) or 'not text'
+        # Later parsers have a limit of their own, which the brackets of one line may reach first.
+        raise YamlError(_TOO_DEEP if 'nesting depth' in problem else f'not YAML: {problem}',
                         _find_line(text, error)) from error
 
 

@@ -86,10 +86,12 @@ def test_bytes_that_are_no_text_are_refused():
         parse_yaml(b'a: \xff', 'my.yaml')
 
 
-def test_nesting_costs_no_more_than_its_length():
+@pytest.mark.parametrize('opening', ['[', '- ', '[{a: ', '{a: '])
+def test_nesting_costs_no_more_than_its_length(opening):
     """As deep as the size limit allows; Python would end with a RecursionError."""
-    with pytest.raises(YamlError, match='nested deeper'):
-        load_yaml('[' * (2**20 - 1))
+    with pytest.raises(YamlError, match='^nested deeper than 50 levels$') as refused:
+        load_yaml(opening * ((2**20 - 1) // len(opening)))
+    assert refused.value.line == 1
 
 
 @pytest.mark.parametrize('path', sorted((ROOT / 'config').rglob('*.yaml')), ids=lambda p: p.name)
