@@ -83,7 +83,8 @@ class Synchronizer(Node):
         self._intakes = self._headings.intakes
         for intake in self._intakes.values():
             intake.open = False
-        self._predecessor = Predecessor(self, self.health, self._intakes, self._started_ns)
+        self._predecessor = Predecessor(self, self.health, self._intakes, self._started_ns,
+                                        self._pairs.topic_name)
         self._awake, self._end_s, self._seen_s = AwakeClock(), None, 0.0
         self._open_at_s = time.monotonic() + self._own.startup_wait_s
         self._waiting = Backlog(self._pairs, self.health, patience_s=_PATIENCE_S)

@@ -26,6 +26,7 @@ from rclpy.node import Node
 from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.messages.ledger_messages import decode_ledger, LedgerMessage
 from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.transports import DISCOVERY_S, is_alone
 from heading_intercompare.nodes.runtime.health import Health
 
 from .intake import Intake
@@ -35,8 +36,8 @@ __all__ = ['LEDGER_TAKEN_TOPIC', 'Predecessor']
 
 LEDGER_TAKEN_TOPIC = 'compliance/ledger_taken'
 
-# The subscription of a node to the pairs may be known this much earlier than its publishers.
-_FOUND_S = 2.0
+# What the middleware calls a node of which it knows subscriptions only, not its publishers.
+_UNKNOWN = '_NODE_NAME_UNKNOWN_'
 
 
 class Predecessor:
@@ -53,12 +54,21 @@ class Predecessor:
         The headings, by sensor; not open yet.
     started_ns : int
         When this synchronizer was started, UTC ns.
+    pairs : str
+        Full name of the topic that the compliance node subscribes to.
+
+    Notes
+    -----
+    DDS finds the subscriptions of a node and its publishers on different ways. Where a packet is
+    lost, the publishers come seconds later. Until then a compliance node is among the subscribers
+    of the pairs, but without a name.
 
     """
 
     def __init__(self, node: Node, health: Health, intakes: Mapping[str, Intake],
-                 started_ns: int) -> None:
+                 started_ns: int, pairs: str) -> None:
         self._node, self._intakes, self._started_ns = node, intakes, started_ns
+        self._pairs, self._found_s = pairs, 0.0 if is_alone() else DISCOVERY_S
         self._told = False
         self._asked_s = math.inf
         subscribe(node, DiagnosticArray, LEDGER_TAKEN_TOPIC, qos.LEDGER_TAKEN, health,
@@ -66,10 +76,14 @@ class Predecessor:
 
     def is_known(self) -> bool:
         """Tell whether the compliance node has said what it knows, or there is none."""
+        if self._told:
+            return True
         now_s = time.monotonic()
-        self._asked_s = min(self._asked_s, now_s)
-        return self._told or (now_s > self._asked_s + _FOUND_S
-                              and not self._node.count_publishers(LEDGER_TAKEN_TOPIC))
+        unnamed = any(info.node_name == _UNKNOWN
+                      for info in self._node.get_subscriptions_info_by_topic(self._pairs))
+        self._asked_s = math.inf if unnamed else min(self._asked_s, now_s)
+        return (now_s > self._asked_s + self._found_s
+                and not self._node.count_publishers(LEDGER_TAKEN_TOPIC))
 
     def _take(self, newest: LedgerMessage) -> None:
         """Take what is known so far; the last ledger may come late."""
