@@ -69,7 +69,7 @@ from .conclusion import (
     with_looks,
 )
 from .headline import add_looks, compose_headline
-from .losses import find_losses, warn_of_rejected
+from .losses import find_losses, warn_of_alone, warn_of_rejected
 from .prepare import HIGHEST_ORDER_REMOVED, prepare_run, PreparedRun
 from .validity import add_set_backs, examine, Examined, Finding, VOID
 from .verdict_document import Campaign, PairingFigures, RunVerdict
@@ -118,7 +118,8 @@ class RunResult:
                                     old.rs_variance_factor, old.ts_variance_factor)
         verdict = replace(self.verdict, pairing=pairing,
                           warnings=(*self.verdict.warnings, *warnings,
-                                    *warn_of_rejected(share)))
+                                    *warn_of_rejected(share),
+                                    *warn_of_alone(share, inside, self.settings)))
         whole = None if self.whole is None else self.whole.with_pairing(share, inside)
         return replace(self, whole=whole, verdict=_conclude(
             verdict, self.alone, (*(f for f in verdict.validity if f.condition != 'losses'),

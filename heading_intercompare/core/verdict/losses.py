@@ -24,7 +24,7 @@ from heading_intercompare.core.settings import Settings
 from .validity import DOUBTFUL, Finding, HOLDS, NOT_TESTABLE, VOID
 from .verdict_document import RunVerdict
 
-__all__ = ['find_losses', 'judge_losses', 'warn_of_rejected']
+__all__ = ['find_losses', 'judge_losses', 'warn_of_alone', 'warn_of_rejected']
 
 #: A larger share of rejected readings is a warning of the run.
 _REJECTED_SHARE = 0.01
@@ -63,6 +63,33 @@ def warn_of_rejected(share: LedgerSegment) -> list[str]:
             words.append(f'{100.0 * n / received:.2g} % of the {stream.upper()} readings were '
                          f'rejected: {why}')
     return words
+
+
+def warn_of_alone(share: LedgerSegment, inside: LedgerSegment, settings: Settings) -> list[str]:
+    """
+    Return in words that each sensor sent much while the other had nothing to pair with it.
+
+    One sensor may have started earlier or gone on later than the other, which is no news. That
+    both did is: a clock that stepped forward looks like this, and no stamp contradicts it.
+
+    Parameters
+    ----------
+    share, inside : LedgerSegment
+        As for `find_losses`.
+    settings : Settings
+        Uses `detectors.lost_doubtful`.
+
+    """
+    alone = {}
+    for stream in ('ts', 'rs'):
+        late = sum(share.rejected(stream).values()) - sum(inside.rejected(stream).values())
+        outside = share.received(stream) - inside.received(stream) - late
+        alone[stream] = outside / max(1, share.received(stream))
+    if min(alone.values()) <= settings.detectors.lost_doubtful:
+        return []
+    return [f'{100.0 * alone["ts"]:.0f} % of the TS readings and {100.0 * alone["rs"]:.0f} % of '
+            'the RS readings came before the first pair or after the last one, and have no '
+            'partner: perhaps a clock stepped']
 
 
 def _lost_shares(run: RunVerdict) -> Iterator[tuple[str, float]]:

@@ -119,6 +119,30 @@ def test_a_clock_set_back_by_an_hour_is_named(rng, both):
     assert Verdict.from_dict(verdict.to_dict()).to_dict() == verdict.to_dict()
 
 
+@pytest.mark.parametrize('who', ['ts', 'rs'])
+def test_a_clock_set_forward_by_an_hour_is_a_warning(rng, who):
+    """After 40 min: no stamp contradicts it, and the verdict did not say a word."""
+    stamps = START_NS + np.arange(1, 36_001) * STEP_NS
+    stamps[24_000:] += 3600 * 10 ** 9
+    (run,) = judge(rng, **{who: stamps}).runs
+    assert run.n == 24_000
+    assert [words for words in run.warnings if 'perhaps a clock stepped' in words] == [
+        '33 % of the TS readings and 33 % of the RS readings came before the first pair or after '
+        'the last one, and have no partner: perhaps a clock stepped']
+
+
+@pytest.mark.parametrize('span', [(0, 24_000), (12_000, 36_000), (6000, 30_000)])
+def test_a_sensor_that_started_later_or_ended_earlier_is_no_warning(rng, span):
+    stamps = START_NS + np.arange(1, 36_001) * STEP_NS
+    ship = 90.0 + 40.0 * np.sin(stamps / 1e11)
+    part = slice(*span)
+    ts = Headings.as_sent(stamps[part], ship[part] + 0.1 * rng.standard_normal(24_000))
+    rs = Headings.as_sent(stamps, ship + 0.05 * rng.standard_normal(36_000))
+    (run,) = analyze(ts, rs, Settings.from_mapping({
+        'norms': {'sigma_max_deg': 0.3, 'sigma_ref_max_deg': 0.1}})).runs
+    assert run.n == 24_000 and not [w for w in run.warnings if 'clock' in w]
+
+
 def test_a_clock_set_back_by_half_a_second_costs_half_a_second(rng):
     stamps = START_NS + np.arange(1, 36_001) * STEP_NS
     stamps[24_000:] -= STEP_NS * 5
