@@ -89,7 +89,7 @@ def run_node(module: str, node: str, config: str | None, *,
     for old, new in (remap or {}).items():
         arguments += ['-r', f'{old}:={new}']
     return run('heading-intercompare', make, ['--ros-args', *arguments] if arguments else [],
-               beside=None if beside is None else make_beside)
+               beside=None if beside is None else make_beside, more=True)
 
 
 def _find(module: str, node: str) -> Any:

@@ -60,7 +60,7 @@ class Processes:
         for name in names:
             code = self.running[name].wait(max(0.1, deadline_s - time.monotonic()))
             said = (self.folder / f'{name}.log').read_text()
-            assert (name, code) == (name, 0), said
+            assert code == 0, f'{name} ended with {code}: {said}'
             assert 'Traceback' not in said
 
     def reap(self) -> None:

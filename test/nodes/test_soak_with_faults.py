@@ -68,6 +68,14 @@ def is_bound(port: int) -> bool:
     return f':{port:04X} ' in Path('/proc/net/udp').read_text('ascii')
 
 
+def has_open_bag(pid: int) -> bool:
+    """Tell whether a process has a file of a bag open; it may end at any time."""
+    try:
+        return any(os.readlink(one).endswith('.mcap') for one in Path(f'/proc/{pid}/fd').iterdir())
+    except OSError:
+        return False
+
+
 class Ship(Thread):
     """Sends two headings of a turning ship by UDP until stopped; a line that is cut sends none."""
 
@@ -194,7 +202,9 @@ class Graph:
         self.pause(self.random.uniform(0.2, 5.0), mortal='recorder')
         if recorder.poll() is None:
             resource.prlimit(recorder.pid, resource.RLIMIT_FSIZE, (most, most))
-        else:
+        # It may have failed, and not have ended yet.
+        wait_for(lambda: recorder.poll() is not None or has_open_bag(recorder.pid))
+        if recorder.poll() is not None:
             self.start_again('recorder')
             self.resident['recorder'].clear()
         return 'recorder'

@@ -22,8 +22,9 @@ they are not installed, and a flag ends the loop instead.
 from __future__ import annotations
 
 from contextlib import contextmanager
-import faulthandler
+from functools import partial
 import gc
+from operator import methodcaller
 import os
 import signal
 import sys
@@ -39,6 +40,7 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.drivers.settings import DriverError
 
+from .leaving import leave_if_hung
 from .quick_executor import QuickExecutor
 from .security import check_security, say_security_errors
 
@@ -50,8 +52,8 @@ _MISTAKES = (SettingsError, DriverError, BagError, OSError)
 # Longest time that a node may take to end; `ros2 launch` kills after 10 s.
 _END_S = 9.0
 
-# Fast DDS may never return from taking down a participant whose peers were killed while they used
-# shared memory with it. Everything is published and written by then.
+# The middleware may never return from taking down a node. Everything is published and written by
+# then.
 _HUNG_S = 30.0
 
 # Best-effort messages still under way are lost when the process that sent them ends.
@@ -112,7 +114,8 @@ def spin_nodes(context: Context) -> Iterator[tuple[QuickExecutor, list[Node]]]:
             node.destroy_node()
 
 
-def end(executor: QuickExecutor, nodes: Sequence[Node], linger_s: float = 0.0) -> None:
+def end(executor: QuickExecutor, nodes: Sequence[Node], linger_s: float = 0.0,
+        destroy: Callable[[Node], None] = methodcaller('destroy_node')) -> None:
     """End and destroy nodes in the given order; spin each for `linger_s` after its end."""
     executor.eager = True
     for node in nodes:
@@ -127,19 +130,13 @@ def end(executor: QuickExecutor, nodes: Sequence[Node], linger_s: float = 0.0) -
         while time.monotonic() < deadline_s:
             executor.spin_once(0.05)
         executor.remove_node(node)
+        destroy(node)
+
+
+def _destroy(node: Node, nodes: Sequence[Node], code: int) -> None:
+    """Destroy a node; if that never returns, end with `code`, or with 1 if one has not ended."""
+    with leave_if_hung(_HUNG_S, code if all(one.ended for one in nodes) else 1):
         node.destroy_node()
-
-
-@contextmanager
-def _leave_if_hung() -> Iterator[None]:
-    """End the process, with exit code 1, if the block takes longer than `_HUNG_S`."""
-    with open(os.devnull, 'w') as nowhere:
-        # Its thread needs no interpreter lock, which the middleware may hold.
-        faulthandler.dump_traceback_later(_HUNG_S, exit=True, file=nowhere)
-        try:
-            yield
-        finally:
-            faulthandler.cancel_dump_traceback_later()
 
 
 def settle_memory() -> None:
@@ -157,7 +154,7 @@ def error_words(error: Exception) -> str:
 
 
 def run(name: str, make: Callable[..., Node], args: Sequence[str] | None = None, *,
-        beside: Callable[..., Node] | None = None) -> int:
+        beside: Callable[..., Node] | None = None, more: bool = False) -> int:
     """
     Run a node until its work is over or a signal comes.
 
@@ -171,14 +168,18 @@ def run(name: str, make: Callable[..., Node], args: Sequence[str] | None = None,
         Arguments; by default those of the process.
     beside : callable, optional
         Makes a node that runs as long as the first one, given that one and `context`.
+    more : bool
+        The caller has more to do afterwards.
 
     Returns
     -------
     int
-        0; or 2 after a user's mistake, which is reported in one line on stderr.
+        0; or 2 after a user's mistake, which is reported in one line on stderr. A process that the
+        middleware does not let go ends after 30 s with the same code; or with 1 if not all was
+        published, or if there is `more` to do.
 
     """
-    context = Context()
+    context, code, hung_code = Context(), 1, int(more)
     try:
         with Stop() as stop:
             check_security()
@@ -197,12 +198,14 @@ def run(name: str, make: Callable[..., Node], args: Sequence[str] | None = None,
                 settle_memory()
                 while not (stop.requested or nodes[0].done):
                     executor.spin_once(0.2)
-                with _leave_if_hung():
-                    end(executor, nodes, _LINGER_S)
+                longest_s = _HUNG_S + len(nodes) * (_END_S + _LINGER_S)
+                with leave_if_hung(longest_s, 1):
+                    end(executor, nodes, _LINGER_S, partial(_destroy, nodes=nodes, code=hung_code))
+        code = 0
     except _MISTAKES as error:
         sys.stderr.write(f'{name}: error: {error_words(error)}\n')
-        return 2
+        code = 2
     finally:
-        with _leave_if_hung():
+        with leave_if_hung(_HUNG_S, code or hung_code):
             context.try_shutdown()
-    return 0
+    return code

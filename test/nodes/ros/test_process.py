@@ -175,11 +175,13 @@ def made(context):
     node = Hung(context=context)
     every(node, 0.05, partial(signal.raise_signal, signal.SIGTERM))
     return node
-process.run('hung', made, [])
+process.run('hung', made, [], more=sys.argv[1] == 'more')
 """
 
 
-def test_a_process_whose_middleware_hangs_at_the_end_ends_all_the_same():
-    done = subprocess.run([sys.executable, '-c', HANGS], capture_output=True, text=True,
+@pytest.mark.parametrize('more, code', [('nothing', 0), ('more', 1)])
+def test_a_process_whose_middleware_hangs_at_the_end_ends_all_the_same(more, code):
+    """A driver that had published all ended with 1, and a launch file said that it had died."""
+    done = subprocess.run([sys.executable, '-c', HANGS, more], capture_output=True, text=True,
                           timeout=120.0)
-    assert (done.returncode, done.stdout, done.stderr) == (1, '', '')
+    assert (done.returncode, done.stdout, done.stderr) == (code, '', '')
