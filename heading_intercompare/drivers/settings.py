@@ -32,8 +32,8 @@ __all__ = ['Address', 'DriverError', 'DriverSettings', 'parse_address', 'SENTENC
 SENTENCES = ('THS', 'HDT', 'PASHR', 'PSXN,23', 'PUHAW,UVH', 'HDG')
 
 #: Forms of stamp, by their names in the table of `log_lines/line_formats`.
-STAMP_FORMATS = ('auto', 'iso', 'doy', 'compact', 'named', 'mdy', 'dmy', 'epoch', 'clock',
-                 'hhmmss', 'tag', 'none')
+STAMP_FORMATS = ('auto', 'iso', 'doy', 'compact', 'named', 'month', 'asctime', 'mdy', 'dmy',
+                 'fields', 'epoch', 'clock', 'hhmmss', 'tag', 'none')
 
 _FORMS = ('must be file:PATH, udp://HOST:PORT[?interface=IP&from=IP], tcp://HOST:PORT '
           'or serial:DEVICE[?baud=4800]')

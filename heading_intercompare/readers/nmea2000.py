@@ -28,6 +28,7 @@ from typing import Any, Callable, Mapping
 
 from heading_intercompare.bags.csv.stamp_cells import utc_nanoseconds
 
+from .fast_packets import FastPackets, FRAME_BYTES
 from .nmea2000_motion import decode_motion_fields, decode_motion_pgn, MOTION_PGNS, MovedRow
 from .stream_recording import Collected
 
@@ -46,12 +47,12 @@ _TRUE, _MAGNETIC = 0, 1
 _SECOND_NS = 1_000_000_000
 
 _CAN = re.compile(rb'^\s*\((?:(\d{1,10})\.(\d{1,9})|(\d{4}-\d\d-\d\d \d\d:\d\d:\d\d\.\d+))\)\s+\S+'
-                  rb'\s+([0-9A-Fa-f]{8})(?:#|\s+\[\d+\]\s+)([0-9A-Fa-f]{2}(?:\s?[0-9A-Fa-f]{2})*)',
-                  re.MULTILINE)
+                  rb'(?:\s+[RT]X\s+\S\s+\S)?\s+([0-9A-Fa-f]{8})(?:#|\s+\[\d+\]\s+)'
+                  rb'([0-9A-Fa-f]{2}(?:\s?[0-9A-Fa-f]{2})*)', re.MULTILINE)
 _PLAIN = re.compile(rb'^(\d{4}-\d\d-\d\d[TZ -]\d\d:\d\d:\d\d(?:\.\d+)?Z?),(\d),(\d+),(\d+),(\d+),'
                     rb'(\d+),([0-9A-Fa-f]{2}(?:,[0-9A-Fa-f]{2})*)\s*$', re.MULTILINE)
-#: Motion in a single frame.
-_SINGLE = {pgn for pgn in MOTION_PGNS if pgn != 129029}
+#: Takes several frames.
+_FAST_PGN = 129029
 _WANTED = re.compile(b'|'.join([b'"units"', *(str(one).encode() for one in (PGN, *MOTION_PGNS))]))
 _DAY = re.compile(r'(\d{4}-\d\d-\d\d)[TZ -](\d\d:\d\d:\d\d(?:\.\d+)?)Z?')
 _HEAD = re.compile(rb'^\s*\{.*"pgn"\s*:', re.MULTILINE)
@@ -141,6 +142,21 @@ def _take_motion(found: Collected, pgn: int, source: int | str, stamp_ns: int | 
                          decoded.second, rank=[*MOTION_PGNS].index(pgn))
 
 
+def _take_frame(found: Collected, packets: FastPackets, pgn: int, source: int | str,
+                stamp_ns: int | None, data: bytes) -> None:
+    """Add what a message tells of the motion, or keep a frame of one that takes several."""
+    whole: bytes | None = data
+    if pgn == _FAST_PGN and len(data) <= FRAME_BYTES:
+        whole = packets.add(pgn, source, data)
+    if whole is not None:
+        _take_motion(found, pgn, source, stamp_ns, decode_motion_pgn(pgn, whole))
+
+
+def _count_broken(found: Collected, packets: FastPackets) -> None:
+    if broken := packets.flush():
+        found.not_taken[f'PGN {_FAST_PGN}.incomplete'] += broken
+
+
 def _stamp(text: str) -> int | None:
     found = _DAY.fullmatch(text)
     try:
@@ -164,17 +180,17 @@ def read_candump(path: str) -> Collected:
     """
     Read a log of candump, of the form of ``-l`` or of the screen with ``-ta`` or ``-tA``.
 
-    The bits of a frame's identifier give the PGN and the source. Positions of PGN 129029 take
-    several frames and are not read.
+    The bits of a frame's identifier give the PGN and the source. A message of several frames has
+    the stamp of the last one.
     """
-    found = Collected()
+    found, packets = Collected(), FastPackets()
 
     def take(block: bytes) -> None:
         for line in _CAN.finditer(block):
             seconds, decimals, day, identifier, data = line.groups()
             number = int(identifier, 16)
             pgn = number >> 8 & 0x1FFFF
-            if pgn != PGN and pgn not in _SINGLE:
+            if pgn != PGN and pgn not in MOTION_PGNS:
                 continue
             stamp_ns = _stamp(day.decode()) if day else (
                 int(seconds) * _SECOND_NS + int(decimals.ljust(9, b'0')))
@@ -182,15 +198,20 @@ def read_candump(path: str) -> Collected:
             if pgn == PGN:
                 _take(found, source, stamp_ns, decode_vessel_heading(raw))
             else:
-                _take_motion(found, pgn, source, stamp_ns, decode_motion_pgn(pgn, raw))
+                _take_frame(found, packets, pgn, source, stamp_ns, raw)
 
     _read_blocks(path, take)
+    _count_broken(found, packets)
     return found
 
 
 def read_canboat_plain(path: str) -> Collected:
-    """Read canboat's plain form: time, priority, PGN, source, destination, length, bytes."""
-    found = Collected()
+    """
+    Read canboat's plain form: time, priority, PGN, source, destination, length, bytes.
+
+    Messages of several frames may be joined or not; with at most 8 bytes they are not.
+    """
+    found, packets = Collected(), FastPackets()
 
     def take(block: bytes) -> None:
         for line in _PLAIN.finditer(block):
@@ -199,11 +220,11 @@ def read_canboat_plain(path: str) -> Collected:
                 _take(found, source.decode(), _stamp(stamp.decode()), decode_vessel_heading(
                     bytes.fromhex(data.decode().replace(',', ''))))
             elif number in MOTION_PGNS:
-                _take_motion(found, number, source.decode(), _stamp(stamp.decode()),
-                             decode_motion_pgn(number, bytes.fromhex(
-                                 data.decode().replace(',', ''))))
+                _take_frame(found, packets, number, source.decode(), _stamp(stamp.decode()),
+                            bytes.fromhex(data.decode().replace(',', '')))
 
     _read_blocks(path, take)
+    _count_broken(found, packets)
     return found
 
 

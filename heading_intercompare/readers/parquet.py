@@ -23,6 +23,7 @@ import numpy as np
 import pyarrow
 import pyarrow.parquet
 
+from heading_intercompare.bags.csv.stamp_cells import looks_like_unit
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.records import Headings, Integers, Pairs, Reals
 
@@ -30,11 +31,13 @@ from .errors import ReaderError
 from .json_lines import is_heading_name
 from .motion_columns import find_motion_columns, make_motion
 from .stream_recording import Collected
-from .tables import find_time_column, TIMES
+from .tables import EARLIEST_S, find_time_column, LATEST_S, TIMES, UNITS_NS
 
 __all__ = ['has_pairs', 'PairsParquet', 'read_parquet']
 
 _ROWS = 65536
+#: Rows by which the unit of nanoseconds is doubted.
+_FIRST_ROWS = 100
 _SECOND_NS = 1_000_000_000
 _REALS = {'rs_variance_factor': 1.0, 'ts_variance_factor': 1.0}
 _KNOWN = ('ts_deg', 'rs_deg', 'lag_ns', 'lag_s', 'difference_deg', *_REALS)
@@ -71,19 +74,40 @@ def _stamps(path: str, name: str, column: Any) -> Integers:
     kind = column.type
     if pyarrow.types.is_timestamp(kind):
         column = column.cast(pyarrow.timestamp('ns', kind.tz)).cast(pyarrow.int64())
-    elif pyarrow.types.is_floating(kind):
-        seconds: Reals = column.to_numpy(zero_copy_only=False)
-        if name.lower().endswith('_ns'):
-            raise ReaderError(path, f'column {name} is {kind}: nanoseconds must be integers')
-        whole = np.floor(np.nan_to_num(seconds))
-        rest = np.round((np.nan_to_num(seconds) - whole) * _SECOND_NS)
-        stamps: Integers = whole.astype(np.int64) * _SECOND_NS + rest.astype(np.int64)
-        return stamps
-    elif not pyarrow.types.is_integer(kind):
+    elif not (pyarrow.types.is_floating(kind) or pyarrow.types.is_integer(kind)):
         raise ReaderError(path, f'column {name} is {kind}: must be integers, floats or timestamps')
-    filled: Integers = column.fill_null(0).to_numpy(zero_copy_only=False).astype(np.int64)
-    unit_ns = 1 if name.lower().endswith('_ns') or pyarrow.types.is_timestamp(kind) else _SECOND_NS
-    return np.multiply(filled, unit_ns)
+    if not pyarrow.types.is_floating(column.type):
+        filled: Integers = column.fill_null(0).to_numpy(zero_copy_only=False).astype(np.int64)
+        unit_ns = 1 if pyarrow.types.is_timestamp(kind) else _find_unit(path, name, filled)
+        return np.multiply(filled, unit_ns)
+    if name.lower().endswith('_ns'):
+        raise ReaderError(path, f'column {name} is {kind}: nanoseconds must be integers')
+    numbers: Reals = np.nan_to_num(column.to_numpy(zero_copy_only=False))
+    unit_ns = _find_unit(path, name, numbers)
+    whole = np.floor(numbers)
+    rest = np.round((numbers - whole) * unit_ns)
+    stamps: Integers = whole.astype(np.int64) * unit_ns + rest.astype(np.int64)
+    return stamps
+
+
+def _find_unit(path: str, name: str, numbers: Integers | Reals) -> int:
+    """Return the nanoseconds of the unit of some times; null is 0."""
+    given = numbers[numbers != 0]
+    low, high = (float(given.min()), float(given.max())) if len(given) else (0.0, 0.0)
+    found = next((unit_ns for unit_ns in UNITS_NS
+                  if EARLIEST_S <= low * unit_ns / _SECOND_NS
+                  and high * unit_ns / _SECOND_NS < LATEST_S), None)
+    named = {'_ns': 1, '_s': _SECOND_NS}.get('_' + name.lower().rpartition('_')[2])
+    # Numbers of a clock that began at zero are seconds, as their name does not say.
+    unit_ns = named or found or _SECOND_NS
+    if named == 1 and (why := looks_like_unit(numbers[:_FIRST_ROWS].astype(np.int64).tolist())):
+        raise ReaderError(path, f'column {name}: {why}')
+    if (named == _SECOND_NS and found not in (None, named)
+            or max(abs(low), high) * unit_ns >= 2 ** 63):
+        raise ReaderError(path, f'column {name}: {low:.0f} to {high:.0f} are no '
+                          f'{"seconds" if named else "times"} since 1970; give '
+                          'the times as timestamps, or as nanoseconds in a column stamp_ns')
+    return unit_ns
 
 
 def _reals(path: str, name: str, column: Any) -> Reals:

@@ -94,7 +94,7 @@ EXPECTED = {'23': [(T_NS, pytest.approx(10000 * DEG))],
 NOT_TAKEN = {'no_variation': 1, 'empty_heading': 1, 'no_reference': 1}
 
 
-@pytest.mark.parametrize('form', ['-l', '-ta', '-tA', 'lower'])
+@pytest.mark.parametrize('form', ['-l', '-ta', '-ta -x', '-tA', 'lower'])
 def test_candump_in_each_of_its_forms(tmp_path, form):
     lines = []
     for n, (source, data) in enumerate(FRAMES):
@@ -103,6 +103,8 @@ def test_candump_in_each_of_its_forms(tmp_path, form):
             lines.append(f'({text}) can0 {frame.lower()}#{data.hex()}')
         elif form == '-l':
             lines.append(f'({text}) can0 {frame}#{data.hex().upper()}')
+        elif form == '-ta -x':
+            lines.append(f' ({text})  can0  RX - -  {frame}   [8]  {data.hex(" ").upper()}')
         elif form == '-ta':
             lines.append(f' ({text})  can0  {frame}   [8]  {data.hex(" ").upper()}')
         else:

@@ -136,3 +136,61 @@ def test_what_tells_nothing_is_counted_by_message(tmp_path):
         f'(1436509052.1) can0 {identifier(5, 129026)}#{course(reference=1).hex()}\n')
     found = read_candump(str(tmp_path / 'log'))
     assert dict(found.not_taken) == {'PGN 129026.not_true': 1} and found.motion() == {}
+
+
+def frames(data, sequence=2):
+    """Return the frames of a fast packet by hand: number, length and 6 bytes, then 7 each."""
+    parts = [bytes([len(data)]) + data[:6], *(
+        data[at:at + 7].ljust(7, b'\xff') for at in range(6, len(data), 7))]
+    return [bytes([sequence << 5 | number]) + part for number, part in enumerate(parts)]
+
+
+def in_candump(sent):
+    return ''.join(f'(1436509052.{n:06d}) can0 {identifier(source, 129029)}#{one.hex()}\n'
+                   for n, (source, one) in enumerate(sent)), read_candump
+
+
+def in_plain(sent):
+    return ''.join(f'2015-07-10T06:17:32.{n:06d}Z,3,129029,{source},255,8,{one.hex(",")}\n'
+                   for n, (source, one) in enumerate(sent)), read_canboat_plain
+
+
+@pytest.mark.parametrize('write', [in_candump, in_plain])
+def test_positions_in_several_frames_are_joined(tmp_path, write):
+    """Two sources at once, and one whose packets follow each other; the stamp is of the end."""
+    first, second = frames(fix(10.0, 20.0)), frames(fix(-30.0, -40.0), 7)
+    sent = [one for pair in zip(((5, one) for one in first), ((6, one) for one in second))
+            for one in pair] + [(5, one) for one in frames(fix(11.0, 21.0), 3)]
+    text, reader = write(sent)
+    (tmp_path / 'log').write_text(text)
+    found = reader(str(tmp_path / 'log'))
+    told = {name: (rows.stamp_ns.tolist(), rows.latitude_deg.tolist(),
+                   rows.longitude_deg.tolist()) for name, rows in found.motion()['fix'].items()}
+    second_ns = 1436509052 * 10 ** 9
+    assert len(first) == 7 and not found.not_taken
+    assert told['PGN 129029 of 5'] == ([second_ns + 12_000, second_ns + 20_000],
+                                       pytest.approx([10, 11]), pytest.approx([20, 21]))
+    assert told['PGN 129029 of 6'] == ([second_ns + 13_000], pytest.approx([-30]),
+                                       pytest.approx([-40]))
+
+
+@pytest.mark.parametrize('lost, fixes, broken', [
+    ([], 3, 0), ([0], 2, 1), ([0, 1, 2], 2, 1), ([3], 2, 1), ([3, 5], 2, 1), ([9], 2, 1),
+    ([20], 2, 1), ([4, 20], 1, 2), (range(7, 14), 2, 0)])
+def test_a_packet_without_a_frame_is_counted_once_and_never_joined_with_another(
+        tmp_path, lost, fixes, broken):
+    sent = [(5, one) for n in range(3) for one in frames(fix(10.0 + n), 6)]
+    text, reader = in_candump([one for n, one in enumerate(sent) if n not in lost])
+    (tmp_path / 'log').write_text(text)
+    found = reader(str(tmp_path / 'log'))
+    rows = found.motion().get('fix', {}).get('PGN 129029 of 5')
+    assert set(rows.latitude_deg.round(9)) <= {10.0, 11.0, 12.0} and len(rows) == fixes
+    assert found.not_taken.get('PGN 129029.incomplete', 0) == broken
+
+
+@pytest.mark.parametrize('frame', ['40', '40ff010203040506', '4120010203040506'])
+def test_a_frame_that_begins_no_packet_is_counted(tmp_path, frame):
+    text, reader = in_candump([(5, bytes.fromhex(frame))])
+    (tmp_path / 'log').write_text(text)
+    found = reader(str(tmp_path / 'log'))
+    assert dict(found.not_taken) == {'PGN 129029.incomplete': 1} and found.motion() == {}

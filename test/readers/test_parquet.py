@@ -143,3 +143,28 @@ def test_columns_of_motion_tell_it(tmp_path):
     assert motion['velocity'].east_m_s == pytest.approx([5.0])
     assert motion['rate'].rate_deg_s.tolist() == [0.5, -0.5]
     assert found.not_taken['cog sog_m_s.out_of_range'] == 1
+
+
+MOMENTS = [T0 + one * S for one in range(4)]
+
+
+@pytest.mark.parametrize('unit_ns', [S, 10 ** 6, 10 ** 3, 1])
+@pytest.mark.parametrize('kind', [int, float])
+@pytest.mark.parametrize('name', ['time', 'epoch'])
+def test_numbers_of_any_unit_are_times(tmp_path, name, kind, unit_ns):
+    """Whole seconds, so that a float holds them in each unit; a null is a reading without one."""
+    whole = [kind(one // S * S // unit_ns) for one in MOMENTS]
+    path = written(tmp_path, **{name: pa.array([*whole, None])}, heading_deg=[1.0] * 5)
+    stamps = [stamp for stamp, _ in lists(read_parquet(path))['heading_deg']]
+    assert stamps == [*(one // S * S for one in MOMENTS), 0]
+
+
+@pytest.mark.parametrize('name, numbers, problem', [
+    ('stamp_s', [one // 10 ** 6 for one in MOMENTS], 'are no seconds since 1970'),
+    ('t_ns', [one // S for one in MOMENTS], 'looks like seconds since 1970'),
+    ('t_ns', [one // 10 ** 6 for one in MOMENTS], 'looks like milliseconds since 1970'),
+    ('time', [2 ** 62, 2 ** 62 + 1], 'are no times since 1970')])
+def test_numbers_of_another_unit_than_their_name_are_refused(tmp_path, name, numbers, problem):
+    path = written(tmp_path, **{name: numbers}, heading_deg=[1.0] * len(numbers))
+    with pytest.raises(ReaderError, match=problem):
+        read_parquet(str(path))

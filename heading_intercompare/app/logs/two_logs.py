@@ -73,6 +73,11 @@ def find_logs(inputs: Sequence[str], drivers: Mapping[str, DriverSettings] | Non
         If one is a log and they are neither two different logs nor one log of both sensors.
 
     """
+    for given in inputs:
+        name, equals, path = given.partition('=')
+        if equals and os.path.exists(path) and not os.path.exists(given):
+            raise ValueError(f'{given}: NAME=LOG is for several sensors, and the setting sensors '
+                             f'has no {name}: give it a row for each of them')
     streams = len(inputs) == 2 and not recordings
     logs = [path for path in inputs
             if has_one_sensor(path) or streams and has_streams(path)]

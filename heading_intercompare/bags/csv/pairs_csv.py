@@ -27,7 +27,13 @@ from heading_intercompare.core.records import Pairs
 
 from .csv_rows import CsvRows
 from .pairs_account import Fingerprint, PairsDigest
-from .stamp_cells import explain_stamp, looks_like_days, nanoseconds, STAMP_COLUMNS
+from .stamp_cells import (
+    explain_stamp,
+    looks_like_days,
+    looks_like_unit,
+    nanoseconds,
+    STAMP_COLUMNS,
+)
 
 __all__ = ['COLUMNS', 'PairsCsv', 'PairsCsvWriter', 'read_pairs_csv', 'write_pairs_csv']
 
@@ -144,18 +150,19 @@ class PairsCsv:
                 for column, value in zip(chunk, row):
                     column.append(value)
                 if len(chunk[0]) == most == _FIRST_ROWS:
-                    self._check_days(chunk[0])
+                    self._check_unit(chunk[0])
                     most = _ROWS
                 if len(chunk[0]) == most:
                     yield Pairs.of(*chunk)
                     chunk = ([], [], [], [], [], [])
             if chunk[0]:
                 if most == _FIRST_ROWS:
-                    self._check_days(chunk[0])
+                    self._check_unit(chunk[0])
                 yield Pairs.of(*chunk)
 
-    def _check_days(self, stamp_ns: list[int]) -> None:
-        if self._stamp == 'stamp_s' and (why := looks_like_days(stamp_ns)):
+    def _check_unit(self, stamp_ns: list[int]) -> None:
+        looks = {'stamp_s': looks_like_days, 'stamp_ns': looks_like_unit}.get(self._stamp)
+        if looks and (why := looks(stamp_ns)):
             raise BagError(why, self._rows.path)
 
     def _read(self) -> Iterator[tuple[int, float, float, int, float, float]]:

@@ -23,8 +23,8 @@ from typing import Callable, Mapping, NamedTuple, Sequence
 
 from heading_intercompare.core.utc_text import utc
 
-__all__ = ['explain_stamp', 'looks_like_days', 'nanoseconds', 'STAMP_COLUMNS', 'StampColumn',
-           'utc_nanoseconds']
+__all__ = ['explain_stamp', 'looks_like_days', 'looks_like_unit', 'nanoseconds',
+           'STAMP_COLUMNS', 'StampColumn', 'utc_nanoseconds']
 
 _SECOND_NS = 1_000_000_000
 _DAY_NS = 86400 * _SECOND_NS
@@ -36,6 +36,11 @@ _NUMBER = re.compile(r'\d+(?:\.\d*)?', re.ASCII)
 #: Days of a spreadsheet count from 30 December 1899; these are 1954 to 2119.
 _DAY_ZERO_NS = -25569 * _DAY_NS
 _FIRST_DAY, _LAST_DAY = 20_000, 80_000
+#: From 1990 to 2100.
+_EARLIEST_NS, _LATEST_NS = 631_152_000 * _SECOND_NS, 4_102_444_800 * _SECOND_NS
+_UNITS = (('seconds', _SECOND_NS, 'name the column stamp_s'),
+          ('milliseconds', 10 ** 6, 'multiply by 1000000'),
+          ('microseconds', 10 ** 3, 'multiply by 1000'))
 #: No sensor reports at a kilohertz; a day number of seconds differs by 1.2e-5.
 _LEAST_STEP_NS = 1_000_000
 
@@ -111,6 +116,34 @@ def explain_stamp(name: str, text: str) -> str:
         return '; name the column stamp_s or stamp_ns for numbers'
     return next((hint for form, hint in _HINTS if form.fullmatch(text)
                  and f'name the column {name}' not in hint), '')
+
+
+def looks_like_unit(stamp_ns: Sequence[int]) -> str:
+    """
+    Tell whether stamps read as nanoseconds are UTC in a larger unit.
+
+    Parameters
+    ----------
+    stamp_ns : sequence of int
+        The first stamps of a file, n >= 0.
+
+    Returns
+    -------
+    str
+        Why they are, in words; '' if they are not. The stamps of a clock that began at zero may
+        have the size of such numbers, but lie further apart.
+
+    """
+    if len(stamp_ns) < 3:
+        return ''
+    first, last = min(stamp_ns), max(stamp_ns)
+    if (last - first) / (len(stamp_ns) - 1) > _LEAST_STEP_NS:
+        return ''
+    for unit, factor, instead in _UNITS:
+        if _EARLIEST_NS <= first * factor and last * factor < _LATEST_NS:
+            return (f'stamp_ns = {stamp_ns[0]} looks like {unit} since 1970 '
+                    f'({utc(stamp_ns[0] * factor)} UTC), not nanoseconds: {instead}')
+    return ''
 
 
 def looks_like_days(stamp_ns: Sequence[int]) -> str:

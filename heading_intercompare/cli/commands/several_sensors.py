@@ -43,6 +43,7 @@ from heading_intercompare.core.settings import Settings
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.logbook.run_row import make_rows
+from heading_intercompare.readers.registry import has_one_sensor
 from heading_intercompare.report import json, SeriesSketch
 from heading_intercompare.report.runs_csv import write_sensor_runs
 from heading_intercompare.report.sensors_report import sensor_path, write_sensors
@@ -93,6 +94,8 @@ def run_sensors(arguments: argparse.Namespace, settings: Settings, ship: str,
     from .analyze import check_report
     check_sensors(settings)
     logs = name_logs(arguments.inputs, settings)
+    if logs is None:
+        _refuse_unnamed(arguments.inputs, settings)
     inputs = arguments.inputs if logs is None else [*logs.values()]
     _check_options(arguments, settings, len(inputs) if logs is None else 1)
     check_report(arguments)
@@ -127,6 +130,15 @@ def run_sensors(arguments: argparse.Namespace, settings: Settings, ship: str,
     if book is not None:
         _write_rows(book, judged, ship)
     return deliver_sensors(judged.verdict, arguments, judged.sketches)
+
+
+def _refuse_unnamed(inputs: Sequence[str], settings: Settings) -> None:
+    """Reject the log of one sensor that nothing says the name of."""
+    names = ', '.join(one.name for one in read_sensors(settings.sensors))
+    for path in inputs:
+        if os.path.exists(path) and has_one_sensor(path):
+            raise ValueError(f'{path}: is the log of one sensor; say of which, NAME={path} with '
+                             f'one of {names}, or take the setting sensors out')
 
 
 def _check_options(arguments: argparse.Namespace, settings: Settings, inputs: int) -> None:

@@ -45,11 +45,17 @@ _MONTHS = {name: number for number, name in enumerate(
 _NAMED_ZONES = (b'A[CEKW]?[SD]T', b'BST', b'CES?T', b'C[SD]T', b'EES?T', b'E[SD]T', b'HK?[SD]?T',
                 b'I[SD]T', b'JST', b'KST', b'MSK', b'M[SD]T', b'NZ[SD]T', b'P[SD]T', b'SGT',
                 b'WES?T')
-_FRACTION = rb'(?:[.,](\d+))?'
+#: After a comma, one or two digits before another comma, or a decimal number, are a field.
+#: After a colon, an underline or nothing, only whole groups of three digits are decimals.
+_THREES = rb'(?=\d{3}(?:\d{3}){0,2}(?![\d:]))'
+_FRACTION = rb'(?:(?:\.|,(?!\d\d?,|\d+\.\d)|[:_]' + _THREES + rb')(\d+))?'
+_COMPACT_FRACTION = rb'(?:(?:\.|,(?!\d\d?,|\d+\.\d)|[:_]?' + _THREES + rb')(\d+))?'
 _ZONE = (rb'(?:[ ]?(Z|UTC|GMT|[AaPp]\.?[Mm]\.?|[+-]\d\d(?::?\d\d)?(?![\d.:])|'
          + b'|'.join(_NAMED_ZONES) + rb')(?![0-9A-Za-z]))?')
 _CLOCK = rb'\d{1,2}:\d\d:\d\d'
-_APART = rb'[ \t,;:_]+'
+_APART = rb'[ \t,;:_|"\'-]+'
+_MONTH = rb'(?:Jan|Feb|Mar|Apr|May|Jun|Jul|Aug|Sep|Oct|Nov|Dec)[a-z]*'
+_MARK = rb'[-/.,;_ \t]{1,3}'
 
 
 class LineFormat(NamedTuple):
@@ -88,6 +94,7 @@ class LineFormat(NamedTuple):
 
 
 _DIGITS = re.compile(rb'\d+').findall
+_CLOCK_PARTS = re.compile(rb'(\d+):(\d\d):(\d\d)(?:[.,](\d+))?').search
 
 
 def _numbers(text: bytes) -> list[int]:
@@ -124,6 +131,14 @@ def _read_named(text: bytes) -> int:
     return date_ns(year, month, day) + clock_ns(*clock)
 
 
+def _read_asctime(text: bytes) -> int:
+    month, clock = _MONTHS[text[:3].lower()], _CLOCK_PARTS(text)
+    assert clock is not None
+    day, year = _numbers(text[:clock.start()])[0], int(text[-4:])
+    return (date_ns(year, month, day) + clock_ns(*map(int, clock.group(1, 2, 3)))
+            + fraction_ns(clock[4]))
+
+
 def _read_mdy(text: bytes) -> int:
     month, day, year, *clock = _numbers(text)
     return date_ns(year, month, day) + clock_ns(*clock)
@@ -158,26 +173,42 @@ FORMATS = (
                + _FRACTION + _ZONE, _read_doy, 'date',
                b'19+085:10:05:54.447 ' + _HDT, '2019-03-26T10:05:54.447'),
     LineFormat('compact', 'year, month and day, hours, minutes and seconds without marks between',
-               rb'((?:19|20)\d\d(?:0\d|1[0-2])[0-3]\d[T _-]?[0-2]\d[0-5]\d[0-6]\d)' + _FRACTION
+               rb'((?:19|20)\d\d(?:0\d|1[0-2])[0-3]\d[T _-]?[0-2]\d[0-5]\d[0-6]\d)'
+               + _COMPACT_FRACTION
                + _ZONE, _read_compact, 'date',
                b'20240528T200000.063Z ' + _HDT, '2024-05-28T20:00:00.063'),
     LineFormat('named', 'day, name of the month in English, year, clock',
-               rb'(\d{1,2}[ /-]?(?:Jan|Feb|Mar|Apr|May|Jun|Jul|Aug|Sep|Oct|Nov|Dec)[a-z]*[ /-]?'
-               rb'\d{4}' + _APART + _CLOCK + rb')' + _FRACTION + _ZONE, _read_named, 'date',
+               rb'(\d{1,2}[ /-]?' + _MONTH + rb'[ /-]?\d{4}' + _APART + _CLOCK + rb')'
+               + _FRACTION + _ZONE, _read_named, 'date',
                b'28-May-2024 20:00:00.063 ' + _HDT, '2024-05-28T20:00:00.063'),
+    LineFormat('month', 'name of the month in English, day, year, clock',
+               rb'(' + _MONTH + rb'[ /.-]{1,2}\d{1,2}[ ,/-]{1,2}\d{4}' + _APART + _CLOCK + rb')'
+               + _FRACTION + _ZONE, _read_named, 'date',
+               b'May 28, 2024 20:00:00.063 ' + _HDT, '2024-05-28T20:00:00.063'),
+    LineFormat('asctime', 'name of the month in English, day, clock, year, as the C library '
+               'writes it',
+               rb'(' + _MONTH + rb'[ ]{1,2}\d{1,2}[ ]' + _CLOCK
+               + rb'(?:[.,]\d+)?(?:[ ](?:UTC|GMT))?[ ](?:19|20)\d\d(?!\d))()()', _read_asctime,
+               'date', b'Tue May 28 20:00:00 2024 ' + _HDT, '2024-05-28T20:00:00'),
     LineFormat('mdy', 'month first, as SCS writes it; see below',
                _NUMERIC, _read_mdy, 'date',
                b'05/28/2024,20:00:00.063,' + _HDT, '2024-05-28T20:00:00.063'),
     LineFormat('dmy', 'day first; see below',
                _NUMERIC, _read_dmy, 'date',
                b'28.05.2024 20:00:00,063; ' + _HDT, '2024-05-28T20:00:00.063'),
+    LineFormat('fields', 'six numbers, from the year to the second, as fields or with the same '
+               'marks throughout',
+               rb'((?:19|20)\d\d(?:' + _MARK + rb'\d{1,2}){2}(?:T|' + _MARK + rb')\d{1,2}(?:'
+               + _MARK + rb'\d{1,2}){2})' + _FRACTION + _ZONE, _read_iso, 'date',
+               b'2024,05,28,20,00,00.063,' + _HDT, '2024-05-28T20:00:00.063'),
     LineFormat('epoch', 'Unix time in seconds with decimals, or in milli-, micro- or nanoseconds '
                'by the number of digits',
                rb'(\d{10}|\d{13}|\d{16}|\d{19})(?:\.(\d+))?()', _read_epoch, 'instant',
                _HDT + b',1716926400.063', '2024-05-28T20:00:00.063'),
     LineFormat('clock', 'the time of day alone; the date comes from the setting `date`, from ZDA '
                'or RMC of the same log, or from the name of the file',
-               rb'((?<!\d:)' + _CLOCK + rb'(?!:\d))' + _FRACTION + _ZONE, _read_clock, 'clock',
+               rb'((?<!\d:)' + _CLOCK + rb'(?!:\d\d?(?!\d)))' + _FRACTION + _ZONE,
+               _read_clock, 'clock',
                b'[20:00:00.063] ' + _HDT, '2024-05-28T20:00:00.063'),
     LineFormat('hhmmss', 'the time of day alone, without marks between; the date as for `clock`',
                rb'([0-2]\d[0-5]\d[0-6]\d)' + _FRACTION + _ZONE, day_time_ns, 'clock',

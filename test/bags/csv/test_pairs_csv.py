@@ -198,6 +198,11 @@ def test_a_header_alone_is_no_pairs(csv):
     ('stamp_utc,ts_deg,rs_deg\n2014-13-01T00:00:00Z,1,2\n', 'line 2: stamp_utc = '),
     ('stamp_s,ts_deg,rs_deg\n' + ''.join(f'{41852 + i / 86400!r},1,2\n' for i in range(5)),
      'stamp_s = 41852.0 looks like a day number of a spreadsheet .2014-08-01 00:00:00.000 UTC'),
+    *(('stamp_ns,ts_deg,rs_deg\n' + ''.join(f'{(1406851200 + i) * per_s},1,2\n'
+                                             for i in range(5)),
+       f'stamp_ns = {1406851200 * per_s} looks like {unit} since 1970 '
+       '.2014-08-01 00:00:00.000 UTC., not nanoseconds: ')
+      for unit, per_s in (('seconds', 1), ('milliseconds', 1000), ('microseconds', 10 ** 6))),
     ('stamp_ns,ts_deg,rs_deg,lag_s\n1,1,2,late\n', "line 2: lag_s = 'late' must be a decimal"),
     ('stamp_ns,ts_deg,rs_deg,lag_s\n1,1,2,nan\n', "line 2: lag_s = 'nan' must be a decimal"),
     ('# nothing\n,,,\n', 'is empty'),
@@ -208,6 +213,13 @@ def test_a_mistake_is_named_with_its_line(csv, tmp_path, text, problem):
         csv(text)
     assert str(caught.value).startswith(str(tmp_path / 'pairs.csv'))
     assert '\n' not in str(caught.value) and len(str(caught.value)) < 500
+
+
+def test_nanoseconds_since_the_start_of_a_clock_are_no_other_unit(csv):
+    """Seconds after its start, and days, a clock has numbers like seconds and microseconds."""
+    for start_ns, step_ns in ((0, 10 ** 8), (2 * 10 ** 9, 10 ** 7), (216 * 10 ** 13, 10 ** 7)):
+        text = ''.join(f'{start_ns + i * step_ns},1,2\n' for i in range(200))
+        assert len(csv('stamp_ns,ts_deg,rs_deg\n' + text).stamp_ns) == 200
 
 
 def test_a_file_that_is_not_there_is_an_os_error(tmp_path):

@@ -228,6 +228,18 @@ def test_a_bag_of_logs_takes_two_logs_or_one_per_sensor(ship, tmp_path, capsys):
         capsys, 'import-nmea', 'x=y', *given)
 
 
+def test_logs_without_names_and_names_without_a_setting_are_one_line(trial, tmp_path, capsys):
+    log = tmp_path / 'gyro.log'
+    log.write_text('2014-08-01T00:00:00Z $HEHDT,100.00,T*17\n')
+    config = ('--config', trial / 'ship.yaml')
+    assert f'NAME={log} with one of gyro1, gyro2, gnss' in refused(
+        capsys, 'analyze', log, log, *config)
+    norms = ('--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1')
+    for command in (['analyze'], ['report', '-o', tmp_path / 'x.html']):
+        assert f'a={log}: NAME=LOG is for several sensors, and the setting sensors has no a' in (
+            refused(capsys, *command, f'a={log}', f'b={log}', f'c={log}', *norms))
+
+
 def test_wrong_sensors_are_one_line(trial, capsys):
     assert 'sensors, has one sensor' in refused(
         capsys, 'analyze', trial / 'bag', '--set', 'sensors=gyro1 sigma_max_deg=1')

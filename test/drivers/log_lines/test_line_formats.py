@@ -85,10 +85,19 @@ def test_the_setting_and_the_page_name_every_form():
     '05/28/2024,20:00:00.063,{}', '05/28/2024 08:00:00.063 PM {}', '28/05/2024 20:00:00.063 {}',
     '28.05.2024 20:00:00,063 {}', '28-05-2024 20:00:00.063 {}', '1716926400.063 {}',
     '1716926400063 {}', '1716926400063000 GYRO {}', '1716926400063000000,{}',
-    't=1716926400.063 {}',
+    't=1716926400.063 {}', '2024-05-28 20:00:00:063 {}', '2024+149:20:00:00:063 {}',
+    '20240528_200000_063 {}', '20240528200000063 {}', '20240528 200000063000 GYRO {}',
+    '28.05.2024 20:00:00:063 GYRO {}', '2024-05-28 20:00:00,063,1,{}',
+    '"28.05.2024";"20:00:00,063";"{}"', '2024-05-28|20:00:00.063|GYRO|{}',
+    '2024-05-28-20:00:00.063 {}', '2024-05-28 - 20:00:00.063 - {}',
+    'May 28, 2024 20:00:00.063 {}', 'Tue May 28 20:00:00.063 2024 {}',
+    'Tue May 28 20:00:00.063 UTC 2024 {}', '{} Tue May 28 20:00:00.063 2024',
+    '2024,05,28,20,00,00.063,{}', '2024 5 28 20 0 0.063 {}', '2024_05_28_20_00_00.063 {}',
+    '2024-05-28T20-00-00.063Z {}', '2024-05-28 20.00.00.063 {}', '2024;5;28;20;0;0,063;{}',
     '{},1716926400.063', '{};1716926400063', '{} 2024-05-28T20:00:00.063Z',
     '{},GYRO,1716926400.063',
-    'GYRO {} # 2024-05-28 20:00:00.063', '{}\t05/28/2024 20:00:00.063'])
+    'GYRO {} # 2024-05-28 20:00:00.063', '{},2024,05,28,20,00,00.063',
+    '{}\t05/28/2024 20:00:00.063'])
 @pytest.mark.parametrize('end', ['\r\n', '\n'])
 def test_a_line_as_ships_write_it_gives_its_stamp(line, end, read):
     headings, counts = read([line.format(hdt())], end=end)
@@ -105,6 +114,21 @@ def test_a_line_as_ships_write_it_gives_its_stamp(line, end, read):
 def test_what_is_not_certain_is_not_guessed(line, reason, read):
     headings, counts = read([line.format(hdt())])
     assert len(headings) == 0 and counts == {reason: 1}
+
+
+@pytest.mark.parametrize('line', [
+    '2024-05-28 20:00:00,1,{}', '2024-05-28,20:00:00,17,GYRO,{}', '2024-05-28 20:00:00,218.53,{}',
+    '2024-05-28 20:00:00 063 {}', '2024-05-28 20:00:00:06 {}', '2024-05-28 20:00:00_0637 {}'])
+def test_a_field_after_the_clock_is_no_decimals(line, read):
+    headings, counts = read([line.format(hdt())])
+    assert (headings.stamp_ns.tolist(), counts) == ([ns_of('2024-05-28T20:00:00')], {})
+
+
+def test_a_month_name_without_a_year_takes_it_from_the_date(read):
+    line = f'May 28 20:00:00 ship nmead[123]: {hdt()}'
+    headings, counts = read([line], date='2024-05-28')
+    assert headings.stamp_ns.tolist() == [ns_of('2024-05-28T20:00:00')]
+    assert read([line])[1] == {'no_date': 1}
 
 
 @pytest.mark.parametrize('stamp_format, utc', [('mdy', '2024-05-06T20:00:00'),
