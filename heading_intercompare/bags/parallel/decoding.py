@@ -119,7 +119,9 @@ def find_channel_problem(part: Part, number: int, type_name: str) -> str | None:
     channel = part.channels[number]
     if channel.message_encoding != 'cdr':
         return f'its messages are encoded as {channel.message_encoding!r}, not cdr'
-    schema = part.schemas[channel.schema_id]
+    schema = part.schemas.get(channel.schema_id)
+    if schema is None:
+        return 'its channel has no schema'
     return layout_problem(type_name, schema.encoding, schema.data.decode(errors='replace'))
 
 

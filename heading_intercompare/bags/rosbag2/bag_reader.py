@@ -201,11 +201,12 @@ class BagReader:
                 kind = self._type_of(part, number)
                 qos = Qos.of_yaml(channel.metadata.get('offered_qos_profiles', ''))
                 known = self.topics.get(channel.topic, TopicInfo(kind, 0, qos))
-                if known.type_name != kind:
-                    raise BagError(f'topic {channel.topic} is both {known.type_name} and {kind}',
-                                   self.path)
+                # A channel without a schema has no type that could contradict that of others.
+                if kind and known.type_name and known.type_name != kind:
+                    raise BagError(f'topic {channel.topic} is both {known.type_name} and {kind}; '
+                                   '"recover" makes two topics of it', self.path)
                 count = known.count + part.counts.get(number, 0)
-                self.topics[channel.topic] = TopicInfo(kind, count, known.qos)
+                self.topics[channel.topic] = TopicInfo(known.type_name or kind, count, known.qos)
 
     def _make_folder(self) -> Path:
         """Return a new folder that lasts as long as this reader."""

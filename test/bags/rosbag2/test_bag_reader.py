@@ -609,6 +609,26 @@ def test_a_channel_in_another_encoding_is_unreadable_beside_a_sound_one(tmp_path
     assert 'encoded as' in reader.oddities[-1]
 
 
+@pytest.mark.parametrize('first', [False, True])
+def test_a_channel_without_a_schema_is_unreadable_beside_a_sound_one(tmp_path, first):
+    path = tmp_path / 'a.mcap'
+    with open(path, 'wb') as file:
+        writer = Writer(file)
+        writer.start('ros2')
+        number = writer.register_schema(IMU, 'ros2msg', shipped_schema(IMU).text.encode())
+        channels = [writer.register_channel('/ts', 'cdr', schema)
+                    for schema in ((0, number) if first else (number, 0))]
+        for i in range(5):
+            writer.add_message(channels[i == 3], 1000 + i, GOOD, 2000 + i, i)
+        writer.finish()
+    reader = BagReader(path)
+    assert (reader.topics['/ts'].type_name, reader.topics['/ts'].count) == (IMU, 5)
+    found = Headings.concatenate([chunk['/ts'] for chunk in reader.headings({'/ts': 'enu'})])
+    bad = 4 if first else 1
+    assert np.isnan(found.heading_deg).sum() == bad and len(found) == 5
+    assert reader.oddities[-1].startswith(f'{bad} messages') and 'no schema' in reader.oddities[-1]
+
+
 def test_a_bag_that_is_moved_is_the_same_bag(write_bag, tmp_path):
     path = write_bag()
     expected = read(path, BOTH)
