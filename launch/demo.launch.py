@@ -77,11 +77,18 @@ def nodes(context):
                  output='screen', on_exit=Shutdown(reason='the simulation has ended'), **common)]
 
 
+def check(context):
+    """Tell a mistake before the first node is started: what was started by then would stay."""
+    nodes(context)
+    return []
+
+
 def generate_launch_description():
     """Return the graph."""
     return LaunchDescription([
         *(DeclareLaunchArgument(name, default_value=default, description=words)
           for name, (default, words) in ARGUMENTS.items()),
+        OpaqueFunction(function=check),
         IncludeLaunchDescription(
             PythonLaunchDescriptionSource(str(HERE / 'intercompare.launch.py')),
             launch_arguments={'drivers': 'false', **{

@@ -52,6 +52,7 @@ from heading_intercompare.nodes.ros.launch_arguments import (
     read_namespace,
     read_switch,
 )
+from heading_intercompare.nodes.ros.launch_sections import check_sections
 from heading_intercompare.nodes.sensors.places import (
     count_motion_subscribers,
     count_subscribers,
@@ -98,6 +99,7 @@ class Plan:
         settings = settings_for(self.file)
         check_norms(settings)
         self.settings, self.sensors = settings, read_sensors(settings.sensors)
+        self.started = []
 
     def section(self, name):
         """Return the section of a node in the parameter file."""
@@ -105,6 +107,7 @@ class Plan:
 
     def node(self, executable, name, own, namespace=None, **kwargs):
         """Return a node; its own section and `own` hold in any namespace, unlike the file's."""
+        self.started.append((executable, name))
         common, shared = common_arguments(executable, self.log_level, self.use_sim_time)
         given = [dict(values) for values in (self.section(name), {**own, **shared}) if values]
         if not self.respawn:
@@ -122,6 +125,11 @@ def end_with(name):
     return act
 
 
+def end_with_a_mistake(event, _):
+    """End all when the log of a driver cannot be played; not when it has been played."""
+    return Shutdown(reason='a log cannot be played') if event.returncode == 2 else None
+
+
 def drivers(plan):
     """Return the drivers that the parameter file has sections for."""
     topics = {f'{one.name}_driver': (one.heading_topic, describe_driver(one))
@@ -134,7 +142,7 @@ def drivers(plan):
         live = not str(plan.section('motion_driver').get('source', '')).startswith('file:')
         made.append(plan.node('motion_driver', 'motion_driver', {
             'subscribers': count_motion_subscribers(plan.sensors, plan.record)},
-            respawn=live, respawn_delay=2.0))
+            respawn=live, respawn_delay=2.0, **({} if live else {'on_exit': end_with_a_mistake})))
     for name, (topic, given) in topics.items():
         section = plan.section(name)
         if name in plan.file.sections:
@@ -146,7 +154,8 @@ def drivers(plan):
                                   {'topic': section.get('topic', topic), **own,
                                    'subscribers': n + further.get(topic, 0),
                                    **({'motion': False} if alone else {})},
-                                  respawn=live, respawn_delay=2.0))
+                                  respawn=live, respawn_delay=2.0,
+                                  **({} if live else {'on_exit': end_with_a_mistake})))
     return made
 
 
@@ -189,6 +198,7 @@ def nodes(context):
     if plan.dashboard:
         # The trial goes on without it.
         made.append(plan.node('dashboard', 'dashboard', {}))
+    check_sections(plan.config, plan.file.sections, plan.started)
     return made
 
 

@@ -37,6 +37,7 @@ from heading_intercompare.nodes.ros.launch_arguments import (
     read_number,
     read_switch,
 )
+from heading_intercompare.nodes.ros.launch_sections import check_sections
 from heading_intercompare.nodes.sensors.places import count_subscribers, remap_rules
 
 # Default and meaning of each argument.
@@ -58,7 +59,7 @@ ARGUMENTS = {
 def nodes(context):
     """Return the nodes; no heading is lost, in whatever order they start."""
     given = {name: LaunchConfiguration(name).perform(context) for name in ARGUMENTS}
-    check_path('bag', given['bag'], 'a bag')
+    check_path('bag', given['bag'], 'a bag', folder=True)
     check_path('config', given['config'], 'a ROS parameter file with the norms')
     file = load_config(given['config'])
     settings = settings_for(file)
@@ -66,8 +67,11 @@ def nodes(context):
     sensors, namespace = read_sensors(settings.sensors), read_namespace(given['namespace'])
     sim_time = read_switch('use_sim_time', given['use_sim_time'])
 
+    started = []
+
     def node(name, own, reason, place=namespace, **kwargs):
         """Return a node whose end ends all; its section and `own` hold in any namespace."""
+        started.append((name, name))
         common, shared = common_arguments(name, given['log_level'], sim_time)
         parameters = [dict(values) for values in (
             file.sections.get(name, {}), {**own, **shared}) if values]
@@ -95,6 +99,7 @@ def nodes(context):
                       **several)]
     if sensors:
         made.append(node('sensors_watch', written, 'the node sensors_watch has ended'))
+    check_sections(given['config'], file.sections, started)
     return made
 
 

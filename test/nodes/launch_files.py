@@ -159,12 +159,14 @@ def nodes(name: str, **given: str) -> list[Node]:
     declared = {a.name: a for a in actions if isinstance(a, Argument)}
     assert given.keys() <= declared.keys()
     context = {key: given.get(key, a.default_value) for key, a in declared.items()}
-    function, = (a.function for a in actions if isinstance(a, Function))
     made = []
-    for other in (a for a in actions if isinstance(a, Include)):
-        passed = {key: value.perform(context) if isinstance(value, Configuration) else value
-                  for key, value in other.launch_arguments}
-        made += nodes(Path(other.source).name, **passed)
+    for action in actions:
+        if isinstance(action, Include):
+            passed = {key: value.perform(context) if isinstance(value, Configuration) else value
+                      for key, value in action.launch_arguments}
+            made += nodes(Path(action.source).name, **passed)
+        elif isinstance(action, Function):
+            made += action.function(context)
     variables = {a.name: a.value for a in actions if isinstance(a, EnvironmentVariable)}
     transports = variables.get('FASTDDS_BUILTIN_TRANSPORTS', '')
-    return made + [replace(node, transports=transports) for node in function(context)]
+    return [replace(node, transports=node.transports or transports) for node in made]

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from ast import literal_eval
 from importlib import import_module
 from pathlib import Path
 import types
@@ -29,6 +30,7 @@ from heading_intercompare.app.config import load_config
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.cli.commands.graph import demo
 from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.nodes.ros.launch_sections import OWN_SETTINGS
 
 FILES = ('intercompare.launch.py', 'replay.launch.py')
 DEMO = 'demo.launch.py'
@@ -205,6 +207,9 @@ def test_a_node_has_time_to_end_before_it_is_killed(name, config):
     assert all(float(node.sigterm_timeout) > 2 * 9 for node in nodes(name, config=config, **bag))
 
 
+TWO_NORMS = '/**: {ros__parameters: {norms: {sigma_max_deg: 0.2, sigma_ref_max_deg: 0.1}}}\n'
+
+
 @pytest.mark.parametrize('name, given, words', [
     (FILES[0], {}, 'there is no parameter file: copy .*heading_intercompare.yaml.*config:=FILE.*'
      'demo.launch.py'),
@@ -216,6 +221,23 @@ def test_a_node_has_time_to_end_before_it_is_killed(name, config):
     (FILES[0], {'text': '/**: {ros__parameters: {norms: {sigma_max: 1}}}'}, 'sigma_max'),
     (FILES[0], {'record': 'maybe'}, 'record:=maybe: must be true or false'),
     (FILES[0], {'log_level': 'loud'}, 'log_level:=loud: must be one of debug'),
+    (FILES[0], {'config': str(TEMPLATE.parent)}, 'Is a directory; give the path of a ROS'),
+    (FILES[0], {'namespace': '/a b'}, 'namespace:=/a b: must be names of letters'),
+    (FILES[0], {'namespace': 'fleet/1st'}, 'namespace:=fleet/1st: must be names'),
+    (FILES[0], {'text': TWO_NORMS + 'ts_driver: {ros__parameters: {sorce: x}}'},
+     "section 'ts_driver': unknown parameter 'sorce'; did you mean 'source'"),
+    (FILES[0], {'text': TWO_NORMS + 'rs_driver: {ros__parameters: {source: 17}}'},
+     "section 'rs_driver': source = 17"),
+    (FILES[0], {'text': TWO_NORMS + 'rs_driver: {ros__parameters: {source: "udp://:99999"}}'},
+     "section 'rs_driver': source = 'udp://:99999'"),
+    (FILES[0], {'text': TWO_NORMS + 'ts_driver: {ros__parameters: {}}'},
+     "section 'ts_driver': source is required"),
+    (FILES[0], {'text': TWO_NORMS + 'motion_driver: {ros__parameters: {}}'},
+     "section 'motion_driver': source is required"),
+    (FILES[0], {'text': TWO_NORMS + 'recorder: {ros__parameters: {outptu: x}}'},
+     "section 'recorder': unknown parameter 'outptu'; did you mean 'output'"),
+    (FILES[1], {'text': TWO_NORMS + 'replayer: {ros__parameters: {rate: fast}}', 'bag': '.'},
+     "section 'replayer': rate = "),
     (FILES[1], {}, 'bag is missing: give bag:=PATH of a bag'),
     (FILES[1], {'bag': 'none'}, 'bag:=none: does not exist'),
     (FILES[1], {'bag': '.'}, 'config is missing'),
@@ -233,6 +255,42 @@ def test_a_mistake_is_told_in_one_line(name, given, words, config, tmp_path):
     with pytest.raises(SettingsError, match=words) as error:
         nodes(name, **given)
     assert '\n' not in str(error.value)
+
+
+@pytest.mark.parametrize('given', [
+    {'scenario': 'none'}, {'speed': 'fast'}, {'log_level': 'loud'}, {'config': 'none'}])
+def test_a_mistake_of_the_demo_is_told_before_it_starts_a_node(given):
+    """The nodes of the file that it includes would run on, without anybody to end them."""
+    actions = description(DEMO)
+    first = next(a for a in actions if not isinstance(a, Argument))
+    context = {a.name: given.get(a.name, a.default_value)
+               for a in actions if isinstance(a, Argument)}
+    with pytest.raises(SettingsError):
+        first.function(context)
+
+
+def test_a_log_that_cannot_be_played_ends_all_and_one_that_was_played_does_not(config):
+    given = yaml.safe_load(Path(config).read_text())
+    given['ts_driver']['ros__parameters']['source'] = 'file:gyro.log'
+    Path(config).write_text(yaml.dump(given))
+    made = by_name(FILES[0], config=config)
+    ended = {code: made['ts_driver'].on_exit(types.SimpleNamespace(returncode=code), None)
+             for code in (0, 1, 2)}
+    assert ended == {0: None, 1: None, 2: Shutdown('a log cannot be played')}
+    # A source that is away for a while comes back.
+    assert made['rs_driver'].on_exit is None
+
+
+@pytest.mark.parametrize('executable', OWN_SETTINGS)
+def test_the_sections_of_a_node_are_checked_by_what_it_declares(executable, ros, monkeypatch):
+    def note(node, *classes, **_):
+        raise SettingsError(repr({getattr(c, 'settings_class', c).__name__ for c in classes}))
+    module = import_module(f'heading_intercompare.nodes.{executable}')
+    monkeypatch.setattr(module, 'declare', note)
+    with pytest.raises(SettingsError) as error:
+        getattr(module, executable.title().replace('_', ''))(context=ros.context)
+    assert literal_eval(str(error.value)) == {
+        'Settings', *(one.__name__ for one in OWN_SETTINGS[executable])}
 
 
 def test_the_demo_judges_simulated_sensors_by_the_norms_of_the_command_demo():

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import math
 import os
+import re
 from typing import Any
 
 from heading_intercompare.core.settings import SettingsError
@@ -29,15 +30,36 @@ _SWITCHES = {**dict.fromkeys(('true', 'yes', 'on', '1'), True),
 # Seconds after Ctrl-C. The recorder ends after the last verdict, and each node waits at most 9 s.
 # Without this `ros2 launch` loses patience after 5.
 _END_S = '20'
+_NAME = '[A-Za-z_][A-Za-z0-9_]*'
+_NAMESPACE = re.compile(f'{_NAME}(/{_NAME})*')
 _LEVELS = ('debug', 'info', 'warn', 'error', 'fatal')
 
 
-def check_path(name: str, text: str, what: str) -> None:
-    """Raise SettingsError if an argument names no file or folder; `what` says what it must be."""
+def check_path(name: str, text: str, what: str, *, folder: bool = False) -> None:
+    """
+    Raise SettingsError if an argument names no file that can be read.
+
+    Parameters
+    ----------
+    name, text : str
+        Name of the argument, for the message, and its value.
+    what : str
+        What it must name.
+    folder : bool
+        A folder will do.
+
+    """
     if not text:
         raise SettingsError(f'{name} is missing: give {name}:=PATH of {what}')
     if not os.path.exists(text):
         raise SettingsError(f'{name}:={text}: does not exist; give the path of {what}')
+    if folder and os.path.isdir(text):
+        return
+    try:
+        open(text, 'rb').close()
+    except OSError as error:
+        raise SettingsError(
+            f'{name}:={text}: {error.strerror}; give the path of {what}') from error
 
 
 def read_switch(name: str, text: str) -> bool:
@@ -98,13 +120,27 @@ def read_namespace(text: str) -> str:
     """
     Return a namespace with its leading slash and without others around it.
 
+    Parameters
+    ----------
+    text : str
+        The argument `namespace`.
+
+    Raises
+    ------
+    SettingsError
+        If ROS allows no such namespace.
+
     Examples
     --------
     >>> read_namespace('ship1'), read_namespace('/fleet/ship1/'), read_namespace('/')
     ('/ship1', '/fleet/ship1', '/')
 
     """
-    return '/' + text.strip().strip('/')
+    found = text.strip().strip('/')
+    if found and not _NAMESPACE.fullmatch(found):
+        raise SettingsError(f'namespace:={text}: must be names of letters, digits and _ that do '
+                            'not begin with a digit, with a / between them')
+    return f'/{found}'
 
 
 def common_arguments(executable: str, log_level: str, use_sim_time: bool,

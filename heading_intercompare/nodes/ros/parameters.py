@@ -40,7 +40,7 @@ from heading_intercompare.core.settings import (
     Used,
 )
 
-__all__ = ['declare', 'follow', 'make_overrides', 'OVERRIDES', 'resolve_topic']
+__all__ = ['declare', 'follow', 'make_overrides', 'OF_ROS', 'OVERRIDES', 'resolve_topic']
 
 OVERRIDES = {'automatically_declare_parameters_from_overrides': True}
 """Arguments that `Node.__init__` needs so that `declare` sees all parameters given to a node."""
@@ -50,8 +50,8 @@ _MOST = 2**63 - 1
 _READ_ONCE = 'read when the node starts: start it again to change it'
 _FOLLOWED = 'a change takes effect at once; the verdict names the value at the start'
 
-# Every rclpy node declares these.
-_OF_ROS = ('use_sim_time', 'start_type_description_service')
+OF_ROS = ('use_sim_time', 'start_type_description_service')
+"""Parameters that every rclpy node declares."""
 
 
 def declare(node: Node, *classes: type | Used,
@@ -80,7 +80,7 @@ def declare(node: Node, *classes: type | Used,
 
     """
     given = {name: parameter.value for name, parameter in node.get_parameters_by_prefix('').items()
-             if name not in _OF_ROS}
+             if name not in OF_ROS}
     rules = {used: {rule.name: rule for rule in list_settings(used.settings_class)}
              for used in (one if isinstance(one, Used) else Used(one) for one in classes)}
     known = [name for names in rules.values() for name in names]

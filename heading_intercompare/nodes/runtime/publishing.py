@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections import deque
 import math
 import time
-from typing import Iterable, Mapping, Sequence
+from typing import Iterable, Iterator, Mapping, Sequence
 
 from rclpy.duration import Duration
 from rclpy.node import Node
@@ -39,6 +39,8 @@ _PATIENCE_S = 5.0
 # A synchronizer opens its inputs 10 s after its start at the latest. One that does not subscribe
 # then hears other topics.
 _JUDGES_S = 15.0
+# So long after the recorder, a synchronizer that was started with it is there.
+_GRAPH_S = 5.0
 # DDS gives up a process that hangs after 20 s; after this time its connection must be broken.
 _BROKEN_S = 30.0
 
@@ -76,7 +78,9 @@ class Audience:
         How many more a topic must have, by its name before remapping.
     judged : mapping of str to sequence of str, optional
         For a topic, the topics of those that judge it, by their names before remapping. Every
-        node that publishes one of these must have subscribed, too: a recorder will not do.
+        node that publishes one of these must have subscribed, too: a recorder will not do. While
+        no node publishes them, and the subscribers are nodes of a graph, the others may be about
+        to come: without `patience_s`, these are waited for, 5 s.
     patience_s : float
         Go on without the subscriptions after this time, seconds.
 
@@ -117,8 +121,9 @@ class Audience:
                 self._words = f'looking for other publishers of {self._publishers[0].topic_name}'
                 return False
             missing = self._find_missing()
-            self._words = self._describe(missing) or self._describe_judges()
             waited_s = time.monotonic() - self._began_s
+            self._words = (self._describe(missing) or self._describe_judges()
+                           or ('' if waited_s > _GRAPH_S else self._describe_coming()))
             given_up = bool(self._words) and waited_s > (
                 self._patience_s if missing else min(self._patience_s, _JUDGES_S))
             self._there = given_up or not self._words
@@ -132,14 +137,29 @@ class Audience:
 
     def _describe_judges(self) -> str:
         """Say which nodes judge these topics and have not subscribed to them; '' if all have."""
-        for publisher in self._publishers if self._wanted else ():
-            topic = publisher.topic_name
-            judges = {name_node(info) for judging in self._judged.get(topic, ())
-                      for info in self._node.get_publishers_info_by_topic(judging)}
-            heard_by = map(name_node, self._node.get_subscriptions_info_by_topic(topic))
-            if late := sorted(judges.difference(heard_by)):
+        for topic, judges, heard_by in self._list_audience():
+            if late := sorted(judges - heard_by):
                 return f'waiting for {" and ".join(late)} to subscribe to {topic}'
         return ''
+
+    def _describe_coming(self) -> str:
+        """Say which topic a graph hears in which nobody judges yet; '' if there is none."""
+        if self._patience_s < math.inf or not self._judged:
+            return ''
+        # Every node of this package says its health; what displays or copies a topic does not.
+        graph = {*map(name_node, self._node.get_publishers_info_by_topic('/diagnostics'))}
+        for topic, judges, heard_by in self._list_audience():
+            if not judges and heard_by and heard_by <= graph:
+                return f'waiting for a node that judges {topic}'
+        return ''
+
+    def _list_audience(self) -> Iterator[tuple[str, set[str], set[str]]]:
+        """Yield each topic with the nodes that judge it, and those that have subscribed to it."""
+        for topic in [p.topic_name for p in self._publishers] if self._wanted else ():
+            judges = {name_node(info) for judging in self._judged.get(topic, ())
+                      for info in self._node.get_publishers_info_by_topic(judging)}
+            yield topic, judges, {
+                *map(name_node, self._node.get_subscriptions_info_by_topic(topic))}
 
     def has_heard(self, publishers: Sequence[Publisher]) -> bool:
         """

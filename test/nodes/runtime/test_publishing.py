@@ -251,6 +251,34 @@ def test_where_nobody_judges_any_subscriber_will_do(ros):
     ros.spin_until(audience.is_there)
 
 
+def test_a_recorder_that_is_there_first_is_given_time_for_its_synchronizer(ros):
+    """A replay beside a graph that was just started began with the recorder: 4050 were missed."""
+    audience = audience_of(ros, judged={'h': ['pairs']})
+    recorder = ros.add(Node, 'recorder')
+    Health(recorder)
+    hear(recorder)
+    ros.spin_until(lambda: audience.waiting == 'waiting for a node that judges /h'
+                   or audience.is_there())
+    assert not audience.is_there()
+    judge = ros.add(Node, 'synchronizer')
+    judge.create_publisher(TwistStamped, 'pairs', qos.PAIRS)
+    ros.spin_until(lambda: not audience.is_there() and 'synchronizer' in audience.waiting)
+    hear(judge)
+    ros.spin_until(audience.is_there)
+
+
+def test_a_recorder_alone_is_played_to_after_a_while(ros, monkeypatch):
+    audience = audience_of(ros, judged={'h': ['pairs']})
+    recorder = ros.add(Node, 'recorder')
+    Health(recorder)
+    hear(recorder)
+    ros.spin_until(lambda: 'judges' in audience.waiting or audience.is_there())
+    assert not audience.is_there()
+    now_s = time.monotonic()
+    monkeypatch.setattr(publishing.time, 'monotonic', lambda: now_s + 6.0)
+    assert audience.is_there() and audience.waiting == ''
+
+
 def test_one_that_judges_other_topics_is_not_waited_for_without_end(ros, monkeypatch):
     audience = audience_of(ros, judged={'h': ['pairs']})
     ros.add(Node, 'synchronizer').create_publisher(TwistStamped, 'pairs', qos.PAIRS)
