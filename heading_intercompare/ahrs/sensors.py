@@ -23,6 +23,7 @@ import numpy as np
 
 from heading_intercompare.ahrs.gimballed.modes import AhrsStatus
 from heading_intercompare.ahrs.gimballed.output import AhrsOutput
+from heading_intercompare.ahrs.inertial.compiled_loop import compile_recursion
 from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.records import Headings
@@ -92,7 +93,8 @@ class SimulatedSensor:
     role : str
         'ts' or 'rs'; names its random numbers, so that the two never share any.
     fast : bool
-        Compile the control loop of an AHRS if numba is installed; it gives the same bits.
+        Compile the control loop of an AHRS, and the coloured noise, if numba is installed. That
+        gives the same bits.
 
     """
 
@@ -112,6 +114,8 @@ class SimulatedSensor:
                                 open_stream(seed, f'{role}.outage'))
         self._ahrs = (AhrsOutput(settings, truth, seed, role, fast)
                       if settings.model in AHRS_MODELS else None)
+        if fast:
+            compile_recursion(self._markov)
         self._next = 0
 
     def statuses(self) -> tuple[AhrsStatus, ...]:

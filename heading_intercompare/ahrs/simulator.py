@@ -30,7 +30,7 @@ from heading_intercompare.core.records import Headings, Motion
 from .faults import Fault, FAULTS, Faults
 from .plans import EVENTS, parse_faults, parse_legs, parse_utc
 from .sensors import Readings, SimulatedSensor
-from .settings import Scenario, Sensor, SettingsError
+from .settings import AHRS_MODELS, Scenario, Sensor, SettingsError
 from .told_motion import ToldMotion
 
 __all__ = ['SimulatedChunk', 'Simulation', 'Trial']
@@ -187,6 +187,8 @@ class Trial:
     def __init__(self, scenario: Scenario, ship: ShipTruth, start_ns: int,
                  fast: bool = False) -> None:
         s = scenario
+        # Without an AHRS, loading numba would take longer than it saves.
+        fast = fast and any(one.model in AHRS_MODELS for one in s.sensors.values())
         self.now_s = 0.0
         self._last_s = s.duration_s + max(one.latency_s for one in s.sensors.values())
         self._true = _Truth(ship, start_ns, s)

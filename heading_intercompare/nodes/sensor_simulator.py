@@ -81,7 +81,8 @@ class SensorSimulator(Node):
         self._allowance = Allowance(sending.max_rate_hz)
         self._flow = FlowControl(self._publishers_of.values(), self.health)
         self._trial: Trial | None = None
-        for role, place in (('ts', '~'), ('rs', '~/rs')):
+        for role in self._scenario.sensors:
+            place = '~' if role == 'ts' else f'~/{role}'
             for kind in EVENTS:
                 self.create_service(Trigger, f'{place}/{kind}', partial(self._command, role, kind))
             for kind in FAULTS:

@@ -192,11 +192,11 @@ def test_service_waits_for_the_trial_to_begin(ros):
 
 
 def test_every_fault_and_event_has_its_service(ros):
-    node = ros.ours(SensorSimulator, duration_s=5.0)
+    node = ros.ours(SensorSimulator, duration_s=5.0, others='gyro2 rate_hz=5')
     offered = {name for name, _ in node.get_service_names_and_types_by_node(
         'sensor_simulator', '/')}
     names = {*EVENTS, *(f'inject_{kind}' for kind in FAULTS)}
-    assert {f'/sensor_simulator/{place}{name}' for place in ('', 'rs/')
+    assert {f'/sensor_simulator/{place}{name}' for place in ('', 'rs/', 'gyro2/')
             for name in names} <= offered
 
 

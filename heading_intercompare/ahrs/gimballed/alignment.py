@@ -12,25 +12,18 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""
-The procedures of modes 1 to 6, from power-on to an aligned platform.
-
-A procedure is a generator. It yields the rates to command over the next control step, or a law to
-apply over several, or None or an excitation while the platform is caged, and returns the mode that
-follows. When it resumes after a yield, the computer has taken the measurements of those steps.
-"""
+"""The procedures of modes 1 to 6, from power-on to an aligned platform; see `machine`."""
 
 from __future__ import annotations
 
 from itertools import count
 import math
-from typing import Generator, NamedTuple, Protocol
+from typing import Generator
 
 from heading_intercompare.ahrs.inertial.computer import Computer
-from heading_intercompare.ahrs.inertial.instruments import Instruments
 from heading_intercompare.ahrs.inertial.loop import FINE, HOLD, Rates
 from heading_intercompare.ahrs.inertial.platform import Platform
-from heading_intercompare.ahrs.settings import Ahrs, Errors
+from heading_intercompare.ahrs.settings import Ahrs
 from heading_intercompare.ahrs.ship.earth import RAD_PER_DEG_H, UG_M_S2
 from heading_intercompare.ahrs.ship.seaway import GRID_S
 
@@ -44,24 +37,15 @@ from .calibration import (
     RotationFit,
     WindowedMean,
 )
-from .claims import alignment_sigma, satellite_sigma, slew_sigma
+from .claims import alignment_sigma, FreeAzimuth, satellite_sigma, slew_sigma
 from .fixes import Fixes
+from .machine import Machine, Procedure, SECOND, Steady, steps
 from .modes import Mode, Validity
-from .power_on import Excitation, run_self_test, TEST_S
+from .power_on import run_self_test, TEST_S
 from .slew import slew
 
-__all__ = ['count_pairs', 'hold_azimuth', 'Machine', 'PROCEDURES', 'Procedure', 'SECOND', 'Steady',
-           'steps']
+__all__ = ['count_pairs', 'hold_azimuth', 'PROCEDURES']
 
-
-class Steady(NamedTuple):
-    """A law of `loop`, and the number of control steps over which nothing else is to be done."""
-
-    law: int
-    steps: int
-
-
-Procedure = Generator[Rates | Steady | Excitation | None, None, Mode]
 
 POST_LIMIT_S = 30.0
 THERMOSTAT_LIMIT_S = 1800.0
@@ -79,49 +63,6 @@ FORCE_LIMIT_M_S2 = 2000.0 * UG_M_S2
 READINGS, READING_S, SATELLITE_READING_S = 6, 90.0, 450.0
 FINE_LIMIT_S = 3600.0
 STRAIGHT_RAD = math.radians(5.0 / 3600.0)
-
-
-class Machine(Protocol):
-    """The part of the AHRS that a procedure may read and change."""
-
-    settings: Ahrs
-    errors: Errors
-    instruments: Instruments
-    platform: Platform
-    computer: Computer
-    failures: set[str]
-    forced: bool
-    operation: Mode
-    validity: Validity
-    sigma_rad: float
-    soak: float
-    calibrated_deg_h: float
-    course_deg_h: float
-    calibrated_k: float
-    turned_rad: float
-    azimuth_found: bool
-    fixes: Fixes | None
-
-    @property
-    def residual_deg_h(self) -> float:
-        """Levelling gyro drift left by the calibration, and by the temperature since."""
-
-    def say(self, message: str) -> None:
-        """Report an event."""
-
-    def flag(self, name: str) -> None:
-        """Continue in a degraded state, for the reason named."""
-
-    def fail(self, cause: str) -> Mode:
-        """Report a fault and return the mode FAULT."""
-
-
-def steps(span_s: float) -> int:
-    """Return the number of control steps in a span, seconds."""
-    return round(span_s / GRID_S)
-
-
-SECOND = steps(1.0)
 
 
 def post(ahrs: Machine) -> Procedure:
@@ -360,6 +301,7 @@ def fine_levelling(ahrs: Machine) -> Procedure:
     ahrs.validity = Validity.PROVISIONAL
     ahrs.sigma_rad = math.hypot(alignment_sigma(ahrs.residual_deg_h, computer.latitude_rad),
                                 slew_sigma(ahrs.errors, ahrs.turned_rad))
+    free = FreeAzimuth(ahrs.errors, ahrs.sigma_rad)
     ahrs.fixes = fixes = Fixes(computer, ahrs.platform, ahrs.say)
     calibrations, taken = _calibrate(ahrs), 0
     while True:
@@ -370,14 +312,17 @@ def fine_levelling(ahrs: Machine) -> Procedure:
             break
         yield rates
         fixes.step()
+        ahrs.claim(free, GRID_S)
         taken += 1
     if not arrived:
         ahrs.say('the platform does not turn as asked')
         return ahrs.fail('servo')
     left = steps(min(ahrs.settings.fine_s, FINE_LIMIT_S)) - taken
     while left > 0:
-        yield from hold_azimuth(ahrs, FINE, min(left, SECOND), fixes)
-        left -= SECOND
+        n = min(left, SECOND)
+        yield from hold_azimuth(ahrs, FINE, n, fixes)
+        ahrs.claim(free, n * GRID_S)
+        left -= n
     if ahrs.settings.fine_s > FINE_LIMIT_S:
         ahrs.flag('FINE_LIMIT')
         ahrs.say(f'fine levelling ended at its limit of {FINE_LIMIT_S:g} s')
@@ -413,22 +358,30 @@ def _two_positions(ahrs: Machine) -> Generator[Rates, None, bool]:
     """
     Find the accelerometer biases: the horizontal ones from two positions, half a turn apart.
 
-    Gravity is known, so one position shows the bias of the vertical one: S (16)-(19). Returns
-    whether both slews have arrived.
+    Gravity is known, so one position shows the bias of the vertical one: S (16)-(19). A ship that
+    moves ends it. Returns whether the slews have arrived.
     """
     computer, platform = ahrs.computer, ahrs.platform
-    start_rad, n = computer.azimuth_rad, steps(POSITION_S)
+    start_rad, n, still = computer.azimuth_rad, steps(POSITION_S), True
     means, read_z = [], []
     for turn_rad in (math.pi, -math.pi):
         window = WindowedMean(n, 2)
         for _ in range(n):
             yield computer.free()
+            still = still and computer.moored
+            if not still:
+                break
             window.add(computer.ax, computer.ay)
             read_z.append(platform.force_z_m_s2 + computer.gravity)
-        means.append(window.mean())
+        if not still and not means:
+            break
+        means.append(window.mean() if still else (0.0, 0.0))
         if not (yield from slew(computer, platform, turn_rad)):
             return False
     computer.azimuth_rad = start_rad
+    if not still:
+        ahrs.say(f'calibration of the accelerometers dropped: {_why_not_moored(computer)}')
+        return True
     bias_x, bias_y = (0.5 * (one + other) for one, other in zip(*means))
     bias_z = 0.5 * (accelerometer_bias(read_z[:n], GRID_S)
                     + accelerometer_bias(read_z[n:], GRID_S))
@@ -450,14 +403,20 @@ def _one_position(ahrs: Machine) -> Generator[Rates, None, None]:
     is taken over.
     """
     computer, read = ahrs.computer, []
+    still = computer.moored
     for _ in range(steps(POSITION_S)):
         yield computer.fine()
+        still = still and computer.moored
         read.append((computer.ax, computer.ay, ahrs.platform.force_z_m_s2 + computer.gravity))
     change_x, change_y, bias_z = (accelerometer_bias(column, GRID_S) for column in zip(*read))
     ahrs.say('accelerometers read in one position: change '
              f'{math.hypot(change_x, change_y) / UG_M_S2:.0f} ug')
-    if computer.moored and abs(bias_z) < FORCE_LIMIT_M_S2:
+    if still and abs(bias_z) < FORCE_LIMIT_M_S2:
         computer.bias_z_m_s2 = bias_z
+
+
+def _why_not_moored(computer: Computer) -> str:
+    return 'no speed' if computer.no_speed else 'the ship moves'
 
 
 def _course_gyro_drift(ahrs: Machine) -> Generator[Rates, None, None]:
@@ -471,7 +430,7 @@ def _course_gyro_drift(ahrs: Machine) -> Generator[Rates, None, None]:
             yield computer.fine()
             if not (computer.moored if moored else computer.gps_ok):
                 ahrs.say('drift of the course gyro kept: '
-                         + ('the ship moves' if moored else 'satellite heading lost'))
+                         + (_why_not_moored(computer) if moored else 'satellite heading lost'))
                 return
             window.add(platform.pick_off_rad - (0.0 if moored else platform.satellite_rad))
         readings += window.mean()
@@ -481,7 +440,7 @@ def _course_gyro_drift(ahrs: Machine) -> Generator[Rates, None, None]:
         ahrs.say('drift of the course gyro kept: its readings are not on a straight line')
     elif moored:
         computer.drift_z_rad_s -= drift
-        ahrs.course_deg_h = ahrs.errors.residual_z_deg_h
+        ahrs.calibrate_course(ahrs.errors.residual_z_deg_h)
         ahrs.say('drift of the course gyro calibrated')
     else:
         # The satellite heading is noisy: it counts as far as it knows more than was known before.
@@ -489,8 +448,8 @@ def _course_gyro_drift(ahrs: Machine) -> Generator[Rates, None, None]:
         fit = course_drift_sigma(known_rad, reading_s, READINGS, method)
         share = before**2 / (before**2 + fit**2) if fit else 1.0
         computer.drift_z_rad_s -= share * drift
-        ahrs.course_deg_h = max(ahrs.errors.residual_z_deg_h,
-                                math.sqrt(1.0 - share) * ahrs.course_deg_h)
+        ahrs.calibrate_course(max(ahrs.errors.residual_z_deg_h,
+                                  math.sqrt(1.0 - share) * ahrs.course_deg_h))
         ahrs.say('drift of the course gyro calibrated by satellite heading, to '
                  f'{ahrs.course_deg_h:.2g} deg/h')
 

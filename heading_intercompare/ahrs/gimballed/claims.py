@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass, field
 import math
 
 from heading_intercompare.ahrs.settings import Errors
@@ -25,7 +26,7 @@ from heading_intercompare.ahrs.ship.earth import (
     RAD_PER_DEG_SQRT_H,
 )
 
-__all__ = ['alignment_sigma', 'azimuth_sigma', 'gyrocompass_sigma', 'output_sigma',
+__all__ = ['alignment_sigma', 'FreeAzimuth', 'gyrocompass_sigma', 'output_sigma',
            'satellite_sigma', 'slew_sigma']
 
 ALIGNMENT_PER_DRIFT = math.radians(1.75 / 60.0) / 0.008
@@ -108,22 +109,69 @@ def satellite_sigma(errors: Errors, span_s: float) -> float:
     return math.radians(errors.gps_deg) * math.sqrt(share)
 
 
-def azimuth_sigma(errors: Errors, residual_deg_h: float, start_rad: float,
-                  span_s: float) -> float:
+@dataclass(slots=True)
+class FreeAzimuth:
     """
-    Return the standard deviation of a free azimuth, radians.
+    The standard deviation of a heading whose azimuth nothing corrects.
 
-    Parameters
+    Attributes
     ----------
     errors : Errors
         Errors of the class.
-    residual_deg_h : float
-        Drift of the course gyro left by its calibration, deg/h.
     start_rad : float
-        Standard deviation when the azimuth became free.
+        Standard deviation when the azimuth became free, or when the course gyro was calibrated.
     span_s : float
         Time since then, seconds.
 
+    Notes
+    -----
+    The drift that a calibration leaves is constant, and so are the coefficients of temperature and
+    of thermal soak. Only the random walk grows with the root of the time.
+
     """
-    return math.hypot(start_rad, residual_deg_h * RAD_PER_DEG_H * span_s,
-                      errors.random_walk_deg_sqrt_h * RAD_PER_DEG_SQRT_H * math.sqrt(span_s))
+
+    errors: Errors
+    start_rad: float
+    span_s: float = field(default=0.0, init=False)
+    _residual_deg_h: float = field(default=math.nan, init=False)
+    _heat_k_s: float = field(default=0.0, init=False)
+    _soak_s: float = field(default=0.0, init=False)
+    _level_rad: float = field(default=0.0, init=False)
+
+    def add(self, span_s: float, residual_deg_h: float, heat_k: float, soak: float,
+            level_rad_s: float = 0.0) -> float:
+        """
+        Add a span of time, and return the standard deviation after it, radians.
+
+        Parameters
+        ----------
+        span_s : float
+            Its length, seconds.
+        residual_deg_h : float
+            Drift of the course gyro left by its calibration, deg/h.
+        heat_k, soak : float
+            Change since that calibration of the temperature, kelvin, and of the share that is left
+            of the power-on drift.
+        level_rad_s : float
+            Rate of the level frame about the vertical that is not known, rad/s.
+
+        """
+        if residual_deg_h != self._residual_deg_h:
+            self.start_rad, self._residual_deg_h = self.sigma_rad, residual_deg_h
+            self.span_s = self._heat_k_s = self._soak_s = self._level_rad = 0.0
+        self.span_s += span_s
+        self._level_rad += span_s * level_rad_s
+        self._heat_k_s += span_s * heat_k
+        self._soak_s += span_s * soak
+        return self.sigma_rad
+
+    @property
+    def sigma_rad(self) -> float:
+        """Return the standard deviation now, radians."""
+        if not self.span_s:
+            return self.start_rad
+        e = self.errors
+        return math.hypot(self.start_rad, self._level_rad, RAD_PER_DEG_H * math.hypot(
+            self._residual_deg_h * self.span_s, e.temperature_deg_h_k * self._heat_k_s,
+            e.soak_deg_h * self._soak_s),
+            e.random_walk_deg_sqrt_h * RAD_PER_DEG_SQRT_H * math.sqrt(self.span_s))

@@ -41,10 +41,10 @@ from heading_intercompare.ahrs.ship.earth import RAD_PER_DEG_H, UG_M_S2
 from heading_intercompare.ahrs.ship.seaway import BLOCK_STEPS, GRID_S
 from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
 
-from .alignment import Procedure, Steady
-from .claims import alignment_sigma
+from .claims import alignment_sigma, FreeAzimuth
 from .condition import progress, self_tests
 from .fixes import Fixes
+from .machine import FAILURES, find_obstacle_to_failure, Procedure, Steady
 from .modes import AhrsStatus, Mode, Validity
 from .operation import POLE_RAD, PROCEDURES, TOO_NEAR_THE_POLE
 from .power_on import Excitation
@@ -52,9 +52,6 @@ from .power_on import Excitation
 __all__ = ['GimballedAhrs', 'Track', 'TRACK_STEPS']
 
 TRACK_STEPS = 100
-FAILURES = {'fail_post': 'post', 'fail_thermostat': 'thermostat', 'fail_gyro': 'gyro',
-            'fail_accelerometer': 'accelerometer', 'fail_gimbal': 'gimbal',
-            'fail_servo': 'servo'}
 UNWATCHED = {'post', 'thermostat', 'servo'}
 THERMOSTAT_K = 2.0
 RIVALS = ({'gyrocompass', 'gyro_azimuth'}, {'log_lost', 'log_found'}, {'gps_lost', 'gps_found'})
@@ -133,9 +130,10 @@ class GimballedAhrs:
         self.calibrated_deg_h = errors.residual_xy_deg_h
         self.course_deg_h = (errors.residual_z_deg_h if settings.initial_state == 'aligned'
                              else errors.turn_on_deg_h)
-        self.calibrated_k = self.turned_rad = 0.0
+        self.calibrated_k = self.course_k = self.course_soak = self.turned_rad = 0.0
         self.azimuth_found = False
         self.fixes: Fixes | None = None
+        self._last_m_s = 0.0
         self._flags: set[str] = set()
         self._faults: list[str] = []
         self._messages: list[str] = []
@@ -214,6 +212,31 @@ class GimballedAhrs:
             raise ValueError(f'{kind} refused: {why}')
         insort(self._events, event, key=lambda other: other.t_s)
         return event.t_s
+
+    @property
+    def unknown_m_s(self) -> float:
+        """Speed that a lost log showed last; 0 with a log."""
+        return self._last_m_s if self.computer.no_speed else 0.0
+
+    def claim(self, free: FreeAzimuth, span_s: float, *, own: bool = False) -> None:
+        """
+        Claim what is left of the azimuth after a span in which nothing corrected it.
+
+        North turns under a ship that sails east. Without a log that is not known, and with an
+        `own` velocity only as far as the levels are.
+        """
+        parts, computer = self.instruments, self.computer
+        unknown_rad_s = (self.residual_deg_h * RAD_PER_DEG_H if own
+                         else self.unknown_m_s / computer.normal_m)
+        self.sigma_rad = free.add(
+            span_s, self.course_deg_h, parts.thermostat.away_k - self.course_k,
+            parts.soak - self.course_soak, unknown_rad_s * computer.sin / computer.cos)
+
+    def calibrate_course(self, left_deg_h: float) -> None:
+        """Note that the course gyro is calibrated here and now, and what that leaves."""
+        parts = self.instruments
+        self.course_deg_h = left_deg_h
+        self.course_k, self.course_soak = parts.thermostat.away_k, parts.soak
 
     def say(self, message: str) -> None:
         """Report an event."""
@@ -333,12 +356,14 @@ class GimballedAhrs:
     def _obstacle(self, kind: str, waiting: Sequence[str] = ()) -> str:
         """Return why an event would change nothing after those that wait; empty if it would."""
         computer, mode = self.computer, self.mode
+        if kind in FAILURES or kind == 'repair':
+            return find_obstacle_to_failure(kind, self.failures, waiting)
         before = [other for other in waiting if other in next(
             (rivals for rivals in RIVALS if kind in rivals), {kind})]
         if before:
             return 'it is about to happen' if before[-1] == kind else ''
         if kind in ('gyrocompass', 'gyro_azimuth'):
-            if mode is Mode.FAULT:
+            if mode is Mode.FAULT and not {'reset', 'power_dip'} & set(waiting):
                 return 'the mode is FAULT; reset first'
             operates = mode in (Mode.GYROCOMPASS, Mode.GYRO_AZIMUTH)
             if kind.upper() == (mode if operates else self.operation).name:
@@ -351,12 +376,10 @@ class GimballedAhrs:
             return f'only THERMOSTAT_WAIT can be cut short; the mode is {mode.name}'
         elif kind in AVAILABLE:
             what, there = AVAILABLE[kind]
+            if what == 'log' and computer.speed_is_set:
+                return 'the log is not used'
             if there == (computer.log_ok if what == 'log' else computer.gps_ok):
                 return f'the {what} is {"there" if there else "lost"} already'
-        elif kind == 'repair' and not self.failures:
-            return 'nothing has failed'
-        elif kind in FAILURES and FAILURES[kind] in self.failures:
-            return 'it has failed already'
         return ''
 
     def _happen(self, kind: str) -> None:
@@ -411,6 +434,7 @@ class GimballedAhrs:
         self._flags.clear()
         self.forced = False
         self.computer.reset_loops()
+        self.computer.leave_schuler()
         self.computer.azimuth_rad = 0.0
         self.azimuth_found, self.fixes = False, None
         self.platform.angle_rad = self.platform.angle_rate_rad_s = 0.0
@@ -420,6 +444,8 @@ class GimballedAhrs:
     def _watch(self) -> None:
         """Check once a second for failures that stop the AHRS, and for the loss of the log."""
         lost = 'NO_SPEED' in self._flags
+        if not self.computer.no_speed:
+            self._last_m_s = abs(self.computer.log_speed_m_s)
         if self.computer.no_speed and not lost:
             self.flag('NO_SPEED')
             self.say('no speed')

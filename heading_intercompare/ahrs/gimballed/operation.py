@@ -24,21 +24,17 @@ from heading_intercompare.ahrs.inertial.control_laws import settled_rate
 from heading_intercompare.ahrs.inertial.loop import FINE, GYROCOMPASS, SCHULER
 from heading_intercompare.ahrs.ship.earth import RAD_PER_DEG_H, RAD_PER_DEG_SQRT_H
 
-from .alignment import (
-    hold_azimuth,
-    Machine,
-    Procedure,
-    PROCEDURES as ALIGNMENT,
-    SECOND,
-    Steady,
-)
-from .claims import alignment_sigma, azimuth_sigma, gyrocompass_sigma, output_sigma
+from .alignment import hold_azimuth, PROCEDURES as ALIGNMENT
+from .claims import alignment_sigma, FreeAzimuth, gyrocompass_sigma, output_sigma
 from .fixes import Fixes
+from .machine import Machine, Procedure, SECOND, Steady
 from .modes import Mode, Validity
 
 __all__ = ['POLE_RAD', 'PROCEDURES', 'TOO_NEAR_THE_POLE']
 
 POLE_RAD = math.radians(85.0)
+FORGOTTEN = 0.7
+"""An error of the azimuth is forgotten at least as fast as by exp(-0.7 sigma t): A6."""
 TOO_NEAR_THE_POLE = 'too near the pole for a gyrocompass'
 
 
@@ -58,9 +54,12 @@ def gyrocompass(ahrs: Machine) -> Procedure:
         # What was claimed before may be more, such as after hours of a free azimuth.
         ahrs.sigma_rad = max(alignment_sigma(ahrs.residual_deg_h, computer.latitude_rad),
                              ahrs.sigma_rad)
+    speed_rad = 0.0
     for second in count(1):
         yield Steady(GYROCOMPASS, SECOND)
         latitude_rad = computer.latitude_rad
+        speed_rad = max(speed_rad * math.exp(-FORGOTTEN * sigma_1_s), math.atan2(
+            ahrs.unknown_m_s, computer.meridian_m * computer.earth_north))
         if abs(latitude_rad) > POLE_RAD:
             ahrs.say(TOO_NEAR_THE_POLE)
             return Mode.GYRO_AZIMUTH
@@ -76,7 +75,7 @@ def gyrocompass(ahrs: Machine) -> Procedure:
                 ahrs.validity = Validity.SETTLING
                 ahrs.say('meridian lost')
         if ahrs.validity is Validity.VALID:
-            ahrs.sigma_rad = math.hypot(output_sigma(errors), gyrocompass_sigma(
+            ahrs.sigma_rad = math.hypot(output_sigma(errors), speed_rad, gyrocompass_sigma(
                 errors, ahrs.residual_deg_h, sigma_1_s, ahrs.soak, latitude_rad))
 
 
@@ -92,12 +91,12 @@ def gyro_azimuth(ahrs: Machine) -> Procedure:
         ahrs.say('the meridian was not found: the heading stays settling')
     else:
         ahrs.validity = Validity.VALID
-    start_rad = ahrs.sigma_rad
+    free = FreeAzimuth(ahrs.errors, ahrs.sigma_rad)
     # The fixes of fine levelling count: the azimuth has been free since.
     fixes = ahrs.fixes or Fixes(computer, ahrs.platform, ahrs.say)
-    for second in count(1):
+    while True:
         yield from hold_azimuth(ahrs, law, SECOND, fixes)
-        ahrs.sigma_rad = azimuth_sigma(ahrs.errors, ahrs.course_deg_h, start_rad, float(second))
+        ahrs.claim(free, 1.0, own=schuler)
 
 
 def fault(ahrs: Machine) -> Procedure:

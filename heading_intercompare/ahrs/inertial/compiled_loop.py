@@ -25,7 +25,7 @@ from typing import Any, Callable
 
 import numpy as np
 
-from heading_intercompare.ahrs.random_noise import recur
+from heading_intercompare.ahrs.random_noise import Markov, recur
 from heading_intercompare.ahrs.ship import earth
 from heading_intercompare.core.records import Reals
 
@@ -33,7 +33,7 @@ from . import control_laws, loop
 from .computer import Computer
 from .platform import Platform
 
-__all__ = ['compile_for', 'CompiledLoop']
+__all__ = ['compile_for', 'compile_recursion', 'CompiledLoop']
 
 COMPILED = (earth.radii, earth.gravity, loop.set_latitude, loop.resolve, loop.integrate,
             loop.free, loop.hold, loop.fine, loop.gyrocompass, loop.schuler, loop.show,
@@ -106,6 +106,12 @@ class _Twin:
 def compile_for(platform: Platform, computer: Computer) -> CompiledLoop | None:
     """Return the compiled loop of a platform and its computer; None without numba."""
     return CompiledLoop(platform, computer) if find_spec('numba') else None
+
+
+def compile_recursion(noise: Markov) -> None:
+    """Let a noise outside the loop use the compiled recursion too, if numba is installed."""
+    if find_spec('numba'):
+        noise.recur = _compile()[1]
 
 
 @cache

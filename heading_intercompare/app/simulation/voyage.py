@@ -158,10 +158,9 @@ def _choose(path: str, asked: str, present: list[str]) -> str:
     by_name = {name.lstrip('/'): name for name in present}
     wanted = asked.lstrip('/') or (TRUTH_TOPIC.lstrip('/') if TRUTH_TOPIC.lstrip('/') in by_name
                                    else next(iter(by_name), '') if len(by_name) == 1 else '')
+    if not present:
+        raise BagError('has no headings', path)
     if wanted not in by_name:
-        have = ', '.join(present) or 'none'
         problem = f'has no headings {asked!r}' if asked else 'has headings of several sensors'
-        if not present:
-            problem = 'has no headings'
-        raise BagError(f'{problem}; it has {have}; choose with track.heading', path)
+        raise BagError(f'{problem}; it has {", ".join(present)}; choose with track.heading', path)
     return by_name[wanted]

@@ -22,7 +22,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare.ahrs.gimballed.calibration import hann
-from heading_intercompare.ahrs.gimballed.claims import satellite_sigma
+from heading_intercompare.ahrs.gimballed.claims import FreeAzimuth, satellite_sigma
 from heading_intercompare.ahrs.gimballed.modes import Mode, Validity
 from heading_intercompare.ahrs.random_noise import Markov
 from heading_intercompare.ahrs.sensor_presets import ERRORS
@@ -107,6 +107,98 @@ def test_claim_of_a_free_azimuth_is_not_forgotten_by_the_gyrocompass(make_ahrs, 
     assert run.statuses[-1].sigma_deg > 2.0
 
 
+def test_claim_of_a_free_azimuth_by_hand():
+    """
+    An hour with 0.03 deg/h left, 5 K and 0.02 deg/h/K, and half of a soak of 0.08 deg/h.
+
+    0.03, 0.1 and 0.04 degrees with the random walk of 0.01 and the start of 0.05: 0.1229. After a
+    calibration that leaves nothing, only the walk grows it.
+    """
+    free = FreeAzimuth(Errors(random_walk_deg_sqrt_h=0.01, temperature_deg_h_k=0.02,
+                              soak_deg_h=0.08), math.radians(0.05))
+    for _ in range(60):
+        sigma_rad = free.add(60.0, 0.03, -5.0, 0.5)
+    assert math.degrees(sigma_rad) == pytest.approx(0.12288, abs=1e-5)
+    assert math.degrees(free.add(3600.0, 0.0, 0.0, 0.0)) == pytest.approx(
+        math.hypot(0.12288, 0.01), abs=1e-5)
+    for _ in range(2):
+        sigma_rad = free.add(900.0, 0.0, 0.0, 0.0, math.radians(0.2) / 3600.0)
+    assert math.degrees(sigma_rad) == pytest.approx(
+        math.hypot(0.12288, math.sqrt(1.5) * 0.01, 0.1), abs=1e-5)
+
+
+@pytest.mark.slow
+def test_free_azimuth_of_cold_gyros_claims_what_the_cold_does_to_it(make_ahrs, run_for):
+    """
+    A start forced on although the heater has failed: 0.02 deg/h/K of 40 K are 0.8 deg/h.
+
+    Under way nothing calibrates the course gyro. After 20 min the class alone would claim 0.06
+    degrees. Six starts: chi-square quantiles of 1e-6 and 1 - 1e-6 over 6 are 0.0030 and 6.4.
+    """
+    ratios = []
+    for seed in range(6):
+        ahrs = make_ahrs(seed=seed, legs=((0.0, 60.0, 10.0),), initial_state='cold', noise=True,
+                         operation='gyro_azimuth', hold_s=400.0, fine_s=10.0, start='mutual',
+                         events='15 fail_thermostat; 30 force_on')
+        # The meter is good enough to be calibrated.
+        ahrs.instruments.gyro_heat[3:] = [0.0, 0.0]
+        run = run_for(ahrs, 2700.0)
+        assert run.mode[-1] == Mode.GYRO_AZIMUTH and run.validity[-1] == Validity.VALID
+        assert run.statuses[-1].sigma_deg > 0.2
+        ratios.append(run.heading_error_arcmin[-1] / 60.0 / run.statuses[-1].sigma_deg)
+    assert 0.0030 < np.mean(np.square(ratios)) < 6.4
+
+
+@pytest.mark.parametrize('operation, course_deg', [('gyrocompass', 0.0), ('gyro_azimuth', 60.0)])
+def test_heading_without_a_log_claims_what_the_speed_may_do_to_it(make_ahrs, run_for, operation,
+                                                                 course_deg):
+    """
+    The log is lost at 20 kn: the speed error of a gyrocompass, north that turns under a free gyro.
+
+    20 kn at 60 degrees: 2.5 degrees northbound, or 0.5 deg/h on course 60. Once the log is back,
+    the claim of the gyrocompass covers its error until that is forgotten.
+    """
+    ahrs = make_ahrs(60.0, legs=((0.0, course_deg, 20.0),), initial_state='aligned',
+                     operation=operation, events='20 log_lost; 1500 log_found')
+    run = run_for(ahrs, 4000.0)
+    said = {status.t_s: status for status in run.statuses}
+    error_deg = {t_s: abs(run.heading_error_arcmin[round(t_s * 10.0)]) / 60.0 for t_s in said}
+    assert said[60.0].sigma_deg < 0.08 < said[1000.0].sigma_deg
+    assert error_deg[1000.0] > 2.0 * said[60.0].sigma_deg
+    assert all(error_deg[t_s] < 1.1 * one.sigma_deg for t_s, one in said.items()
+               if one.validity == 'VALID')
+    assert 'NO_SPEED' in said[1000.0].flags and not said[1600.0].flags
+
+
+def test_restart_takes_the_latitude_of_the_ship_again(make_ahrs, run_for):
+    """A fault in gyro azimuth with a latitude of its own: the ship has gone on meanwhile."""
+    ahrs = make_ahrs(legs=((0.0, 0.0, 20.0),), initial_state='aligned', operation='gyro_azimuth',
+                     vertical='schuler', own_latitude=True,
+                     events='20 fail_gyro; 300 repair; 301 reset')
+    run = run_for(ahrs, 320.0)
+    assert run.mode[-1] in (Mode.POST, Mode.COARSE_LEVELLING)
+    assert ahrs.computer.latitude_rad == ahrs.platform.latitude_rad
+
+
+@pytest.mark.parametrize('leaves_s', [560.0, 700.0])
+def test_ship_that_leaves_ends_the_calibration_of_the_accelerometers(make_ahrs, run_for,
+                                                                     leaves_s):
+    """Two positions of 120 s from 503 s on; the acceleration of the ship is no bias."""
+    ahrs = make_ahrs(legs=((0.0, 30.0, 0.0), (leaves_s, 30.0, 12.0)), initial_state='warm',
+                     hold_s=10.0, alignment_s=10.0, fixed='bias_x 80')
+    run = run_for(ahrs, 800.0)
+    assert 'calibration of the accelerometers dropped: the ship moves' in messages(run)
+    assert ahrs.computer.bias_x_m_s2 == ahrs.computer.bias_y_m_s2 == 0.0
+    assert ahrs.mode is Mode.FINE_LEVELLING
+    assert abs(ahrs.platform.azimuth_rad) < math.radians(2.0)
+
+
+def test_lost_log_is_named_where_it_ends_a_calibration(make_ahrs, run_for):
+    ahrs = make_ahrs(initial_state='warm', hold_s=10.0, alignment_s=10.0,
+                     accelerometer_calibration='off', events='450 log_lost')
+    assert 'drift of the course gyro kept: no speed' in messages(run_for(ahrs, 620.0))
+
+
 REFUSED = [
     ('aligned', 'gyrocompass', 'it is the mode already'),
     ('cold', 'gyrocompass', 'it is the mode that follows'),
@@ -139,6 +231,34 @@ def test_command_given_twice_is_refused_the_second_time(make_ahrs, run_for):
     assert ahrs.mode is Mode.GYRO_AZIMUTH
     with pytest.raises(ValueError, match='gyro_azimuth refused: it is the mode already'):
         ahrs.command('gyro_azimuth', 40.0)
+
+
+def test_command_counts_those_that_wait(make_ahrs, run_for):
+    """A repair that follows a failure, a failure that follows a repair, a mode after a reset."""
+    ahrs = make_ahrs(initial_state='aligned')
+    run_for(ahrs, 20.0)
+    ahrs.command('fail_gyro', 20.0)
+    with pytest.raises(ValueError, match='fail_gyro refused: it is about to happen'):
+        ahrs.command('fail_gyro', 20.0)
+    ahrs.command('repair', 20.0)
+    with pytest.raises(ValueError, match='repair refused: it is about to happen'):
+        ahrs.command('repair', 20.0)
+    ahrs.command('fail_gyro', 20.0)
+    run_for(ahrs, 20.0)
+    assert ahrs.mode is Mode.FAULT and ahrs.failures == {'gyro'}
+    ahrs.command('repair', 40.0)
+    ahrs.command('reset', 40.0)
+    ahrs.command('gyro_azimuth', 40.0)
+    run_for(ahrs, 20.0)
+    assert ahrs.mode is Mode.COARSE_LEVELLING and ahrs.operation is Mode.GYRO_AZIMUTH
+
+
+@pytest.mark.parametrize('use', ['none', 'manual'])
+def test_log_that_is_not_used_cannot_be_lost(make_ahrs, run_for, use):
+    ahrs = make_ahrs(initial_state='aligned', speed_compensation=use)
+    run_for(ahrs, 10.0)
+    with pytest.raises(ValueError, match='log_lost refused: the log is not used'):
+        ahrs.command('log_lost', 10.0)
 
 
 def test_fault_takes_no_command_but_reset(make_ahrs, run_for):

@@ -73,10 +73,21 @@ def test_long_trial_is_compiled_and_the_same(monkeypatch):
     monkeypatch.setattr('heading_intercompare.ahrs.simulator.WORTH_COMPILING_S', 60.0)
     simulation = Simulation(Scenario.from_mapping({
         'duration_s': 120.0, 'seaway': 'ss3', 'ts.model': 'dtg_precision',
-        'ts.ahrs.initial_state': 'aligned', 'rs.rate_hz': 1.0}))
+        'ts.ahrs.initial_state': 'aligned', 'rs.rate_hz': 1.0, 'rs.model': 'gnss_compass'}))
     made = [list(simulation.chunks(fast=fast)) for fast in (False, True)]
     for one, other in zip(*made):
         assert one.ts == other.ts and one.ts_statuses == other.ts_statuses
+        assert one.rs == other.rs
+
+
+@pytest.mark.parametrize('model, compiled', [('dtg_precision', True), ('fog_strapdown', False)])
+def test_noise_of_the_other_sensor_is_compiled_where_the_loop_is(monkeypatch, model, compiled):
+    quick = []
+    monkeypatch.setattr(compiled_loop, '_compile', lambda: (None, quick.append))
+    monkeypatch.setattr(compiled_loop, 'find_spec', lambda _: True)
+    trial = Simulation(Scenario.from_mapping({
+        'ts.model': model, 'rs.model': 'gnss_compass'})).begin(fast=True)
+    assert (trial._senders['rs']._sensor._markov.recur == quick.append) is compiled
 
 
 def test_without_numba_the_loop_is_interpreted(monkeypatch):

@@ -88,6 +88,14 @@ def test_the_motion_may_stand_in_another_file(tmp_path):
     assert set(voyage.origin) == {'file', 'heading', 'sha256', 'motion_file', 'motion_sha256'}
 
 
+@pytest.mark.parametrize('head', ['utc,heading', 'utc,speed_kn'])
+def test_a_file_without_headings_offers_no_choice(tmp_path, head):
+    path = tmp_path / 'none.csv'
+    path.write_text(f'{head}\n', encoding='ascii')
+    with pytest.raises(ValueError, match=r'none.csv: has no headings$'):
+        read_voyage(TrackSettings(file='none.csv'), tmp_path)
+
+
 def test_a_file_of_several_sensors_needs_a_choice(tmp_path):
     path = tmp_path / 'two.csv'
     path.write_text('utc,gyro_heading,gnss_heading\n' + ''.join(
