@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from datetime import datetime, timezone
 from typing import Any
 
 import numpy as np
@@ -67,7 +68,8 @@ def utc_stamps(stamps: ArrayLike) -> NDArray[np.int64]:
     ----------
     stamps : array_like, shape (n,)
         Integer nanoseconds since 1970-01-01 00:00 UTC; or datetime64 of any unit, from numpy or
-        pandas. Times with a zone are converted to UTC, times without one are UTC.
+        pandas; or datetime objects, also those of pandas. Times with a zone are converted to UTC,
+        times without one are UTC.
 
     Returns
     -------
@@ -91,12 +93,29 @@ def utc_stamps(stamps: ArrayLike) -> NDArray[np.int64]:
         # A column of pandas with a time zone: only its own conversion knows the zone.
         given = np.asarray(given, dtype='datetime64[ns]')
     column = np.asarray(given)
+    if column.dtype.kind == 'O':
+        column = _from_objects(column.reshape(-1))
     found = (_from_datetime64(column.reshape(-1)) if column.dtype.kind == 'M'
              else integer_stamps(column))
     early = (found > 0) & (found < EARLIEST_NS)
     if early.any():
         raise ValueError(_explain_early(found[early], found.size, column.dtype.kind == 'M'))
     return found
+
+
+def _from_objects(column: np.ndarray) -> np.ndarray:
+    """Return objects as datetime64[ns] if all are times; other ones as they are."""
+    if not all(isinstance(one, datetime) for one in column):
+        return column
+    return np.array([_to_datetime64(one) for one in column], 'datetime64[ns]')
+
+
+def _to_datetime64(moment: Any) -> np.datetime64:
+    if moment.tzinfo is not None:
+        moment = moment.astimezone(timezone.utc).replace(tzinfo=None)
+    # That of pandas may be NaT, and counts nanoseconds.
+    exact = getattr(moment, 'to_datetime64', None)
+    return np.datetime64(moment, 'us') if exact is None else exact()
 
 
 def _from_datetime64(column: np.ndarray) -> NDArray[np.int64]:

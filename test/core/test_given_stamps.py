@@ -16,10 +16,12 @@
 
 from __future__ import annotations
 
+from datetime import datetime, timedelta, timezone
+
 import numpy as np
 import pytest
 
-from heading_intercompare.core.given_stamps import EARLIEST_NS
+from heading_intercompare.core.given_stamps import EARLIEST_NS, utc_stamps
 from heading_intercompare.core.records import Headings
 
 NOON_NS = int(np.datetime64('2014-08-01T12:00:00', 'ns').astype(np.int64))
@@ -116,3 +118,30 @@ def test_neither_floats_nor_text_are_stamps():
     for wrong in ([NOON_NS / 1e9], ['2014-08-01']):
         with pytest.raises(ValueError, match='stamps are integer nanoseconds, or in Headings.of'):
             Headings.of(wrong, [1.0])
+
+
+def test_datetime_objects_are_utc_or_have_a_zone():
+    """A list of them was refused as "dtype object"."""
+    oslo = timezone(timedelta(hours=2))
+    moments = [datetime(2014, 8, 1, 12, 0, 0, 250_000), datetime(2014, 8, 1, 14, tzinfo=oslo)]
+    expected = [NOON_NS + 250_000_000, NOON_NS]
+    assert utc_stamps(moments).tolist() == expected
+    assert utc_stamps(np.array(moments, object)).tolist() == expected
+
+
+class Timestamp(datetime):
+    """Counts nanoseconds, as that of pandas does."""
+
+    def to_datetime64(self):
+        """Return the time with the nanoseconds that a datetime has no room for."""
+        return np.datetime64(self, 'ns') + np.timedelta64(7, 'ns')
+
+
+def test_objects_that_count_nanoseconds_keep_them():
+    assert utc_stamps([Timestamp(2014, 8, 1, 12)]).tolist() == [NOON_NS + 7]
+
+
+@pytest.mark.parametrize('moments', [['2014-08-01'], [None], [datetime(2014, 8, 1), 7]])
+def test_other_objects_are_refused(moments):
+    with pytest.raises(ValueError, match='stamps are integer nanoseconds'):
+        utc_stamps(moments)
