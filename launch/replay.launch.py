@@ -30,14 +30,14 @@ from launch_ros.actions import Node
 from heading_intercompare.app.config import load_config, settings_for
 from heading_intercompare.core.rows.sensor_table import list_tested, read_sensors
 from heading_intercompare.core.sensors.pair_settings import check_norms
-from heading_intercompare.nodes.ros.launch_arguments import (
+from heading_intercompare.nodes.launching.arguments import (
     check_path,
     common_arguments,
     read_namespace,
     read_number,
     read_switch,
 )
-from heading_intercompare.nodes.ros.launch_sections import check_sections
+from heading_intercompare.nodes.launching.sections import check_sections
 from heading_intercompare.nodes.sensors.places import count_subscribers, remap_rules
 
 # Default and meaning of each argument.

@@ -16,7 +16,6 @@
 
 from __future__ import annotations
 
-from datetime import datetime, timezone
 from typing import Any
 
 import numpy as np
@@ -105,14 +104,14 @@ def utc_stamps(stamps: ArrayLike) -> NDArray[np.int64]:
 
 def _from_objects(column: np.ndarray) -> np.ndarray:
     """Return objects as datetime64[ns] if all are times; other ones as they are."""
-    if not all(isinstance(one, datetime) for one in column):
+    if not all(hasattr(one, 'utcoffset') and hasattr(one, 'date') for one in column):
         return column
     return np.array([_to_datetime64(one) for one in column], 'datetime64[ns]')
 
 
 def _to_datetime64(moment: Any) -> np.datetime64:
     if moment.tzinfo is not None:
-        moment = moment.astimezone(timezone.utc).replace(tzinfo=None)
+        moment = moment.replace(tzinfo=None) - moment.utcoffset()
     # That of pandas may be NaT, and counts nanoseconds.
     exact = getattr(moment, 'to_datetime64', None)
     return np.datetime64(moment, 'us') if exact is None else exact()

@@ -27,6 +27,7 @@ from heading_intercompare.core.settings import (
     SettingsError,
 )
 from heading_intercompare.drivers.settings import Address, DriverSettings
+from heading_intercompare.nodes.ros.parameters import OF_ROS
 from heading_intercompare.nodes.settings import (
     ComplianceNode,
     DashboardNode,
@@ -39,8 +40,6 @@ from heading_intercompare.nodes.settings import (
     SynchronizerNode,
     Taking,
 )
-
-from .parameters import OF_ROS
 
 __all__ = ['check_sections', 'OWN_SETTINGS']
 

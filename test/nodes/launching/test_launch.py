@@ -30,11 +30,11 @@ from heading_intercompare.app.config import load_config
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.cli.commands.graph import demo
 from heading_intercompare.core.settings import SettingsError
-from heading_intercompare.nodes.ros.launch_sections import OWN_SETTINGS
+from heading_intercompare.nodes.launching.sections import OWN_SETTINGS
 
 FILES = ('intercompare.launch.py', 'replay.launch.py')
 DEMO = 'demo.launch.py'
-TEMPLATE = Path(__file__).resolve().parents[2] / 'config' / 'heading_intercompare.yaml'
+TEMPLATE = Path(__file__).resolve().parents[3] / 'config' / 'heading_intercompare.yaml'
 
 
 @pytest.fixture
