@@ -39,7 +39,7 @@ _PATIENCE_S = 5.0
 # A synchronizer opens its inputs 10 s after its start at the latest. One that does not subscribe
 # then hears other topics.
 _JUDGES_S = 15.0
-# So long after the recorder, a synchronizer that was started with it is there.
+# Five seconds after the recorder, a synchronizer that was started with it is there.
 _GRAPH_S = 5.0
 # DDS gives up a process that hangs after 20 s; after this time its connection must be broken.
 _BROKEN_S = 30.0
