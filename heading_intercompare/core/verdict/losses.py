@@ -80,6 +80,10 @@ def warn_of_alone(share: LedgerSegment, inside: LedgerSegment, settings: Setting
         Uses `detectors.lost_doubtful`.
 
     """
+    paired = inside.counts.get(LedgerKey.PAIRED, 0)
+    if not paired or paired != share.counts.get(LedgerKey.PAIRED, 0):
+        # A ledger that does not end where the run does cannot tell.
+        return []
     alone = {}
     for stream in ('ts', 'rs'):
         late = sum(share.rejected(stream).values()) - sum(inside.rejected(stream).values())
