@@ -428,6 +428,28 @@ def examine_hostile(count: int) -> None:
                 assert (np.diff(stamps) > 0).all(), kind
 
 
+def test_what_nothing_proves_ends_in_no_traceback_and_costs_no_proved_message(tmp_path):
+    """Random damage with a fixed seed: `unproven` keeps every message that recovery keeps."""
+    unsure = 0
+    for number in range(24):
+        rng = np.random.default_rng(number)
+        path = tmp_path / f'{number}.mcap'
+        path.write_bytes(damaged(originals()[number % 3], [
+            (('flip', 'zero', 'huge')[int(rng.integers(3))], rng.uniform(0.05, 0.9),
+             int(rng.integers(1, 200))) for _ in range(3)]))
+        try:
+            sure = recover(path, tmp_path / f'sure_{number}')
+            found = recover(path, tmp_path / f'all_{number}', unproven=True)
+        except BagError as error:
+            assert '\n' not in str(error)
+            continue
+        assert found.messages >= sure.messages
+        kept = Counter(message[1:] for message in sent(tmp_path / f'all_{number}'))
+        assert Counter(message[1:] for message in sent(tmp_path / f'sure_{number}')) <= kept
+        unsure += found.messages_unproven
+    assert unsure > 0
+
+
 def test_hostile_bags_are_read_refused_or_recovered():
     examine_hostile(2 * len(HOSTILE))
 

@@ -189,7 +189,10 @@ def rounding_floor(values: np.ndarray) -> float:
 def average_blocks(stamp_ns: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
     """Return times (s after the first stamp), values and size of 64 to 127 block means."""
     size = block_size(x.size, _LEAST_BLOCKS)
-    return block_means((stamp_ns - stamp_ns[0]) / 1e9, size), block_means(x, size), size
+    # One block after the other, so that the times of a long run stay in the cache.
+    blocks = stamp_ns[:x.size // size * size].reshape(-1, size)
+    t_s = np.array([float(((block - stamp_ns[0]) / 1e9).mean()) for block in blocks])
+    return t_s, block_means(x, size), size
 
 
 def select_order(stamp_ns: ArrayLike, x_deg: ArrayLike) -> Order | None:

@@ -22,7 +22,9 @@ import numpy as np
 from numpy.polynomial import legendre
 import pytest
 
+from heading_intercompare.core.statistics.blocking import block_means
 from heading_intercompare.core.statistics.drift import (
+    average_blocks,
     Detrended,
     drift_left_deg2,
     fit_slope,
@@ -36,6 +38,13 @@ PAIRS = ['gyr1-s330', 'gyr1-seap', 's330-gyr1', 'seap-s330', 'adcp-seap', 'lgyr-
 
 def stamps(n, step_s=1.0):
     return 10 ** 18 + np.arange(n) * round(step_s * 1e9)
+
+
+@pytest.mark.parametrize('n', [64, 127, 128, 99_999])
+def test_blocks_one_by_one_have_the_times_of_all_at_once(n, rng):
+    stamp_ns = 10 ** 18 + np.cumsum(rng.integers(1, 10 ** 7, n))
+    t_s, _, size = average_blocks(stamp_ns, rng.normal(size=n))
+    assert t_s.tolist() == block_means((stamp_ns - stamp_ns[0]) / 1e9, size).tolist()
 
 
 # --- removal ---
