@@ -156,10 +156,11 @@ class Ship:
         """Publish courses and pairs of some seconds, and wait until they are taken."""
         for message in split_motion(rows(seconds, since=since), 'velocity', 'ship'):
             self.course.publish(message)
-        before = self.node.n_pairs
         for message in pair_messages(pairs(seconds, self.rng, since=since, **kwargs), '1'):
             self.pairs.publish(message)
-        self.ros.spin_until(lambda: self.node.n_pairs == before + seconds - since)
+        # Not their number: what a publisher sends again to a new node counts in it, too.
+        last_ns = START_NS + (seconds - 1) * S
+        self.ros.spin_until(lambda: self.node._compliance.newest_ns == last_ns)
 
     def state(self, name):
         """Return state and words of an alarm as last told."""
