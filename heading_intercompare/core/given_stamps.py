@@ -21,7 +21,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ['EARLIEST_NS', 'integer_stamps', 'utc_stamps']
+__all__ = ['EARLIEST_NS', 'find_unit', 'integer_stamps', 'utc_stamps']
 
 #: 1990-01-01 00:00 UTC. Satellite time, and with it a UTC stamp on a heading, came later.
 EARLIEST_NS = 631_152_000 * 10 ** 9
@@ -30,7 +30,34 @@ _LATEST_NS = 4_102_444_800 * 10 ** 9
 #: The last whole second that int64 nanoseconds can hold.
 _LAST_S = 9_223_372_036
 
-_UNITS = (('microseconds', 10 ** 3), ('milliseconds', 10 ** 6), ('seconds', 10 ** 9))
+_UNITS = (('nanoseconds', 1), ('microseconds', 10 ** 3), ('milliseconds', 10 ** 6),
+          ('seconds', 10 ** 9))
+
+
+def find_unit(low: float, high: float) -> tuple[str, int] | None:
+    """
+    Return the unit in which two numbers are UTC from 1990 to 2100: its name and its nanoseconds.
+
+    Parameters
+    ----------
+    low, high : float
+        The least and the largest of some times without a unit.
+
+    Returns
+    -------
+    (str, int) or None
+        None if there is none. No number fits two units.
+
+    Examples
+    --------
+    >>> find_unit(1406851200, 1406937600)
+    ('seconds', 1000000000)
+    >>> find_unit(0, 1406937600) is None
+    True
+
+    """
+    return next((unit for unit in _UNITS
+                 if EARLIEST_NS <= low * unit[1] and high * unit[1] < _LATEST_NS), None)
 
 
 def integer_stamps(stamp_ns: ArrayLike) -> NDArray[np.int64]:
@@ -136,9 +163,9 @@ def _explain_early(early: NDArray[np.int64], n: int, dated: bool) -> str:
     if dated:
         return (f'{what}: check how these times were made; a sensor without UTC gives no stamp '
                 '(NaT)')
-    for unit, factor in _UNITS:
-        if EARLIEST_NS <= typical * factor < _LATEST_NS:
-            return (f'{what}: numbers such as {typical} look like {unit}, and stamps are integer '
-                    f'nanoseconds; multiply by {factor}, or give the times as datetime64')
+    if found := find_unit(typical, typical):
+        unit, factor = found
+        return (f'{what}: numbers such as {typical} look like {unit}, and stamps are integer '
+                f'nanoseconds; multiply by {factor}, or give the times as datetime64')
     return (f'{what}: numbers such as {typical} are no UTC nanoseconds; give nanoseconds since '
             '1970, datetime64, or the stamps of another clock to Headings.as_sent')

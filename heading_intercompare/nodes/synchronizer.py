@@ -57,7 +57,7 @@ _PATIENCE_S, _LAST_S = 10.0, 0.3
 class Synchronizer(Node):
     """Publish pairs and ledger; take headings once pairs have subscribers: none gets lost."""
 
-    done = ended = _flushed = False
+    done = ended = _flushed = _opened = False
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('synchronizer', **OVERRIDES, **kwargs)
@@ -91,7 +91,8 @@ class Synchronizer(Node):
         every(self, 1.0, self._beat)
 
     def _drain(self) -> None:
-        self._open_when_wanted()
+        if not self._opened:
+            self._open_when_wanted()
         if not self._flushed:
             self._send(self._pairer.update(**self._headings.take(), now_s=self._awake.now_s()))
         self._waiting.publish()
@@ -105,6 +106,7 @@ class Synchronizer(Node):
         """Open the inputs once the pairs have their subscribers, or after `startup_wait_s`."""
         if (self._pairs.get_subscription_count() >= self._own.subscribers
                 and self._predecessor.is_known() or time.monotonic() > self._open_at_s):
+            self._opened = True
             for intake in self._intakes.values():
                 intake.open = True
 

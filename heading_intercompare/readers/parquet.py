@@ -25,13 +25,14 @@ import pyarrow.parquet
 
 from heading_intercompare.bags.csv.stamp_cells import looks_like_unit
 from heading_intercompare.core.angles import wrap360
+from heading_intercompare.core.given_stamps import find_unit
 from heading_intercompare.core.records import Headings, Integers, Pairs, Reals
 
 from .errors import ReaderError
 from .json_lines import is_heading_name
 from .motion_columns import find_motion_columns, make_motion
 from .stream_recording import Collected
-from .tables import EARLIEST_S, find_time_column, LATEST_S, TIMES, UNITS_NS
+from .tables import find_time_column, TIMES
 
 __all__ = ['has_pairs', 'PairsParquet', 'read_parquet']
 
@@ -94,9 +95,7 @@ def _find_unit(path: str, name: str, numbers: Integers | Reals) -> int:
     """Return the nanoseconds of the unit of some times; null is 0."""
     given = numbers[numbers != 0]
     low, high = (float(given.min()), float(given.max())) if len(given) else (0.0, 0.0)
-    found = next((unit_ns for unit_ns in UNITS_NS
-                  if EARLIEST_S <= low * unit_ns / _SECOND_NS
-                  and high * unit_ns / _SECOND_NS < LATEST_S), None)
+    _, found = find_unit(low, high) or ('', None)
     named = {'_ns': 1, '_s': _SECOND_NS}.get('_' + name.lower().rpartition('_')[2])
     # Numbers of a clock that began at zero are seconds, as their name does not say.
     unit_ns = named or found or _SECOND_NS

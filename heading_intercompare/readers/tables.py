@@ -25,14 +25,14 @@ import numpy as np
 from heading_intercompare.bags.csv.csv_rows import CsvRows
 from heading_intercompare.bags.csv.stamp_cells import nanoseconds, utc_nanoseconds
 from heading_intercompare.bags.errors import BagError
+from heading_intercompare.core.given_stamps import find_unit
 
 from .errors import ReaderError
 from .json_lines import is_heading_name
 from .motion_columns import find_motion_columns, make_motion, MotionColumn
 from .stream_recording import Collected
 
-__all__ = ['EARLIEST_S', 'find_time_column', 'is_table', 'LATEST_S', 'parse_time', 'read_stamp',
-           'read_table', 'TIMES', 'UNITS_NS']
+__all__ = ['find_time_column', 'is_table', 'parse_time', 'read_stamp', 'read_table', 'TIMES']
 
 TIMES = ('t_ns', 'stamp_ns', 'stamp_s', 'stamp_utc', 'timestamp', 'utc', 'datetime', 'date_time',
          'time', 't', 'epoch', 'unixtime', 'u_dday', 'dday')
@@ -40,10 +40,6 @@ TIMES = ('t_ns', 'stamp_ns', 'stamp_s', 'stamp_utc', 'timestamp', 'utc', 'dateti
 
 _WANTED = f'of times ({", ".join(TIMES)}) and of headings'
 _SPLIT = re.compile(r'[,;\t]')
-EARLIEST_S, LATEST_S = 631_152_000, 4_102_444_800
-"""Numbers without a unit are times from 1990 to 2100."""
-UNITS_NS = (1_000_000_000, 1_000_000, 1000, 1)
-"""Their units: seconds, milli-, micro- and nanoseconds."""
 
 
 def find_time_column(names: list[str]) -> str | None:
@@ -75,10 +71,11 @@ def parse_time(text: str) -> int:
     if not text.replace('.', '', 1).isdecimal():
         return utc_nanoseconds(text)
     whole = int(text.partition('.')[0])
-    for unit_ns in UNITS_NS:
-        if EARLIEST_S <= whole * unit_ns // 1_000_000_000 < LATEST_S:
-            return nanoseconds(text) if unit_ns == 1_000_000_000 else whole * unit_ns
-    raise ValueError(text)
+    found = find_unit(whole, whole)
+    if found is None:
+        raise ValueError(text)
+    _, unit_ns = found
+    return nanoseconds(text) if unit_ns == 1_000_000_000 else whole * unit_ns
 
 
 def read_stamp(rows: CsvRows, row: list[str], at: int) -> int:

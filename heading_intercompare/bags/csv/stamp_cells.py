@@ -21,6 +21,7 @@ from decimal import Decimal, localcontext
 import re
 from typing import Callable, Mapping, NamedTuple, Sequence
 
+from heading_intercompare.core.given_stamps import find_unit
 from heading_intercompare.core.utc_text import utc
 
 __all__ = ['explain_stamp', 'looks_like_days', 'looks_like_unit', 'nanoseconds',
@@ -36,11 +37,6 @@ _NUMBER = re.compile(r'\d+(?:\.\d*)?', re.ASCII)
 #: Days of a spreadsheet count from 30 December 1899; these are 1954 to 2119.
 _DAY_ZERO_NS = -25569 * _DAY_NS
 _FIRST_DAY, _LAST_DAY = 20_000, 80_000
-#: From 1990 to 2100.
-_EARLIEST_NS, _LATEST_NS = 631_152_000 * _SECOND_NS, 4_102_444_800 * _SECOND_NS
-_UNITS = (('seconds', _SECOND_NS, 'name the column stamp_s'),
-          ('milliseconds', 10 ** 6, 'multiply by 1000000'),
-          ('microseconds', 10 ** 3, 'multiply by 1000'))
 #: No sensor reports at a kilohertz; a day number of seconds differs by 1.2e-5.
 _LEAST_STEP_NS = 1_000_000
 
@@ -139,11 +135,12 @@ def looks_like_unit(stamp_ns: Sequence[int]) -> str:
     first, last = min(stamp_ns), max(stamp_ns)
     if (last - first) / (len(stamp_ns) - 1) > _LEAST_STEP_NS:
         return ''
-    for unit, factor, instead in _UNITS:
-        if _EARLIEST_NS <= first * factor and last * factor < _LATEST_NS:
-            return (f'stamp_ns = {stamp_ns[0]} looks like {unit} since 1970 '
-                    f'({utc(stamp_ns[0] * factor)} UTC), not nanoseconds: {instead}')
-    return ''
+    unit, factor = find_unit(first, last) or ('', 1)
+    if factor == 1:
+        return ''
+    instead = 'name the column stamp_s' if factor == _SECOND_NS else f'multiply by {factor}'
+    return (f'stamp_ns = {stamp_ns[0]} looks like {unit} since 1970 '
+            f'({utc(stamp_ns[0] * factor)} UTC), not nanoseconds: {instead}')
 
 
 def looks_like_days(stamp_ns: Sequence[int]) -> str:
