@@ -32,6 +32,7 @@ from heading_intercompare.messages.marks import decode_marks, MARKER_TOPIC
 from heading_intercompare.nodes.alarms.stream_alarms import StreamAlarms
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.batches import Arrivals
+from heading_intercompare.nodes.ros.endpoints import count_subscribed
 from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
@@ -104,7 +105,7 @@ class Synchronizer(Node):
 
     def _open_when_wanted(self) -> None:
         """Open the inputs once the pairs have their subscribers, or after `startup_wait_s`."""
-        if (self._pairs.get_subscription_count() >= self._own.subscribers
+        if (count_subscribed(self, self._pairs) >= self._own.subscribers
                 and self._predecessor.is_known() or time.monotonic() > self._open_at_s):
             self._opened = True
             for intake in self._intakes.values():

@@ -564,6 +564,21 @@ def test_a_successor_is_told_of_pairs_only_when_they_have_come(ros, rng):
     ros.spin_until(lambda: newest() == 200)
 
 
+def test_a_successor_is_told_as_soon_as_the_ledger_is_there(ros, rng):
+    """A tenth of a second later it had already begun with an older word."""
+    graph, pairs = Graph(ros), some_pairs(rng, 0, 100)
+    told = ros.listen(DiagnosticArray, LEDGER_TAKEN_TOPIC, qos.LEDGER_TAKEN)
+
+    def newest():
+        return decode_ledger(serialize_message(told[-1])).ledger.paired if told else None
+    for n in (50, 100):
+        graph.send(pairs[n - 50:n])
+        graph.book({'paired': n, 'ts_paired': n, 'rs_used': n})
+        ros.spin_until(lambda n=n: newest() == n)
+        # From the second one on it needs no further look.
+        graph.node._reporting.look = lambda n_pairs: None
+
+
 def test_a_compliance_that_was_restarted_says_how_many_pairs_it_missed(ros, rng):
     """Without a journal; the synchronizer keeps the last 5000 pairs."""
     graph, pairs = Graph(ros), some_pairs(rng, 0, 6500)

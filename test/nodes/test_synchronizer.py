@@ -113,6 +113,20 @@ def test_one_stream_ahead_of_the_other_changes_nothing(ros, rng):
     assert pairs_from(pairs) == expected
 
 
+def test_a_recorder_that_replaces_its_subscription_does_not_stand_for_compliance(ros):
+    """It had two for a while. So the inputs were opened, and 189 readings never came."""
+    node = ros.ours(Synchronizer, subscribers=2, startup_wait_s=600.0)
+    recorder, other = ros.add(Node, 'recorder'), ros.add(Node, 'compliance')
+    for one in (recorder, recorder):
+        one.create_subscription(TwistStamped, 'pairs', lambda _: None, qos.PAIRS_TAKEN)
+    ros.spin_until(lambda: node._pairs.get_subscription_count() == 2)
+    for _ in range(20):
+        ros.executor.spin_once(0.02)
+    assert not node._opened
+    other.create_subscription(TwistStamped, 'pairs', lambda _: None, qos.PAIRS_TAKEN)
+    ros.spin_until(lambda: node._opened)
+
+
 def test_a_burst_of_pairs_does_not_overrun_who_takes_them(ros, rng):
     """The RS comes late: 2500 pairs at once, of which a subscription keeps 1000."""
     heard = ros.add(Node, 'taker')

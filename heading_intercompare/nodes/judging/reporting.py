@@ -122,6 +122,7 @@ class Reporting:
     def book(self, newest: LedgerMessage) -> None:
         """Take the newest ledger of a synchronizer."""
         self._take(self._pairs.follow(newest))
+        self._tell_taken()
 
     def _take(self, ledgers: Iterable[LedgerMessage]) -> None:
         for ledger in ledgers:

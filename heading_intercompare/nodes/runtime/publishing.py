@@ -27,9 +27,10 @@ from rclpy.publisher import Publisher
 
 from heading_intercompare.core.records import Headings
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
+from heading_intercompare.nodes.ros.endpoints import count_subscribed, name_node
 
 from .health import Health
-from .sole_node import name_node, SoleNode
+from .sole_node import SoleNode
 
 __all__ = ['Allowance', 'Audience', 'await_acknowledgement', 'Backlog', 'FlowControl',
            'HeadingQueue']
@@ -71,7 +72,7 @@ class Audience:
     publishers : sequence of Publisher
         Publishers of the topics.
     wanted : int
-        Subscriptions that each must have; 0: do not wait.
+        Nodes that must have subscribed to each; 0: do not wait.
     health : Health
         Shows that the node waits.
     further : mapping of str to int, optional
@@ -187,7 +188,7 @@ class Audience:
 
     def _find_missing(self) -> dict[str, int]:
         """Return the topics that lack subscriptions, each with the number it has."""
-        counts = {p.topic_name: p.get_subscription_count() for p in self._publishers}
+        counts = {p.topic_name: count_subscribed(self._node, p) for p in self._publishers}
         return {topic: n for topic, n in counts.items()
                 if n < self._wanted + self._further.get(topic, 0)}
 

@@ -22,12 +22,12 @@ from typing import Sequence
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 from rclpy.subscription import Subscription
-from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.status_messages import decode_statuses, ERROR, OK
+from heading_intercompare.nodes.ros.endpoints import name_node
 from heading_intercompare.nodes.ros.parameters import resolve_topic
 from heading_intercompare.nodes.ros.qos import DIAGNOSTICS_IN
 from heading_intercompare.nodes.ros.steady_timer import every
@@ -35,18 +35,13 @@ from heading_intercompare.nodes.ros.transports import DISCOVERY_S, is_alone
 
 from .health import Health
 
-__all__ = ['name_node', 'SoleNode']
+__all__ = ['SoleNode']
 
 #: A node that hears another one gives way for this long after its start.
 _STARTING_S = 8.0
 #: A live node says its state on /diagnostics every second.
 _PATIENCE_S = 3.2
 _LOOK_S = 0.1
-
-
-def name_node(info: TopicEndpointInfo) -> str:
-    """Return the full name of the node of a publisher or subscription."""
-    return f'{info.node_namespace.rstrip("/")}/{info.node_name}'
 
 
 class SoleNode:

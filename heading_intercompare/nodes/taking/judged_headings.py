@@ -19,14 +19,19 @@ from __future__ import annotations
 from collections import Counter
 from typing import Mapping, Sequence
 
+from heading_intercompare.nodes.ros.transports import DISCOVERY_S, is_alone
+
 from .reception import Message, number_of
 from .recorded_topics import Recorded
 
 __all__ = ['JudgedHeadings']
 
-# A synchronizer that starts together with the recorder is there within the first. It tells what it
-# took a second after its pairs have their subscribers, for which it waits less than the second.
-_COMES_S, _BEGINS_S = 1.0, 15.0
+# A synchronizer that starts together with the recorder is found within the first, also where a
+# packet was lost. It tells what it took a second after its pairs have their subscribers, for which
+# it waits less than the second.
+_COMES_S, _BEGINS_S = DISCOVERY_S + 2.0, 15.0
+# Nodes of one process find each other at once.
+_COMES_ALONE_S = 1.0
 
 
 class JudgedHeadings:
@@ -51,6 +56,7 @@ class JudgedHeadings:
 
     def __init__(self, topics: Mapping[str, Recorded]) -> None:
         self._topics = topics
+        self._comes_s = _COMES_ALONE_S if is_alone() else _COMES_S
         self._since_s: dict[str, float] = {}
         self._begun = {topic for topic, one in topics.items() if not one.spans}
         self._held: dict[str, list[Message]] = {}
@@ -88,7 +94,7 @@ class JudgedHeadings:
             first = self._topics[topic].first_judged
             since_s = self._since_s.setdefault(topic, now_s)
             graph = any(one.intake.publishers for one in self._topics.values() if one.is_ledger)
-            if first is None and now_s < since_s + (_BEGINS_S if graph else _COMES_S):
+            if first is None and now_s < since_s + (_BEGINS_S if graph else self._comes_s):
                 return []
             self._begun.add(topic)
             self._held[topic] = []

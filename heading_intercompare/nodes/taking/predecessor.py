@@ -26,6 +26,7 @@ from rclpy.node import Node
 from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.messages.ledger_messages import decode_ledger, LedgerMessage
 from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.endpoints import is_named
 from heading_intercompare.nodes.ros.transports import DISCOVERY_S, is_alone
 from heading_intercompare.nodes.runtime.health import Health
 
@@ -36,8 +37,8 @@ __all__ = ['LEDGER_TAKEN_TOPIC', 'Predecessor']
 
 LEDGER_TAKEN_TOPIC = 'compliance/ledger_taken'
 
-# What the middleware calls a node of which it knows subscriptions only, not its publishers.
-_UNKNOWN = '_NODE_NAME_UNKNOWN_'
+# Of its publishers some may be found later than others, by two lost packets.
+_FOUND_S = 2 * DISCOVERY_S
 
 
 class Predecessor:
@@ -60,15 +61,15 @@ class Predecessor:
     Notes
     -----
     DDS finds the subscriptions of a node and its publishers on different ways. Where a packet is
-    lost, the publishers come seconds later. Until then a compliance node is among the subscribers
-    of the pairs, but without a name.
+    lost, the publishers come 3 s later. Until then a compliance node is among the subscribers of
+    the pairs, but without a name, or with a name and without all of its publishers.
 
     """
 
     def __init__(self, node: Node, health: Health, intakes: Mapping[str, Intake],
                  started_ns: int, pairs: str) -> None:
         self._node, self._intakes, self._started_ns = node, intakes, started_ns
-        self._pairs, self._found_s = pairs, 0.0 if is_alone() else DISCOVERY_S
+        self._pairs, self._found_s = pairs, 0.0 if is_alone() else _FOUND_S
         self._told = False
         self._asked_s = math.inf
         subscribe(node, DiagnosticArray, LEDGER_TAKEN_TOPIC, qos.LEDGER_TAKEN, health,
@@ -79,9 +80,8 @@ class Predecessor:
         if self._told:
             return True
         now_s = time.monotonic()
-        unnamed = any(info.node_name == _UNKNOWN
-                      for info in self._node.get_subscriptions_info_by_topic(self._pairs))
-        self._asked_s = math.inf if unnamed else min(self._asked_s, now_s)
+        found = self._node.get_subscriptions_info_by_topic(self._pairs)
+        self._asked_s = min(self._asked_s, now_s) if all(map(is_named, found)) else math.inf
         return (now_s > self._asked_s + self._found_s
                 and not self._node.count_publishers(LEDGER_TAKEN_TOPIC))
 

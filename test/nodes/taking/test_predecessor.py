@@ -26,7 +26,6 @@ from heading_intercompare.core.pairing.incarnations import StreamNumbers
 from heading_intercompare.core.pairing.ledger import Ledger
 from heading_intercompare.messages.ledger_messages import encode_ledger
 from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.transports import DISCOVERY_S
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.taking import predecessor
 from heading_intercompare.nodes.taking.predecessor import LEDGER_TAKEN_TOPIC, Predecessor
@@ -67,7 +66,7 @@ def made(ros, found):
 def test_a_graph_without_compliance_is_known_after_discovery(ros, found):
     one = made(ros, found)
     assert not one.is_known()
-    found.now_s += DISCOVERY_S
+    found.now_s += predecessor._FOUND_S
     assert not one.is_known()
     found.now_s += 0.01
     assert one.is_known()
@@ -82,7 +81,7 @@ def test_a_subscriber_whose_publishers_are_not_found_yet_is_waited_for(ros, foun
         found.now_s += 1.0
     found.subscribers.pop()
     assert not one.is_known()
-    found.now_s += DISCOVERY_S + 0.01
+    found.now_s += predecessor._FOUND_S + 0.01
     assert one.is_known()
 
 
@@ -90,7 +89,7 @@ def test_a_compliance_node_is_waited_for_until_it_has_spoken(ros, found):
     one = made(ros, found)
     found.publishers = 1
     one.is_known()
-    found.now_s += 2 * DISCOVERY_S
+    found.now_s += 2 * predecessor._FOUND_S
     assert not one.is_known()
 
 

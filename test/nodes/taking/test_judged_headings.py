@@ -1,0 +1,77 @@
+# Copyright 2026 The heading_intercompare authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Headings are kept back until it is known whether anybody judges them."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from heading_intercompare.nodes.taking import judged_headings
+from heading_intercompare.nodes.taking.judged_headings import JudgedHeadings
+
+TOPIC, LEDGER = 'ts/heading', 'pairs/ledger'
+
+
+@pytest.fixture
+def found(monkeypatch):
+    """Return what is known of a synchronizer; all of it can be set."""
+    monkeypatch.setattr(judged_headings, 'is_alone', lambda: False)
+    return SimpleNamespace(publishers=0, first=None)
+
+
+def made(found):
+    """Return what keeps the headings of one sensor."""
+    class Heading(SimpleNamespace):
+        spans, is_heading, is_ledger, last_judged = (1,), True, False, None
+        first_judged = property(lambda self: found.first)
+    ledger = SimpleNamespace(spans=(), is_heading=False, is_ledger=True, intake=found)
+    return JudgedHeadings({TOPIC: Heading(intake=SimpleNamespace(full_name=f'/{TOPIC}',
+                                                                 publishers=1)), LEDGER: ledger})
+
+
+def some(lo, hi):
+    """Return messages with these numbers."""
+    return [(b'', {'publication_sequence_number': n}) for n in range(lo, hi)]
+
+
+def test_a_synchronizer_that_is_found_3_s_late_says_where_the_bag_begins(found):
+    """The bag began 3 s before the verdict, whose figures it then did not give."""
+    judged = made(found)
+    for second in range(4):
+        messages = some(1 + 50 * second, 51 + 50 * second)
+        assert judged.take(TOPIC, messages, 10.0 + second, False) == []
+    found.publishers = 1
+    assert judged.take(TOPIC, some(201, 251), 14.0, False) == []
+    found.first = 163
+    assert judged.take(TOPIC, some(251, 252), 15.0, False) == some(163, 252)
+    assert judged.left_out == {'/ts/heading': 162}
+
+
+def test_without_a_synchronizer_all_headings_are_kept_after_a_while(found):
+    judged, now_s, kept = made(found), 10.0, []
+    while not kept and now_s < 30.0:
+        n = int(now_s)
+        kept += judged.take(TOPIC, some(n, n + 1), now_s, False)
+        now_s += 1.0
+    assert (kept, now_s) == (some(10, 16), 16.0)
+
+
+def test_nodes_of_one_process_need_not_wait_for_long(found, monkeypatch):
+    monkeypatch.setattr(judged_headings, 'is_alone', lambda: True)
+    judged = made(found)
+    assert judged.take(TOPIC, some(1, 2), 10.0, False) == []
+    assert judged.take(TOPIC, some(2, 3), 11.0, False) == some(1, 3)
