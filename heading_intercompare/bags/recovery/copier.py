@@ -22,7 +22,8 @@ are copied too if they are right. The messages of other chunks are gathered and 
 
 from __future__ import annotations
 
-from typing import BinaryIO, Callable
+from collections import Counter
+from typing import BinaryIO, Callable, Iterator, Mapping
 
 from mcap import records as mcap
 from mcap.opcode import Opcode
@@ -36,7 +37,7 @@ from heading_intercompare.bags.mcap.index_records import message_index
 from heading_intercompare.bags.mcap.message_batch import Records
 from heading_intercompare.bags.mcap.message_blocks import Block, block_of, HEAD, MESSAGE_HEAD
 from heading_intercompare.bags.mcap.record_stream import parse_record
-from heading_intercompare.bags.packed_payloads import is_packed, unpack_payload
+from heading_intercompare.bags.packed_payloads import is_packed, MOST_BYTES, unpack_payload
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
 from heading_intercompare.messages.fields import full_name
@@ -76,6 +77,8 @@ class Transfer:
     ----------
     counts : dict of str to int
         Messages by topic.
+    refused : int
+        Messages that could not be decompressed one by one, and are left out.
 
     """
 
@@ -86,7 +89,9 @@ class Transfer:
         self._singly = singly
         self._note = note
         self._types: dict[str, tuple[str, bytes]] = {}
+        self._names: dict[int, str] = {}
         self.counts: dict[str, int] = {}
+        self.refused = 0
 
     def copy(self, found: Inventory, progress: Callable[[str], None]) -> None:
         """
@@ -114,6 +119,16 @@ class Transfer:
                     copying.take_part(piece)
                 progress(f'{piece.chunk.end / found.size:.0%} copied')
             copying.flush()
+        self._leave_out(found, copying.refused)
+
+    def _leave_out(self, found: Inventory, refused: Mapping[int, int]) -> None:
+        """Take messages that are not in the new bag from the counts."""
+        for number, count in refused.items():
+            self.counts[self._names[number]] -= count
+            self.refused += count
+        if refused:
+            self._note(found, f'{sum(refused.values())} messages cannot be decompressed, or claim '
+                       f'more than {MOST_BYTES} bytes')
 
     def _add_topic(self, found: Inventory, epoch: int, number: int) -> int:
         """Add the topic of a channel to the new bag; return its number there, -1 without topic."""
@@ -131,11 +146,13 @@ class Transfer:
         elif self._types[name][1] != schema.data:
             self._note(found, f'{topic}: {kind} is defined in two ways; the first is kept')
         self.counts[name] = self.counts.get(name, 0) + found.counts[epoch, number]
-        return self._bag.add_topic(
+        new = self._bag.add_topic(
             name, kind, Qos.of_yaml(channel.metadata.get('offered_qos_profiles', '')),
             schema=Schema(kind, schema.data.decode(errors='replace'),
                           channel.metadata.get('topic_type_hash', ''), schema.encoding),
             numbers=(channel.id, schema.id))
+        self._names[new] = name
+        return new
 
     def _copy_extra(self, found: Inventory, file: BinaryIO, place: Chunk) -> None:
         try:
@@ -178,6 +195,8 @@ class _Copying:
         self._gathered: list[Chunk] = []
         self._epoch = 0
         self._memory = bytearray()
+        #: Messages that cannot be decompressed, by channel in the new bag.
+        self.refused: Counter[int] = Counter()
 
     def _read(self, at: int, size: int) -> bytes:
         self._file.seek(at)
@@ -316,30 +335,40 @@ class _Copying:
             unsent = at[wanted & (publish < 0)]
             for byte in range(_PUBLISH_AT - _LOG_AT):
                 every[unsent + _PUBLISH_AT + byte] = every[unsent + _LOG_AT + byte]
-        data, start, stop = _unpack(block, data, at[wanted], block.stop[wanted])
-        records = Records(data, start, stop, new[wanted], log[wanted])
-        lo = 0
-        while lo < len(records):
-            chunks: ChunkWriter = self._bag.chunks
-            lo = chunks.fill(records, lo)
-            if not chunks.pending:
-                self._bag.split_if_due()
+        every = data, at[wanted], block.stop[wanted], new[wanted], log[wanted]
+        packed = is_packed(block.data, block.start)
+        for records in self._unpack(*every) if packed else (Records(*every),):
+            lo = 0
+            while lo < len(records):
+                chunks: ChunkWriter = self._bag.chunks
+                lo = chunks.fill(records, lo)
+                if not chunks.pending:
+                    self._bag.split_if_due()
 
-
-def _unpack(block: Block, data: bytes, at: np.ndarray,
-            stop: np.ndarray) -> tuple[bytes, np.ndarray, np.ndarray]:
-    """Return message records with their payloads decompressed if these are packed one by one."""
-    if not is_packed(block.data, block.start):
-        return data, at, stop
-    records = []
-    for lo, hi in zip(at.tolist(), stop.tolist()):
-        begin = lo + MESSAGE_HEAD.size
-        payload = bytes(data[begin:hi])
-        payload = unpack_payload(payload) or payload
-        length = MESSAGE_HEAD.size - HEAD.size + len(payload)
-        records.append(HEAD.pack(Opcode.MESSAGE, length) + data[lo + HEAD.size:begin] + payload)
-    ends = np.cumsum([0, *map(len, records)], dtype=np.int64)
-    return b''.join(records), ends[:-1], ends[1:]
+    def _unpack(self, data: bytes | bytearray | memoryview, start: np.ndarray, stop: np.ndarray,
+                channel: np.ndarray, log_time_ns: np.ndarray) -> Iterator[Records]:
+        """Yield records with payloads decompressed, in pieces; count those that cannot be."""
+        kept: list[int] = []
+        records: list[bytes] = []
+        size = 0
+        for number, (lo, hi) in enumerate(zip(start.tolist(), stop.tolist())):
+            begin = lo + MESSAGE_HEAD.size
+            payload: bytes | None = bytes(data[begin:hi])
+            if is_packed(data, np.array([begin])):
+                payload = unpack_payload(payload)
+            if payload is None:
+                self.refused[int(channel[number])] += 1
+            else:
+                length = MESSAGE_HEAD.size - HEAD.size + len(payload)
+                head = HEAD.pack(Opcode.MESSAGE, length) + bytes(data[lo + HEAD.size:begin])
+                records.append(head + payload)
+                kept.append(number)
+                size += len(records[-1])
+            if records and (size > _GATHERED_BYTES or number == len(start) - 1):
+                ends = np.cumsum([0, *map(len, records)], dtype=np.int64)
+                yield Records(b''.join(records), ends[:-1], ends[1:], channel[kept],
+                              log_time_ns[kept])
+                kept, records, size = [], [], 0
 
 
 def _indexes(run: ChunkRun, chunk: Chunk) -> bytes:

@@ -318,6 +318,8 @@ def _recover(source: Path, target: Path, settings: BagSettings | None,
         for found in files:
             transfer.copy(found, progress)
         total.counts = transfer.counts
+        total.messages -= transfer.refused
+        total.messages_lost += transfer.refused
         bag.metadata('recovery', _record(source, total, [e for f in files for e in f.earlier]))
         bag.close()
         undo.pop_all()
