@@ -335,6 +335,8 @@ def take_inventory(path: Path, progress: Callable[[str], None],
             _take(found, item, salvage, file)
             if item.block is not None or item.large is not None:
                 progress(f'{item.end / salvage.size:.0%} examined')
+        if salvage.chunked:
+            found.withdraw()
     found.sections[-1].indexed += max(named - kept, 0)
     return found
 

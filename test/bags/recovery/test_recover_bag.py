@@ -576,6 +576,14 @@ def test_what_is_left_of_a_chunk_without_its_head_is_left_out(tmp_path, whole):
     assert ('messages without their chunk' in str(total.notes)) is not whole
 
 
+@pytest.mark.parametrize('rest', [b'\xee' * 50, bytes(50)])
+def test_messages_in_a_damaged_chunk_are_not_taken_for_messages_outside_chunks(tmp_path, rest):
+    """No chunk of the file is sound, but the head of one proves that there are chunks."""
+    path = write(tmp_path / 'x.mcap', chunk(*TWO, *ten(), compression='', crc=7), rest)
+    with pytest.raises(BagError, match='nothing in it is readable'):
+        recover(path, tmp_path / 'new')
+
+
 def test_without_any_chunk_the_messages_behind_damage_are_kept(tmp_path):
     path = write(tmp_path / 'x.mcap', *TWO, *ten(), bytes(50), *ten(begin=2000))
     assert recovered(path) == as_sent()[:-1] + as_sent(begin=2000)
