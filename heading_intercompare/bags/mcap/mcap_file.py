@@ -257,7 +257,11 @@ class Part:
             self.schemas[schema.id] = schema
         elif opcode == Opcode.CHANNEL:
             channel = parse_record(mcap.Channel, content)
-            self.channels[channel.id] = channel
+            known = self.channels.setdefault(channel.id, channel)
+            if (known.topic, known.schema_id, known.message_encoding) != (
+                    channel.topic, channel.schema_id, channel.message_encoding):
+                # Nobody knows which of its messages belong to which.
+                raise BagError(f'channel {channel.id} is both {known.topic} and {channel.topic}')
 
     def _take_header(self, stream: RecordStream) -> None:
         """Read the first record."""

@@ -43,7 +43,7 @@ from heading_intercompare.bags.rosbag2.bag_yaml import Qos
 from heading_intercompare.messages.fields import full_name
 from heading_intercompare.messages.schemas import Schema
 
-from .inventory import Inventory, Kind, Piece, split_epochs
+from .inventory import Inventory, Kind, Piece
 from .large_chunks import read_blocks
 from .scanner import Salvage
 from .unreadable_sectors import open_with_holes
@@ -130,9 +130,9 @@ class Transfer:
             self._note(found, f'{sum(refused.values())} messages cannot be decompressed, or claim '
                        f'more than {MOST_BYTES} bytes')
 
-    def _add_topic(self, found: Inventory, epoch: int, number: int) -> int:
+    def _add_topic(self, found: Inventory, section: int, number: int) -> int:
         """Add the topic of a channel to the new bag; return its number there, -1 without topic."""
-        definition = found.definitions.topic(epoch, number)
+        definition = found.topic(section, number)
         if definition is None:
             return -1
         channel, schema = definition
@@ -145,7 +145,7 @@ class Transfer:
             self._note(found, f'{topic} is also {kind}: kept as {name}')
         elif self._types[name][1] != schema.data:
             self._note(found, f'{topic}: {kind} is defined in two ways; the first is kept')
-        self.counts[name] = self.counts.get(name, 0) + found.counts[epoch, number]
+        self.counts[name] = self.counts.get(name, 0) + found.counts[section, number]
         new = self._bag.add_topic(
             name, kind, Qos.of_yaml(channel.metadata.get('offered_qos_profiles', '')),
             schema=Schema(kind, schema.data.decode(errors='replace'),
@@ -183,9 +183,6 @@ class _Copying:
         self._found = found
         self._bag = bag
         self._numbers = numbers
-        self._of_epoch: dict[int, list[tuple[int, int]]] = {}
-        for (epoch, number), new in numbers.items():
-            self._of_epoch.setdefault(epoch, []).append((number, new))
         self.salvage = Salvage(file, found.unproven > 0)
         self._runs = ChunkRuns(self._read, self.salvage.size)
         self._same: dict[object, bool] = {}
@@ -193,7 +190,7 @@ class _Copying:
         #: Chunks to pass on unchanged, and chunks to gather; one of the lists is empty.
         self._passed: list[Chunk] = []
         self._gathered: list[Chunk] = []
-        self._epoch = 0
+        self._section = 0
         self._memory = bytearray()
         #: Messages that cannot be decompressed, by channel in the new bag.
         self.refused: Counter[int] = Counter()
@@ -204,9 +201,9 @@ class _Copying:
 
     def take(self, piece: Piece, compression: str | None, singly: bool) -> None:
         """Take the next whole chunk."""
-        chunk, epoch = piece.chunk, piece.epoch
-        if not (compression in (None, chunk.compression) and self._is_same(chunk, epoch)):
-            self._gather(chunk, epoch)
+        chunk = piece.chunk
+        if not (compression in (None, chunk.compression) and self._is_same(piece)):
+            self._gather(piece)
             return
         if self._gathered:
             self.flush()
@@ -216,7 +213,7 @@ class _Copying:
             self._bag.split_if_due()
             chunks = self._bag.chunks
             if not chunks.due <= chunk.definitions:
-                self._gather(chunk, epoch)
+                self._gather(piece)
                 return
         elif not chunk.indexed or self._passed[-1].index_end != chunk.start or (
                 len(self._passed) >= chunks.until_due
@@ -228,24 +225,24 @@ class _Copying:
         if singly or not chunk.indexed:
             self.flush()
 
-    def _is_same(self, chunk: Chunk, epoch: int) -> bool:
+    def _is_same(self, piece: Piece) -> bool:
         """Tell whether a chunk can be copied unchanged: it means the same in the new bag."""
-        key = epoch, chunk.counts, chunk.definitions
+        chunk = piece.chunk
+        key = piece.section, chunk.counts, chunk.definitions
         if key not in self._same:
             self._same[key] = chunk.definitions <= self._bag.chunks.defined and all(
-                self._numbers.get((epoch, number)) == number for number, _ in chunk.counts)
+                self._numbers.get((piece.section, number)) == number
+                for number, _ in chunk.counts)
         return self._same[key] and chunk.plain
 
-    def _gather(self, chunk: Chunk, epoch: int) -> None:
-        torn = self._found.definitions.find_epochs(chunk.start)
-        if self._passed or torn or (self._gathered and (
-                epoch != self._epoch or self._gathered[-1].index_end != chunk.start
+    def _gather(self, piece: Piece) -> None:
+        chunk = piece.chunk
+        if self._passed or (self._gathered and (
+                piece.section != self._section or self._gathered[-1].index_end != chunk.start
                 or chunk.index_end - self._gathered[0].start > _GATHERED_BYTES)):
             self.flush()
         self._gathered.append(chunk)
-        self._epoch = epoch
-        if torn:
-            self.flush()
+        self._section = piece.section
 
     def flush(self) -> None:
         """Write the chunks taken so far."""
@@ -258,7 +255,7 @@ class _Copying:
             run = self._runs.run(at, gathered[-1].index_end)
             if run is None:
                 raise _blame_change(self._found)
-            self._write(run.block, self._epoch, at)
+            self._write(run.block, self._section)
             at = run.chunks[-1].index_end
 
     def _pass_on(self, chunks: list[Chunk]) -> None:
@@ -296,35 +293,34 @@ class _Copying:
             block = block_of(data, at) if len(data) == end - at else None
         if block is None:
             raise _blame_change(self._found)
-        self._write(block, piece.epoch, at)
+        self._write(block, piece.section)
 
     def take_large(self, piece: Piece) -> None:
         """Take a chunk that is too large to decompress at once; it becomes several."""
         self.flush()
         at, base = piece.chunk.start, 0
         for block in read_blocks(self._file, at, piece.chunk.end, self._found.large[at]):
-            self._write(block, piece.epoch, at, base)
+            self._write(block, piece.section)
             base += len(block.data)
         if base != piece.chunk.size:
             raise _blame_change(self._found)
 
-    def _table(self, epoch: int) -> np.ndarray:
-        """Return the number in the new bag of each channel of an epoch, -1 for none."""
-        if self._tables[0] != epoch:
+    def _table(self, section: int) -> np.ndarray:
+        """Return the number in the new bag of each channel of a section, -1 for none."""
+        if self._tables[0] != section:
             table = np.full(_CHANNELS, -1, np.int64)
-            for number, new in self._of_epoch.get(epoch, ()):
-                table[number] = new
-            self._tables = epoch, table
+            for (each, number), new in self._numbers.items():
+                if each == section:
+                    table[number] = new
+            self._tables = section, table
         return self._tables[1]
 
-    def _write(self, block: Block, epoch: int, start: int, base: int = 0) -> None:
-        """Write the wanted messages of a block, in order; it begins `base` bytes into a chunk."""
+    def _write(self, block: Block, section: int) -> None:
+        """Write the wanted messages of a block, in order."""
         at = block.start - MESSAGE_HEAD.size
         channel = block.heads['channel'].astype(np.int64)
         log, publish = block.heads['log_time'].copy(), block.heads['publish_time'].copy()
-        new = np.empty_like(channel)
-        for each, part in split_epochs(self._found.definitions, start, epoch, at + base):
-            new[part] = self._table(each)[channel[part]]
+        new = self._table(section)[channel]
         wanted = (new >= 0) & (log >= 0)
         data = block.data
         if (new != channel)[wanted].any() or (publish < 0)[wanted].any():
