@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 import importlib
 from pathlib import Path
 import sys
@@ -256,3 +257,39 @@ def test_a_process_has_variance_1(errors, rng):
 def test_a_process_begins_in_its_stationary_state(errors, rng):
     first = errors(rng, 20_000, 2)[:, 0] ** 2
     assert abs(first.mean() - 1.0) < 6.0 * first.std() / np.sqrt(first.size)
+
+
+@pytest.fixture
+def damaged_bags():
+    for peer in ('pybag', 'rosbags'):
+        pytest.importorskip(peer, reason=f'{peer} is not installed')
+    return importlib.import_module('damaged_bags')
+
+
+@pytest.mark.slow
+def test_of_damaged_bags_more_is_recovered_than_others_read(damaged_bags, tmp_path):
+    """A few of the bags of the benchmark: nothing foreign, and nothing under another topic."""
+    scores = damaged_bags.measure(tmp_path, 18, 200)
+    total = damaged_bags.add_up(scores)
+    ours = total.pop('recover')
+    assert ours.total > 5000 and not ours.crashes and not ours.misplaced
+    assert ours.share > 0.7 > max(score.share for score in total.values())
+    assert not any(row['recover'].foreign for name, row in scores.items()
+                   if damaged_bags.LAYOUTS[name].protected)
+
+
+def test_a_score_counts_what_is_kept_foreign_and_misplaced(damaged_bags):
+    score = damaged_bags.Score()
+    whole = Counter({('/a', 1): 1, ('/a', 2): 1, ('/b', 3): 2})
+    score.take(whole, Counter({('/a', 1): 2, ('/b', 2): 1, ('/b', 3): 1, ('/b', 9): 1}), 'X')
+    assert (score.total, score.kept, score.foreign, score.misplaced) == (4, 2, 3, 1)
+    assert score.share == 0.5 and score.crashes == {'X': 1}
+
+
+def test_damages_of_a_seed_are_always_the_same(damaged_bags):
+    data = bytes(range(1, 256)) * 10
+    for kind in damaged_bags.DAMAGES:
+        one, other = ([damaged_bags.damage(data, kind, np.random.default_rng(seed))
+                       for seed in range(5)] for _ in range(2))
+        assert one == other and any(each != data for each in one)
+        assert all(len(each) <= len(data) for each in one)

@@ -71,7 +71,8 @@ def unpack_file(path: Path, folder: Path) -> tuple[Path, str | None]:
             except zstandard.ZstdError as error:
                 return place, f'{path.name} is damaged: {error}; the data before that is read'
             if not piece:
-                return place, None
+                return place, None if size else (f'{path.name} is empty or cut: nothing of it can '
+                                                 'be unpacked')
             size += len(piece)
             if size > most:
                 raise BagError(f'unpacks to more than {most} bytes; no recording does', path)

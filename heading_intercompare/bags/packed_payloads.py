@@ -28,7 +28,7 @@ __all__ = ['is_packed', 'MOST_BYTES', 'unpack_payload', 'unpack_payloads']
 
 _MAGIC = b'\x28\xb5\x2f\xfd'
 
-MOST_BYTES = 2**28
+MOST_BYTES = 2**27
 """A message that claims to be larger when unpacked is left as it is."""
 
 #: No heading, and no message of the ship's motion, is larger.

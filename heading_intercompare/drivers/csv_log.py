@@ -89,6 +89,12 @@ def _number(cell: str) -> float:
         raise Rejected('bad_field') from None
 
 
+def _count_decimals(line: bytes) -> int:
+    """Return how many decimals the number in the last cell of a line has."""
+    decimals = line.rpartition(b',')[2].strip().partition(b'.')[2]
+    return len(decimals) if decimals.isdigit() else 0
+
+
 class CsvDecoder:
     """
     Turns the bytes of a csv log into headings; used like `NmeaDecoder`.
@@ -110,7 +116,7 @@ class CsvDecoder:
     def __init__(self, path: str, settings: DriverSettings) -> None:
         self._src = settings.talker
         self._counts: Counter[str] = Counter()
-        self._open = b''
+        self._open = self._before = b''
         self.begin_file(path)
 
     def begin_file(self, path: str) -> None:
@@ -135,6 +141,7 @@ class CsvDecoder:
         if self._in_header and lines:
             self._in_header = False
             del lines[0]
+        self._before = lines[-1] if lines else self._before
         stamps, headings = array('q'), array('d')
         for line in lines:
             if not line.strip():
@@ -149,7 +156,10 @@ class CsvDecoder:
         return Headings(np.array(stamps, np.int64), wrap360(np.array(headings)))
 
     def flush(self) -> Headings:
-        """Return the last headings at the end of a file."""
+        """Return the last heading at the end of a file, unless its number is cut."""
+        if self._open.strip() and _count_decimals(self._open) < _count_decimals(self._before):
+            self._counts['cut_line'] += 1
+            self._open = b''
         return self.feed(b'\n')
 
     def _read(self, row: list[str]) -> tuple[int, float]:

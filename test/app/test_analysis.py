@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 import json
+import warnings
 
 import numpy as np
 import pytest
@@ -132,6 +133,8 @@ def jumpy(fault):
     stamps = start_ns(0) + np.arange(14_400) * (S // 10)
     if fault == 'first':
         stamps[0] += 3600 * S
+    elif fault == 'first in 2038':
+        stamps[0] = (2**31 - 1) * S
     elif fault == 'one':
         stamps[3000] += 3600 * S
     elif fault == 'two in a row':
@@ -147,9 +150,9 @@ def jumpy(fault):
     return stamps
 
 
-JUMPS = {'first': {'jump': 1}, 'one': {'jump': 1}, 'two in a row': {'jump': 2},
-         'last': {'jump': 1}, 'silence': {}, 'back an hour': {'jump': 1000},
-         'back half a second': {'stamp_not_increasing': 5}}
+JUMPS = {'first': {'jump': 1}, 'first in 2038': {'jump': 1}, 'one': {'jump': 1},
+         'two in a row': {'jump': 2}, 'last': {'jump': 1}, 'silence': {},
+         'back an hour': {'jump': 1000}, 'back half a second': {'stamp_not_increasing': 5}}
 
 
 def check_jumps(verdict, fault, who):
@@ -191,3 +194,35 @@ def test_stamps_that_jump_in_a_csv_cost_only_their_rows(tmp_path, rng, fault):
     ts, rs = (100.0 + error * rng.standard_normal(14_400) for error in (0.1, 0.02))
     write_pairs_csv(tmp_path / 'pairs.csv', [Pairs.of(stamps, ts, rs)])
     check_jumps(analyze_bag(tmp_path / 'pairs.csv', SETTINGS), fault, ('ts', 'rs'))
+
+
+@pytest.mark.parametrize('start_s', [2**31 - 600, 2**31, 2**32 - 600, 2**32, 9_223_370_000])
+def test_a_csv_of_any_year_up_to_2262_is_read(tmp_path, rng, start_s):
+    stamps = start_s * S + np.arange(14_400) * (S // 10)
+    ts, rs = (100.0 + error * rng.standard_normal(14_400) for error in (0.1, 0.02))
+    write_pairs_csv(tmp_path / 'pairs.csv', [Pairs.of(stamps, ts, rs)])
+    run, = analyze_bag(tmp_path / 'pairs.csv', SETTINGS).runs
+    assert run.n == 14_400 and run.pairing.rejected.ts == {}
+
+
+@pytest.mark.parametrize('late_s', [1440, 720])
+def test_stamps_in_a_bag_from_2038_on_are_readings_without_stamp(tmp_path, rng, late_s):
+    """The seconds of a ROS message have 32 bits and a sign; after them stamps are negative."""
+    log = (2**31 - 1440 + late_s) * S + np.arange(14_400) * (S // 10)
+    with BagWriter(tmp_path / 'bag') as writer:
+        for topic, error in (('ts/heading', 0.1), ('rs/heading', 0.02)):
+            writer.add_topic(topic, IMU)
+            rows = encode_imu(Headings.of(
+                log - 2**30 * S, 100.0 + error * rng.standard_normal(14_400)), 'x')
+            rows[:, 4:8] = (log // S).astype('<u4').view(np.uint8).reshape(-1, 4)
+            writer.write_rows([Rows(topic, rows, log)])
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter('always')
+        verdict = analyze_bag(tmp_path / 'bag', SETTINGS)
+    rejected = 10 * late_s
+    assert sum(run.n for run in verdict.runs) == 14_400 - rejected
+    for run in verdict.runs:
+        assert run.pairing.rejected.ts == run.pairing.rejected.rs == {'no_stamp': rejected}
+        assert run.validity_effect == 'doubtful'
+    if not verdict.runs:
+        assert f'rejected: {rejected} RS no_stamp, {rejected} TS no_stamp' in str(said[0].message)

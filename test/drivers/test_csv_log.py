@@ -145,3 +145,18 @@ def test_a_folder_of_csv_has_no_motion_and_cannot_be_played(tmp_path):
     assert len(read_log_motion(folder).rows) == 0
     with pytest.raises(DriverError, match='a csv cannot be played, only imported'):
         FileSource(DriverSettings(source=f'file:{folder}'))
+
+
+@pytest.mark.parametrize('cut', [2, 3, 4, 5, 6])
+def test_a_last_number_that_is_cut_is_no_other_heading(tmp_path, cut):
+    """39.927 cut to 3 would be an outlier of 37 degrees."""
+    path = tmp_path / 'headings.csv'
+    text = 't_ns,heading_deg\n1,40.123\n2,39.927\n'
+    path.write_text(text[:-cut])
+    assert read_log(path) == (Headings.as_sent([1], [40.123]), {'cut_line': 1})
+
+
+def test_a_last_line_without_end_that_is_whole_is_read(tmp_path):
+    path = tmp_path / 'headings.csv'
+    path.write_text('t_ns,heading_deg\n1,40.123\n2,39.927')
+    assert read_log(path) == (Headings.as_sent([1, 2], [40.123, 39.927]), {})

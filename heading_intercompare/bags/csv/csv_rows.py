@@ -34,6 +34,7 @@ __all__ = ['CsvRows']
 _SEPARATORS = ',;\t'
 _UTF16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 _SHOWN = 80
+_NUMBER = re.compile(r'[+-]?\d*(?:[.,](\d*))?')
 #: Marks that stand between groups of three digits.
 _GROUPING = re.compile(r"\d[\s'\u2019]\d|,.*[.,]|\..*,")
 
@@ -138,7 +139,7 @@ class CsvRows:
 
     def __iter__(self) -> Iterator[list[str]]:
         """Yield the cells of each row."""
-        width = len(self.names)
+        width, before = len(self.names), ['']
         try:
             for row in self._rows:
                 if not row or row[0].startswith('#') or not any(map(str.strip, row)):
@@ -152,6 +153,11 @@ class CsvRows:
                     self.cut = (f'line {self.line} was left out: the file ends within it, after '
                                 f'{len(row)} of {width} columns')
                     return
+                if not self._ended and _has_fewer_decimals(row[-1], before[-1]):
+                    self.cut = (f'line {self.line} was left out: the file ends within it, and its '
+                                'last number has fewer decimals than the one before')
+                    return
+                before = row
                 yield row
         except csv.Error as error:
             raise BagError(f'line {self.line}: {error}', self.path) from None
@@ -184,3 +190,9 @@ class CsvRows:
             return (f'; its decimal mark is {mark!r}, and that of the numbers before it '
                     f'{self._mark!r}: use one of them throughout')
         return ''
+
+
+def _has_fewer_decimals(cell: str, before: str) -> bool:
+    """Tell whether a cell holds a number with fewer decimals than the one before."""
+    one, other = _NUMBER.fullmatch(cell.strip()), _NUMBER.fullmatch(before.strip())
+    return bool(cell.strip() and one and other and len(one[1] or '') < len(other[1] or ''))

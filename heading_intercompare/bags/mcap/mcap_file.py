@@ -58,6 +58,8 @@ _PLACE = 10
 _BLOCK_BYTES = 3145728
 _STRETCH_BLOCKS = 4
 
+#: Messages by channel, first and last log time, and the number of blocks.
+_Counted = tuple[dict[int, int], int | None, int | None, int]
 _Extra = TypeVar('_Extra', mcap.Metadata, mcap.Attachment)
 
 
@@ -136,6 +138,8 @@ class Part:
     ----------
     path : path
         The file.
+    named : path, optional
+        Its name in errors, if it was unpacked from another.
 
     Attributes
     ----------
@@ -163,11 +167,12 @@ class Part:
 
     """
 
-    def __init__(self, path: str | os.PathLike[str]) -> None:
-        self.path = Path(path)
+    def __init__(self, path: str | os.PathLike[str], named: Path | None = None) -> None:
+        self._place = Path(path)
+        self.path = named or self._place
         self.incomplete: str | None = None
         self._forget()
-        with open(self.path, 'rb', _BUFFER_BYTES) as file:
+        with open(self._place, 'rb', _BUFFER_BYTES) as file:
             magic = file.read(len(MAGIC))
             if magic != MAGIC:
                 problem = ('is empty (0 bytes)' if not magic else
@@ -252,7 +257,11 @@ class Part:
             self.schemas[schema.id] = schema
         elif opcode == Opcode.CHANNEL:
             channel = parse_record(mcap.Channel, content)
-            self.channels[channel.id] = channel
+            known = self.channels.setdefault(channel.id, channel)
+            if (known.topic, known.schema_id, known.message_encoding) != (
+                    channel.topic, channel.schema_id, channel.message_encoding):
+                # Nobody knows which of its messages belong to which.
+                raise BagError(f'channel {channel.id} is both {known.topic} and {channel.topic}')
 
     def _take_header(self, stream: RecordStream) -> None:
         """Read the first record."""
@@ -265,11 +274,14 @@ class Part:
     def _scan(self, stream: RecordStream) -> None:
         """Read the whole file; note its contents, and where it breaks off."""
         finished = False
+        begun: _Counted | None = None
         closed = stream.content(Record(0, stream.size - len(MAGIC), len(MAGIC))) == MAGIC
         try:
             self._take_header(stream)
             for piece, end in stream.pieces(self._begin, stream.size, 0):
                 if isinstance(piece, Block):
+                    # Of a large chunk, which ends with its last block, all counts or nothing.
+                    begun = (begun or self._counted()) if end == piece.offset else None
                     self._take_block(piece)
                 elif piece.opcode in self._extras:
                     self._extras[piece.opcode].append(piece.start - HEAD.size)
@@ -280,12 +292,18 @@ class Part:
             if closed and stream.size > len(MAGIC):
                 raise error.locate(self.path, error.offset) from None
             problem, at = error.problem, self.end if error.offset is None else error.offset
+            if begun is not None:
+                self.counts, self.start_ns, self.end_ns, chunks = begun
+                del self._chunks[chunks:]
         if finished:
             problem = self._ending_problem(stream, closed)
         else:
             problem = (f'was not closed: {problem} at byte {at} of {stream.size}; the data '
                        'before that is read')
         self.incomplete = problem and f'{self.path.name} {problem}'
+
+    def _counted(self) -> _Counted:
+        return dict(self.counts), self.start_ns, self.end_ns, len(self._chunks)
 
     def _ending_problem(self, stream: RecordStream, closed: bool) -> str | None:
         """Return what is wrong after the end of the data; None if nothing is missing."""
@@ -374,7 +392,7 @@ class Part:
     @contextmanager
     def open(self) -> Iterator[RecordStream]:
         """Open the file for the time of a `with` block."""
-        with open(self.path, 'rb', _BUFFER_BYTES) as file:
+        with open(self._place, 'rb', _BUFFER_BYTES) as file:
             yield RecordStream(file)
 
     def blocks_of(self, stream: RecordStream, begin: int, end: int | None = None,

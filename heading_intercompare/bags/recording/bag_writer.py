@@ -119,7 +119,7 @@ class BagWriter:
         self._closed: list[PartInfo] = []
         self._no_file: OSError | None = None
         self._described = True
-        self._stem = utf8(self.path.resolve().name, 'name of the bag')
+        self._stem = utf8(Path(os.path.realpath(self.path)).name, 'name of the bag')
         try:
             self.path.mkdir(parents=True)
         except FileExistsError:

@@ -13,16 +13,14 @@
 # limitations under the License.
 
 """
-The topic that a channel number means in each part of a file.
+The topic that a channel number means in a file.
 
-A definition may stand before or after its messages, and more than once. If definitions disagree,
-the one in a chunk with a checksum counts from its place on: there a new epoch begins. Nothing
-carries over from one file to another that was appended to it.
+A definition may stand before or after its messages, and more than once. One in a chunk with a
+checksum counts more than others. If two of those disagree, nobody knows which messages belong to
+which: the number means nothing, so that no message comes under the topic of another.
 """
 
 from __future__ import annotations
-
-from bisect import bisect_right
 
 from mcap import records as mcap
 from mcap.opcode import Opcode
@@ -33,59 +31,26 @@ from heading_intercompare.bags.mcap.record_stream import parse_record
 __all__ = ['Definitions']
 
 _Definition = mcap.Schema | mcap.Channel
-
-
-class _History:
-    """Definitions of one kind by number, each valid from an epoch on."""
-
-    def __init__(self) -> None:
-        self._rows: dict[int, tuple[list[int], list[_Definition]]] = {}
-
-    def add(self, epoch: int, definition: _Definition) -> None:
-        """Take a definition; within an epoch the first one counts."""
-        epochs, found = self._rows.setdefault(definition.id, ([], []))
-        if not epochs or epochs[-1] < epoch:
-            epochs.append(epoch)
-            found.append(definition)
-
-    def find(self, number: int, epoch: int, begin: int, end: int) -> _Definition | None:
-        """Return the last definition up to `epoch`, or the next one, within [begin, end)."""
-        epochs, found = self._rows.get(number, ([], []))
-        place = bisect_right(epochs, epoch) - 1
-        if place >= 0 and epochs[place] >= begin:
-            return found[place]
-        place += 1
-        return found[place] if place < len(epochs) and epochs[place] < end else None
+#: Opcode and number of a definition.
+_Key = tuple[int, int]
 
 
 class Definitions:
-    """
-    The schemas and channels found in a file.
-
-    Attributes
-    ----------
-    epoch : int
-        The current epoch, counted from 0.
-
-    """
+    """The schemas and channels found in a file."""
 
     def __init__(self) -> None:
-        self.epoch = 0
-        self._files = [0]
-        #: Definitions in chunks with a checksum, and others.
-        self._schemas: tuple[_History, _History] = (_History(), _History())
-        self._channels: tuple[_History, _History] = (_History(), _History())
-        self._seen: set[tuple[int, bytes]] = set()
-        #: By first byte of a chunk: the offsets in its records where epochs begin.
-        self._within: dict[int, list[tuple[int, int]]] = {}
+        #: Definitions in chunks with a checksum, and the first ones elsewhere.
+        self._checked: dict[_Key, _Definition] = {}
+        self._others: dict[_Key, _Definition] = {}
+        self._contradicted: dict[_Key, str] = {}
+        self._seen: set[tuple[int, bytes, bool]] = set()
 
-    def begin_file(self) -> None:
-        """Begin a file that was appended: the definitions so far do not apply to it."""
-        self.epoch += 1
-        self._files.append(self.epoch)
-        self._seen.clear()
+    @property
+    def contradictions(self) -> list[str]:
+        """Return what is defined in two ways, in words."""
+        return list(self._contradicted.values())
 
-    def take(self, opcode: int, content: bytes, checked: bool, place: tuple[int, int]) -> None:
+    def take(self, opcode: int, content: bytes, checked: bool) -> None:
         """
         Take a definition.
 
@@ -95,48 +60,40 @@ class Definitions:
             Opcode and content of its record; a damaged one is ignored.
         checked : bool
             It is in a chunk with a correct checksum.
-        place : tuple of int
-            The first byte of the chunk, and the offset of the definition in its records.
 
         """
-        if checked and (opcode, content) in self._seen:
+        key = opcode, int.from_bytes(content[:2], 'little')
+        if key in self._contradicted or (opcode, content, checked) in self._seen:
             return
-        kind = mcap.Schema if opcode == Opcode.SCHEMA else mcap.Channel
-        histories = self._schemas if opcode == Opcode.SCHEMA else self._channels
+        self._seen.add((opcode, content, checked))
         try:
-            definition = parse_record(kind, content)
+            definition = parse_record(mcap.Schema if opcode == Opcode.SCHEMA else mcap.Channel,
+                                      content)
         except BagError:
             return
-        if not checked:
-            histories[1].add(self.epoch, definition)
-            return
-        known = histories[0].find(definition.id, self.epoch, self._files[-1], self.epoch + 1)
-        if known is not None and known != definition:
-            self.epoch += 1
-            self._seen.clear()
-            self._within.setdefault(place[0], []).append((place[1], self.epoch))
-        self._seen.add((opcode, content))
-        histories[0].add(self.epoch, definition)
+        known = (self._checked if checked else self._others).setdefault(key, definition)
+        if checked and _meaning(known) != _meaning(definition):
+            what = 'schema' if opcode == Opcode.SCHEMA else 'channel'
+            self._contradicted[key] = (f'{what} {key[1]} is both {_meaning(known)[0]} and '
+                                       f'{_meaning(definition)[0]}')
 
-    def find_epochs(self, start: int) -> list[tuple[int, int]]:
-        """Return where in the records of a chunk epochs begin, and their numbers."""
-        return self._within.get(start, [])
-
-    def topic(self, epoch: int, number: int) -> tuple[mcap.Channel, mcap.Schema] | None:
-        """Return channel and schema of a number in an epoch; None if lost or not of ROS 2."""
-        channel = self._find(self._channels, epoch, number)
-        if channel is None or channel.message_encoding != 'cdr':
+    def topic(self, number: int) -> tuple[mcap.Channel, mcap.Schema] | None:
+        """Return channel and schema of a number; None if lost, contradicted or not of ROS 2."""
+        channel = self._find(Opcode.CHANNEL, number)
+        if not isinstance(channel, mcap.Channel) or channel.message_encoding != 'cdr':
             return None
-        schema = self._find(self._schemas, epoch, channel.schema_id)
-        return None if schema is None else (channel, schema)
+        schema = self._find(Opcode.SCHEMA, channel.schema_id)
+        return (channel, schema) if isinstance(schema, mcap.Schema) else None
 
-    def _find(self, histories: tuple[_History, _History], epoch: int,
-              number: int) -> _Definition | None:
-        file = bisect_right(self._files, epoch)
-        begin = self._files[file - 1]
-        end = self._files[file] if file < len(self._files) else self.epoch + 1
-        for history in histories:
-            definition = history.find(number, epoch, begin, end)
-            if definition is not None:
-                return definition
-        return None
+    def _find(self, opcode: int, number: int) -> _Definition | None:
+        key = opcode, number
+        if key in self._contradicted:
+            return None
+        return self._checked.get(key) or self._others.get(key)
+
+
+def _meaning(definition: _Definition) -> tuple[object, ...]:
+    """Return what decides to which topic and type messages belong; first its name."""
+    if isinstance(definition, mcap.Schema):
+        return definition.name, definition.encoding, definition.data
+    return definition.topic, definition.message_encoding, definition.schema_id

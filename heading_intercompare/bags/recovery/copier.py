@@ -22,7 +22,8 @@ are copied too if they are right. The messages of other chunks are gathered and 
 
 from __future__ import annotations
 
-from typing import BinaryIO, Callable
+from collections import Counter
+from typing import BinaryIO, Callable, Iterator, Mapping
 
 from mcap import records as mcap
 from mcap.opcode import Opcode
@@ -36,13 +37,13 @@ from heading_intercompare.bags.mcap.index_records import message_index
 from heading_intercompare.bags.mcap.message_batch import Records
 from heading_intercompare.bags.mcap.message_blocks import Block, block_of, HEAD, MESSAGE_HEAD
 from heading_intercompare.bags.mcap.record_stream import parse_record
-from heading_intercompare.bags.packed_payloads import is_packed, unpack_payload
+from heading_intercompare.bags.packed_payloads import is_packed, MOST_BYTES, unpack_payload
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
 from heading_intercompare.messages.fields import full_name
 from heading_intercompare.messages.schemas import Schema
 
-from .inventory import Inventory, Kind, Piece, split_epochs
+from .inventory import Inventory, Kind, Piece
 from .large_chunks import read_blocks
 from .scanner import Salvage
 from .unreadable_sectors import open_with_holes
@@ -76,6 +77,8 @@ class Transfer:
     ----------
     counts : dict of str to int
         Messages by topic.
+    refused : int
+        Messages that could not be decompressed one by one, and are left out.
 
     """
 
@@ -86,7 +89,9 @@ class Transfer:
         self._singly = singly
         self._note = note
         self._types: dict[str, tuple[str, bytes]] = {}
+        self._names: dict[int, str] = {}
         self.counts: dict[str, int] = {}
+        self.refused = 0
 
     def copy(self, found: Inventory, progress: Callable[[str], None]) -> None:
         """
@@ -114,10 +119,20 @@ class Transfer:
                     copying.take_part(piece)
                 progress(f'{piece.chunk.end / found.size:.0%} copied')
             copying.flush()
+        self._leave_out(found, copying.refused)
 
-    def _add_topic(self, found: Inventory, epoch: int, number: int) -> int:
+    def _leave_out(self, found: Inventory, refused: Mapping[int, int]) -> None:
+        """Take messages that are not in the new bag from the counts."""
+        for number, count in refused.items():
+            self.counts[self._names[number]] -= count
+            self.refused += count
+        if refused:
+            self._note(found, f'{sum(refused.values())} messages cannot be decompressed, or claim '
+                       f'more than {MOST_BYTES} bytes')
+
+    def _add_topic(self, found: Inventory, section: int, number: int) -> int:
         """Add the topic of a channel to the new bag; return its number there, -1 without topic."""
-        definition = found.definitions.topic(epoch, number)
+        definition = found.topic(section, number)
         if definition is None:
             return -1
         channel, schema = definition
@@ -130,12 +145,14 @@ class Transfer:
             self._note(found, f'{topic} is also {kind}: kept as {name}')
         elif self._types[name][1] != schema.data:
             self._note(found, f'{topic}: {kind} is defined in two ways; the first is kept')
-        self.counts[name] = self.counts.get(name, 0) + found.counts[epoch, number]
-        return self._bag.add_topic(
+        self.counts[name] = self.counts.get(name, 0) + found.counts[section, number]
+        new = self._bag.add_topic(
             name, kind, Qos.of_yaml(channel.metadata.get('offered_qos_profiles', '')),
             schema=Schema(kind, schema.data.decode(errors='replace'),
                           channel.metadata.get('topic_type_hash', ''), schema.encoding),
             numbers=(channel.id, schema.id))
+        self._names[new] = name
+        return new
 
     def _copy_extra(self, found: Inventory, file: BinaryIO, place: Chunk) -> None:
         try:
@@ -166,9 +183,6 @@ class _Copying:
         self._found = found
         self._bag = bag
         self._numbers = numbers
-        self._of_epoch: dict[int, list[tuple[int, int]]] = {}
-        for (epoch, number), new in numbers.items():
-            self._of_epoch.setdefault(epoch, []).append((number, new))
         self.salvage = Salvage(file, found.unproven > 0)
         self._runs = ChunkRuns(self._read, self.salvage.size)
         self._same: dict[object, bool] = {}
@@ -176,8 +190,10 @@ class _Copying:
         #: Chunks to pass on unchanged, and chunks to gather; one of the lists is empty.
         self._passed: list[Chunk] = []
         self._gathered: list[Chunk] = []
-        self._epoch = 0
+        self._section = 0
         self._memory = bytearray()
+        #: Messages that cannot be decompressed, by channel in the new bag.
+        self.refused: Counter[int] = Counter()
 
     def _read(self, at: int, size: int) -> bytes:
         self._file.seek(at)
@@ -185,9 +201,9 @@ class _Copying:
 
     def take(self, piece: Piece, compression: str | None, singly: bool) -> None:
         """Take the next whole chunk."""
-        chunk, epoch = piece.chunk, piece.epoch
-        if not (compression in (None, chunk.compression) and self._is_same(chunk, epoch)):
-            self._gather(chunk, epoch)
+        chunk = piece.chunk
+        if not (compression in (None, chunk.compression) and self._is_same(piece)):
+            self._gather(piece)
             return
         if self._gathered:
             self.flush()
@@ -197,7 +213,7 @@ class _Copying:
             self._bag.split_if_due()
             chunks = self._bag.chunks
             if not chunks.due <= chunk.definitions:
-                self._gather(chunk, epoch)
+                self._gather(piece)
                 return
         elif not chunk.indexed or self._passed[-1].index_end != chunk.start or (
                 len(self._passed) >= chunks.until_due
@@ -209,24 +225,24 @@ class _Copying:
         if singly or not chunk.indexed:
             self.flush()
 
-    def _is_same(self, chunk: Chunk, epoch: int) -> bool:
+    def _is_same(self, piece: Piece) -> bool:
         """Tell whether a chunk can be copied unchanged: it means the same in the new bag."""
-        key = epoch, chunk.counts, chunk.definitions
+        chunk = piece.chunk
+        key = piece.section, chunk.counts, chunk.definitions
         if key not in self._same:
             self._same[key] = chunk.definitions <= self._bag.chunks.defined and all(
-                self._numbers.get((epoch, number)) == number for number, _ in chunk.counts)
+                self._numbers.get((piece.section, number)) == number
+                for number, _ in chunk.counts)
         return self._same[key] and chunk.plain
 
-    def _gather(self, chunk: Chunk, epoch: int) -> None:
-        torn = self._found.definitions.find_epochs(chunk.start)
-        if self._passed or torn or (self._gathered and (
-                epoch != self._epoch or self._gathered[-1].index_end != chunk.start
+    def _gather(self, piece: Piece) -> None:
+        chunk = piece.chunk
+        if self._passed or (self._gathered and (
+                piece.section != self._section or self._gathered[-1].index_end != chunk.start
                 or chunk.index_end - self._gathered[0].start > _GATHERED_BYTES)):
             self.flush()
         self._gathered.append(chunk)
-        self._epoch = epoch
-        if torn:
-            self.flush()
+        self._section = piece.section
 
     def flush(self) -> None:
         """Write the chunks taken so far."""
@@ -239,7 +255,7 @@ class _Copying:
             run = self._runs.run(at, gathered[-1].index_end)
             if run is None:
                 raise _blame_change(self._found)
-            self._write(run.block, self._epoch, at)
+            self._write(run.block, self._section)
             at = run.chunks[-1].index_end
 
     def _pass_on(self, chunks: list[Chunk]) -> None:
@@ -277,35 +293,34 @@ class _Copying:
             block = block_of(data, at) if len(data) == end - at else None
         if block is None:
             raise _blame_change(self._found)
-        self._write(block, piece.epoch, at)
+        self._write(block, piece.section)
 
     def take_large(self, piece: Piece) -> None:
         """Take a chunk that is too large to decompress at once; it becomes several."""
         self.flush()
         at, base = piece.chunk.start, 0
         for block in read_blocks(self._file, at, piece.chunk.end, self._found.large[at]):
-            self._write(block, piece.epoch, at, base)
+            self._write(block, piece.section)
             base += len(block.data)
         if base != piece.chunk.size:
             raise _blame_change(self._found)
 
-    def _table(self, epoch: int) -> np.ndarray:
-        """Return the number in the new bag of each channel of an epoch, -1 for none."""
-        if self._tables[0] != epoch:
+    def _table(self, section: int) -> np.ndarray:
+        """Return the number in the new bag of each channel of a section, -1 for none."""
+        if self._tables[0] != section:
             table = np.full(_CHANNELS, -1, np.int64)
-            for number, new in self._of_epoch.get(epoch, ()):
-                table[number] = new
-            self._tables = epoch, table
+            for (each, number), new in self._numbers.items():
+                if each == section:
+                    table[number] = new
+            self._tables = section, table
         return self._tables[1]
 
-    def _write(self, block: Block, epoch: int, start: int, base: int = 0) -> None:
-        """Write the wanted messages of a block, in order; it begins `base` bytes into a chunk."""
+    def _write(self, block: Block, section: int) -> None:
+        """Write the wanted messages of a block, in order."""
         at = block.start - MESSAGE_HEAD.size
         channel = block.heads['channel'].astype(np.int64)
         log, publish = block.heads['log_time'].copy(), block.heads['publish_time'].copy()
-        new = np.empty_like(channel)
-        for each, part in split_epochs(self._found.definitions, start, epoch, at + base):
-            new[part] = self._table(each)[channel[part]]
+        new = self._table(section)[channel]
         wanted = (new >= 0) & (log >= 0)
         data = block.data
         if (new != channel)[wanted].any() or (publish < 0)[wanted].any():
@@ -316,30 +331,40 @@ class _Copying:
             unsent = at[wanted & (publish < 0)]
             for byte in range(_PUBLISH_AT - _LOG_AT):
                 every[unsent + _PUBLISH_AT + byte] = every[unsent + _LOG_AT + byte]
-        data, start, stop = _unpack(block, data, at[wanted], block.stop[wanted])
-        records = Records(data, start, stop, new[wanted], log[wanted])
-        lo = 0
-        while lo < len(records):
-            chunks: ChunkWriter = self._bag.chunks
-            lo = chunks.fill(records, lo)
-            if not chunks.pending:
-                self._bag.split_if_due()
+        every = data, at[wanted], block.stop[wanted], new[wanted], log[wanted]
+        packed = is_packed(block.data, block.start)
+        for records in self._unpack(*every) if packed else (Records(*every),):
+            lo = 0
+            while lo < len(records):
+                chunks: ChunkWriter = self._bag.chunks
+                lo = chunks.fill(records, lo)
+                if not chunks.pending:
+                    self._bag.split_if_due()
 
-
-def _unpack(block: Block, data: bytes, at: np.ndarray,
-            stop: np.ndarray) -> tuple[bytes, np.ndarray, np.ndarray]:
-    """Return message records with their payloads decompressed if these are packed one by one."""
-    if not is_packed(block.data, block.start):
-        return data, at, stop
-    records = []
-    for lo, hi in zip(at.tolist(), stop.tolist()):
-        begin = lo + MESSAGE_HEAD.size
-        payload = bytes(data[begin:hi])
-        payload = unpack_payload(payload) or payload
-        length = MESSAGE_HEAD.size - HEAD.size + len(payload)
-        records.append(HEAD.pack(Opcode.MESSAGE, length) + data[lo + HEAD.size:begin] + payload)
-    ends = np.cumsum([0, *map(len, records)], dtype=np.int64)
-    return b''.join(records), ends[:-1], ends[1:]
+    def _unpack(self, data: bytes | bytearray | memoryview, start: np.ndarray, stop: np.ndarray,
+                channel: np.ndarray, log_time_ns: np.ndarray) -> Iterator[Records]:
+        """Yield records with payloads decompressed, in pieces; count those that cannot be."""
+        kept: list[int] = []
+        records: list[bytes] = []
+        size = 0
+        for number, (lo, hi) in enumerate(zip(start.tolist(), stop.tolist())):
+            begin = lo + MESSAGE_HEAD.size
+            payload: bytes | None = bytes(data[begin:hi])
+            if is_packed(data, np.array([begin])):
+                payload = unpack_payload(payload)
+            if payload is None:
+                self.refused[int(channel[number])] += 1
+            else:
+                length = MESSAGE_HEAD.size - HEAD.size + len(payload)
+                head = HEAD.pack(Opcode.MESSAGE, length) + bytes(data[lo + HEAD.size:begin])
+                records.append(head + payload)
+                kept.append(number)
+                size += len(records[-1])
+            if records and (size > _GATHERED_BYTES or number == len(start) - 1):
+                ends = np.cumsum([0, *map(len, records)], dtype=np.int64)
+                yield Records(b''.join(records), ends[:-1], ends[1:], channel[kept],
+                              log_time_ns[kept])
+                kept, records, size = [], [], 0
 
 
 def _indexes(run: ChunkRun, chunk: Chunk) -> bytes:

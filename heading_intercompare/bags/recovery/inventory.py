@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from array import array
+from collections import Counter
 from contextlib import suppress
 from dataclasses import dataclass, field
 from enum import IntEnum
@@ -35,7 +36,6 @@ from heading_intercompare.bags.mcap.message_blocks import (
     ENTRY_BYTES,
     HEAD,
     INDEX_LEAST,
-    MESSAGE_HEAD,
 )
 from heading_intercompare.bags.mcap.record_stream import parse_record
 
@@ -44,8 +44,7 @@ from .large_chunks import Large, read_blocks
 from .scanner import Gap, Salvage, Sound
 from .unreadable_sectors import open_with_holes
 
-__all__ = ['Damage', 'Inventory', 'Kind', 'Piece', 'Pieces', 'Section', 'split_epochs',
-           'take_inventory']
+__all__ = ['Damage', 'Inventory', 'Kind', 'Piece', 'Pieces', 'Section', 'take_inventory']
 
 _ROWS = 4096
 
@@ -65,10 +64,10 @@ class Kind(IntEnum):
 
 
 class Piece(NamedTuple):
-    """Something to copy, in the epoch of definitions in which it begins."""
+    """Something to copy, and the number of its section."""
 
     kind: Kind
-    epoch: int
+    section: int
     chunk: Chunk
 
 
@@ -91,12 +90,12 @@ class Pieces:
             self._things.append(thing)
         return place
 
-    def add(self, kind: Kind, epoch: int, chunk: Chunk) -> None:
+    def add(self, kind: Kind, section: int, chunk: Chunk) -> None:
         """Append the next piece."""
         (start, end, index_end, first_ns, last_ns, size, crc, compression, packed, counts,
          definitions, plain, indexed, protected) = chunk
         self._rows.extend((
-            kind, epoch, start, end, index_end, first_ns, last_ns, size, crc,
+            kind, section, start, end, index_end, first_ns, last_ns, size, crc,
             self._place(compression), packed, self._place(counts), self._place(definitions),
             4 * protected + 2 * plain + indexed))
 
@@ -133,8 +132,8 @@ class Section:
 
     Attributes
     ----------
-    epoch : int
-        The epoch of definitions in which it begins.
+    definitions : Definitions
+        Its topics; nothing carries over from one file to another.
     said : list of int
         Message counts in its statistics; there should be one.
     indexed : int
@@ -146,7 +145,7 @@ class Section:
 
     """
 
-    epoch: int
+    definitions: Definitions = field(default_factory=Definitions)
     said: list[int] = field(default_factory=list)
     indexed: int = 0
     untimed: int = 0
@@ -166,12 +165,10 @@ class Inventory:
         Its size in bytes.
     holes : list of int
         Offsets of the blocks that the disk cannot read.
-    definitions : Definitions
-        Its topics.
     pieces : Pieces
         The pieces that can be copied.
     counts : dict of tuple to int
-        Messages by epoch and channel.
+        Messages by section and channel.
     chunks : int
         Chunks that can be copied, wholly or in part.
     packed : dict of str to int
@@ -193,20 +190,19 @@ class Inventory:
     large : dict of int to Large
         What the large chunks hold, by their first bytes.
     doubtful : list
-        Numbers, epochs and rows of pieces that are believed only if the file has no chunk.
+        Numbers, sections and rows of pieces that are believed only if the file has no chunk.
 
     """
 
     path: Path
     size: int = 0
     holes: list[int] = field(default_factory=list)
-    definitions: Definitions = field(default_factory=Definitions)
     pieces: Pieces = field(default_factory=Pieces)
     counts: dict[tuple[int, int], int] = field(default_factory=dict)
     chunks: int = 0
     packed: dict[str, int] = field(default_factory=dict)
     damage: list[Damage] = field(default_factory=list)
-    sections: list[Section] = field(default_factory=lambda: [Section(0)])
+    sections: list[Section] = field(default_factory=lambda: [Section()])
     begun: bool = False
     extras: int = 0
     earlier: list[dict[str, str]] = field(default_factory=list)
@@ -231,13 +227,22 @@ class Inventory:
         return sum(said.get(chunk.start, ()) != (chunk.first_ns, chunk.last_ns, chunk.size)
                    for chunk in chunks)
 
-    def count(self, epoch: int, counts: Counts, sign: int = 1) -> None:
-        """Add the messages of channels to the counts of an epoch."""
+    @property
+    def section(self) -> int:
+        """The number of the newest section."""
+        return len(self.sections) - 1
+
+    def topic(self, section: int, number: int) -> tuple[mcap.Channel, mcap.Schema] | None:
+        """Return channel and schema of a number in a section; None if it means no topic."""
+        return self.sections[section].definitions.topic(number)
+
+    def count(self, section: int, counts: Counts, sign: int = 1) -> None:
+        """Add the messages of channels to the counts of a section."""
         for number, messages in counts:
-            total = self.counts.get((epoch, number), 0) + sign * messages
-            self.counts[epoch, number] = total
+            total = self.counts.get((section, number), 0) + sign * messages
+            self.counts[section, number] = total
             if not total:
-                del self.counts[epoch, number]
+                del self.counts[section, number]
 
     def withdraw(self) -> None:
         """
@@ -245,38 +250,13 @@ class Inventory:
 
         They may be the rest of a chunk whose head, with its checksum, is lost.
         """
-        for number, epoch, row in self.doubtful:
+        for number, section, row in self.doubtful:
             self.pieces.drop(number)
-            self.count(epoch, row.counts, -1)
+            self.count(section, row.counts, -1)
             self.damage.append(Damage(row.start, row.end, 'messages without their chunk', False,
                                       row.end - row.start))
         self.doubtful.clear()
         self.damage.sort()
-
-
-def split_epochs(definitions: Definitions, start: int, epoch: int,
-                 at: np.ndarray) -> Iterator[tuple[int, slice]]:
-    """
-    Yield the epochs within a chunk, and the messages of each.
-
-    Parameters
-    ----------
-    definitions : Definitions
-        Definitions of the file.
-    start : int
-        First byte of the chunk.
-    epoch : int
-        The epoch in which it begins.
-    at : ndarray of int64
-        Offsets of the messages in its records.
-
-    """
-    lo = 0
-    for offset, following in definitions.find_epochs(start):
-        hi = int(np.searchsorted(at, offset))
-        yield epoch, slice(lo, hi)
-        epoch, lo = following, hi
-    yield epoch, slice(lo, len(at))
 
 
 def take_inventory(path: Path, progress: Callable[[str], None],
@@ -335,6 +315,8 @@ def take_inventory(path: Path, progress: Callable[[str], None],
             _take(found, item, salvage, file)
             if item.block is not None or item.large is not None:
                 progress(f'{item.end / salvage.size:.0%} examined')
+        if salvage.chunked:
+            found.withdraw()
     found.sections[-1].indexed += max(named - kept, 0)
     return found
 
@@ -344,8 +326,7 @@ def _take(found: Inventory, item: Sound, salvage: Salvage, file: BinaryIO) -> No
     if item.begins:
         # Only a header just after magic bytes begins another file; elsewhere the file was torn.
         if found.begun:
-            found.definitions.begin_file()
-            found.sections.append(Section(found.definitions.epoch))
+            found.sections.append(Section())
         found.begun = True
     if item.record.opcode == Opcode.CHUNK and found.doubtful:
         found.withdraw()
@@ -356,16 +337,16 @@ def _take(found: Inventory, item: Sound, salvage: Salvage, file: BinaryIO) -> No
     elif item.block is not None:
         kind = Kind.FRAGMENT if opcode == Opcode.CHUNK else Kind.BARE
         found.chunks += kind == Kind.FRAGMENT
-        _define(found.definitions, item.block, slice(None), False, 0)
+        _define(found, item.block, slice(None), False)
         log = item.block.heads['log_time'].copy()
         counts = count_messages(item.block.heads['channel'][log >= 0])
         found.sections[-1].untimed += int((log < 0).sum())
-        found.count(found.definitions.epoch, counts)
+        found.count(found.section, counts)
         if counts:
             row = _make_row(item.record.start - HEAD.size, item.end, counts)
             if kind == Kind.BARE and found.damage and not found.chunks:
-                found.doubtful.append((len(found.pieces), found.definitions.epoch, row))
-            found.pieces.add(kind, found.definitions.epoch, row)
+                found.doubtful.append((len(found.pieces), found.section, row))
+            found.pieces.add(kind, found.section, row)
     elif opcode == Opcode.STATISTICS:
         said = parse_record(mcap.Statistics, salvage.content(item.record))
         if said.channel_message_counts or not said.message_count:
@@ -384,7 +365,7 @@ def _take(found: Inventory, item: Sound, salvage: Salvage, file: BinaryIO) -> No
                 return
         found.extras += 1
         start = item.record.start - HEAD.size
-        found.pieces.add(Kind.EXTRA, found.definitions.epoch, _make_row(start, item.end, ()))
+        found.pieces.add(Kind.EXTRA, found.section, _make_row(start, item.end, ()))
 
 
 def _make_row(start: int, end: int, counts: Counts) -> Chunk:
@@ -392,65 +373,48 @@ def _make_row(start: int, end: int, counts: Counts) -> Chunk:
     return Chunk(start, end, end, 0, 0, 0, 0, '', 0, counts, frozenset(), False, False, False)
 
 
-def _define(definitions: Definitions, block: Block, which: slice, checked: bool, start: int,
-            base: int = 0) -> None:
-    """Take the definitions among the other records of a block; `base`: where the chunk begins."""
+def _define(found: Inventory, block: Block, which: slice, checked: bool) -> None:
+    """Take the definitions among the other records of a block."""
     for record in block.others[which]:
         if record.opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
             content = bytes(block.data[record.start:record.start + record.length])
-            definitions.take(record.opcode, content, checked, (start, record.start - base))
+            found.sections[-1].definitions.take(record.opcode, content, checked)
 
 
 def _take_run(found: Inventory, run: ChunkRun) -> None:
     """Take whole chunks."""
-    definitions, block = found.definitions, run.block
     found.chunks += len(run.chunks)
     found.sections[-1].untimed += run.untimed
-    behind = np.searchsorted([r.start - HEAD.size for r in block.others], run.bases).tolist()
+    behind = np.searchsorted([r.start - HEAD.size for r in run.block.others], run.bases).tolist()
     for i, chunk in enumerate(run.chunks):
-        epoch = definitions.epoch
         if chunk.definitions:
-            _define(definitions, block, slice(behind[i], behind[i + 1]), chunk.protected,
-                    chunk.start, int(run.bases[i]))
-        if definitions.epoch != epoch:
-            mine = slice(run.edges[i], run.edges[i + 1])
-            at = block.start[mine] - MESSAGE_HEAD.size - run.bases[i]
-            timed = block.heads['log_time'][mine] >= 0
-            channels = block.heads['channel'][mine]
-            for each, part in split_epochs(definitions, chunk.start, epoch, at):
-                found.count(each, count_messages(channels[part][timed[part]]))
-        else:
-            found.count(epoch, chunk.counts)
+            _define(found, run.block, slice(behind[i], behind[i + 1]), chunk.protected)
+        found.count(found.section, chunk.counts)
         if chunk.counts:
             found.packed[chunk.compression] = (found.packed.get(chunk.compression, 0)
                                                + chunk.packed)
-            found.pieces.add(Kind.CHUNK, epoch, chunk)
+            found.pieces.add(Kind.CHUNK, found.section, chunk)
 
 
 def _take_large(found: Inventory, start: int, end: int, large: Large, file: BinaryIO) -> None:
     """Take a large chunk; its messages are counted block by block."""
-    definitions, begun = found.definitions, found.definitions.epoch
-    totals: dict[int, int] = {}
-    base, first_ns, last_ns = 0, 2**63 - 1, 0
+    totals: Counter[int] = Counter()
+    first_ns, last_ns = 2**63 - 1, 0
     for block in read_blocks(file, start, end, large):
-        _define(definitions, block, slice(None), large.proved and large.head.crc > 0, start, -base)
+        _define(found, block, slice(None), large.proved and large.head.crc > 0)
         log, channels = block.heads['log_time'].copy(), block.heads['channel']
         timed = log >= 0
         found.sections[-1].untimed += int((~timed).sum())
-        at = block.start - MESSAGE_HEAD.size + base
-        for each, part in split_epochs(definitions, start, begun, at):
-            counts = count_messages(channels[part][timed[part]])
-            found.count(each, counts)
-            for number, messages in counts:
-                totals[number] = totals.get(number, 0) + messages
+        totals.update(dict(count_messages(channels[timed])))
         if timed.any():
             first_ns = min(first_ns, int(log[timed].min()))
             last_ns = max(last_ns, int(log[timed].max()))
-        base += len(block.data)
     found.chunks += 1
+    counts = tuple(totals.items())
+    found.count(found.section, counts)
     if totals:
         compression = large.head.compression
         found.packed[compression] = found.packed.get(compression, 0) + large.head.packed
         found.large[start] = large
-        found.pieces.add(Kind.LARGE, begun, _make_row(start, end, tuple(totals.items()))._replace(
+        found.pieces.add(Kind.LARGE, found.section, _make_row(start, end, counts)._replace(
             first_ns=first_ns, last_ns=last_ns, size=large.size))

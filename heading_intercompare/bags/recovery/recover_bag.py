@@ -22,7 +22,6 @@ unchanged.
 
 from __future__ import annotations
 
-from bisect import bisect_right
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 import os
@@ -154,15 +153,17 @@ def _sum_up(files: list[Inventory]) -> Recovered:
 
 def _count(total: Recovered, found: Inventory) -> None:
     """Count the messages of a file, and on its own each file that was appended to it."""
-    begins = [section.epoch for section in found.sections]
-    kept, strange = [0] * len(begins), [0] * len(begins)
-    for key, count in found.counts.items():
-        defined = found.definitions.topic(*key) is not None
-        (kept if defined else strange)[bisect_right(begins, key[0]) - 1] += count
+    kept, strange = [0] * len(found.sections), [0] * len(found.sections)
+    for (number, channel), count in found.counts.items():
+        defined = found.topic(number, channel) is not None
+        (kept if defined else strange)[number] += count
     total.messages += sum(kept)
     if any(strange):
-        total.note(found.path, f'{sum(strange)} messages of topics that are not defined, or not '
-                   'encoded as cdr')
+        total.note(found.path, f'{sum(strange)} messages of topics that are not defined, defined '
+                   'in two ways, or not encoded as cdr')
+    for section in found.sections:
+        for contradiction in section.definitions.contradictions:
+            total.note(found.path, contradiction)
     untimed = sum(section.untimed for section in found.sections)
     if untimed:
         total.note(found.path, f'{untimed} messages with impossible log times')
@@ -318,6 +319,8 @@ def _recover(source: Path, target: Path, settings: BagSettings | None,
         for found in files:
             transfer.copy(found, progress)
         total.counts = transfer.counts
+        total.messages -= transfer.refused
+        total.messages_lost += transfer.refused
         bag.metadata('recovery', _record(source, total, [e for f in files for e in f.earlier]))
         bag.close()
         undo.pop_all()

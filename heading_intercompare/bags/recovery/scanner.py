@@ -160,6 +160,13 @@ class Salvage:
     unproven : bool
         Also keep the messages of chunks whose checksum is wrong, as far as they are possible.
 
+    Attributes
+    ----------
+    size : int
+        Size of the file in bytes.
+    chunked : bool
+        A chunk was seen so far, sound or damaged, or the index after one.
+
     """
 
     def __init__(self, file: BinaryIO, unproven: bool = False) -> None:
@@ -170,7 +177,7 @@ class Salvage:
         self._window, self._window_at = b'', 0
         self._runs = ChunkRuns(self._read, self.size)
         self._zstd = zstandard.ZstdDecompressor()
-        self._chunked = False
+        self.chunked = False
         self._previous = 0
         #: Where the record after the last one begins.
         self._next = 0
@@ -206,11 +213,15 @@ class Salvage:
                 unsure = found.sure
                 at = self._next = found.end
                 self._previous = found.record.opcode
-                self._chunked = self._chunked or found.record.opcode == Opcode.CHUNK
+                self.chunked = self.chunked or found.record.opcode in (
+                    Opcode.CHUNK, Opcode.MESSAGE_INDEX)
                 header = begins and found.record.opcode == Opcode.HEADER
                 yield replace(found, begins=True) if header else found
             else:
                 fault, chunk = self._fault, self._may_be_chunk(at)
+                # What is left of it would look like messages outside chunks.
+                self.chunked = self.chunked or find_chunk_head(
+                    self._read(at, HEAD_BYTES)) is not None
                 # The record before, if it has no checksum, may have swallowed a chunk.
                 swallowed = self._search(unsure + 1, at, (Opcode.CHUNK,)) if unsure < at else at
                 start = min(at, swallowed)
@@ -304,7 +315,7 @@ class Salvage:
             last, size, count = size, behind, count + 1
         if not count:
             return None
-        alone = (count == 1 and self._chunked and self._previous != Opcode.MESSAGE
+        alone = (count == 1 and self.chunked and self._previous != Opcode.MESSAGE
                  and self._read(at + size, 1) != bytes([Opcode.MESSAGE]))
         if alone and (at != self._next or is_disguised(self._read, record)):
             return None
@@ -448,7 +459,7 @@ class Salvage:
             if end == self.size or known and self._sound(end) is not None:
                 return end
         return self._search(at + 1, self.size,
-                            _TELLING if self._chunked else (*_TELLING, *BARE))
+                            _TELLING if self.chunked else (*_TELLING, *BARE))
 
     def _search(self, at: int, end: int, opcodes: tuple[int, ...],
                 proof: Callable[[int], object] | None = None) -> int:

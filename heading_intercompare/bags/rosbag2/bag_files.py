@@ -12,13 +12,19 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The files of a bag: those that its metadata.yaml lists, or all if there is no such list."""
+"""
+The files of a bag: those that its metadata.yaml lists, or all if there is no such list.
+
+A file that equals another byte by byte is a copy, whatever its name, and is left out.
+"""
 
 from __future__ import annotations
 
+from collections import Counter
+from contextlib import suppress
 from pathlib import Path
 import re
-from typing import NamedTuple
+from typing import NamedTuple, Sequence
 
 from heading_intercompare.bags.mcap.mcap_file import mcap_files
 from heading_intercompare.bags.packed_files import plain_name
@@ -32,6 +38,8 @@ METADATA = 'metadata.yaml'
 
 #: Names in a message.
 _MOST_NAMED = 5
+#: The index at the end of a file tells most files of one size apart.
+_END_BYTES, _PIECE_BYTES = 2**12, 2**20
 _NUMBERED = re.compile(r'(.*_)(?:0|[1-9]\d*)\.mcap(\.zstd)?')
 
 
@@ -47,12 +55,15 @@ class BagFiles(NamedTuple):
         Names of files that do not exist: listed ones, and links that lead nowhere.
     unlisted : list of str
         Names of files that are left out, because the list names others.
+    copies : list of tuple of str
+        Names of files that are left out, because they equal another file, and of that file.
 
     """
 
     paths: list[Path]
     absent: list[str]
     unlisted: list[str]
+    copies: list[tuple[str, str]] = []
 
     @property
     def missing(self) -> list[str]:
@@ -64,12 +75,12 @@ class BagFiles(NamedTuple):
     @property
     def oddities(self) -> list[str]:
         """Return what a user should know about the files that are left out, in words."""
-        if not self.unlisted:
-            return []
-        more = len(self.unlisted) - _MOST_NAMED
-        return [f'left out, because {METADATA} does not list it: '
-                + ', '.join(self.unlisted[:_MOST_NAMED]) + (f' and {more} more' if more > 0
-                                                            else '')]
+        return [f'left out, because {why}: {", ".join(names[:_MOST_NAMED])}'
+                + (f' and {len(names) - _MOST_NAMED} more' if len(names) > _MOST_NAMED else '')
+                for why, names in (
+                    (f'{METADATA} does not list it', self.unlisted),
+                    ('it is a copy', [f'{copy} (of {name})' for copy, name in self.copies]))
+                if names]
 
 
 def find_files(path: Path, listed: list[str] | None = None) -> BagFiles:
@@ -79,7 +90,8 @@ def find_files(path: Path, listed: list[str] | None = None) -> BagFiles:
     A copy of a file in the folder of a bag would double its readings. So files are left out that
     metadata.yaml does not list. Two kinds are read all the same: those with the name of the
     listed ones and another number, because a recorder may be killed before it lists its newest
-    file; and all files if none of those listed is there.
+    file; and all files if none of those listed is there. Of files with the same bytes only one is
+    read, the first that is listed.
 
     Parameters
     ----------
@@ -108,12 +120,48 @@ def find_files(path: Path, listed: list[str] | None = None) -> BagFiles:
     absent += sorted({each.name for each in path.glob('*.mcap*') if each.is_symlink()
                       and not each.exists()} - {*absent})
     known = {each for each in everything if plain_name(each.name) in wanted}
-    if not known:
-        return BagFiles(everything, absent, [])
-    stems = {_stem(name) for name in listed} - {None}
-    paths = [each for each in everything if each in known or _stem(each.name) in stems]
+    paths = everything
+    if known:
+        stems = {_stem(name) for name in listed} - {None}
+        paths = [each for each in everything if each in known or _stem(each.name) in stems]
     kept = set(paths)
-    return BagFiles(paths, absent, [each.name for each in everything if each not in kept])
+    copies = _find_copies([each for each in paths if each in known]
+                          + [each for each in paths if each not in known])
+    return BagFiles([each for each in paths if each not in copies], absent,
+                    [each.name for each in everything if each not in kept],
+                    [(copy.name, of.name) for copy, of in copies.items()])
+
+
+def _find_copies(paths: Sequence[Path]) -> dict[Path, Path]:
+    """Return the files that equal an earlier one byte by byte, and that one."""
+    copies: dict[Path, Path] = {}
+    seen: dict[tuple[int, bytes], list[Path]] = {}
+    sizes = Counter(each.stat().st_size for each in paths)
+    for path in paths:
+        size = path.stat().st_size
+        if not size or sizes[size] < 2:
+            continue
+        with suppress(OSError):
+            with path.open('rb') as file:
+                file.seek(max(size - _END_BYTES, 0))
+                alike = seen.setdefault((size, file.read(_END_BYTES)), [])
+            of = next((each for each in alike if _are_equal(path, each)), None)
+            if of is None:
+                alike.append(path)
+            else:
+                copies[path] = of
+    return copies
+
+
+def _are_equal(path: Path, other: Path) -> bool:
+    """Tell whether two files of one size have the same bytes."""
+    if path.samefile(other):
+        return True
+    with path.open('rb') as one, other.open('rb') as two:
+        while piece := one.read(_PIECE_BYTES):
+            if piece != two.read(_PIECE_BYTES):
+                return False
+    return True
 
 
 def _stem(name: str) -> str | None:

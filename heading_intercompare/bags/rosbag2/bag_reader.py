@@ -31,7 +31,7 @@ import numpy as np
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.mcap_file import NeverBegun, Part
 from heading_intercompare.bags.mcap.message_blocks import Block
-from heading_intercompare.bags.packed_files import PACKED, unpack_file
+from heading_intercompare.bags.packed_files import PACKED, plain_name, unpack_file
 from heading_intercompare.bags.packed_payloads import is_packed, unpack_payload
 from heading_intercompare.bags.parallel.by_minute import Window
 from heading_intercompare.bags.parallel.decode_workers import can_fork, decode_stretches, Task
@@ -119,21 +119,25 @@ def _open_files(path: Path, oddities: list[str],
     files = find_files(path)
     oddities += files.oddities
     absent = files.missing
-    paths = []
+    places = []
     for each in files.paths:
+        place, named = each, each.with_name(plain_name(each.name))
         if each.name.endswith(PACKED):
-            each, problem = unpack_file(each, make_folder())
+            place, problem = unpack_file(each, make_folder())
             absent += [problem] if problem else []
-        paths.append(each)
+        if place == each or place.stat().st_size:
+            places.append((place, named))
     if not path.is_dir():
-        return [Part(paths[0])], absent
+        if not places:
+            raise BagError(absent[-1], path)
+        return [Part(*places[0])], absent
     parts, refused = [], []
-    for each in paths:
+    for place, named in places:
         try:
-            parts.append(Part(each))
+            parts.append(Part(place, named))
         except NeverBegun as error:
             refused.append(error)
-    if len(paths) == 1 and refused:
+    if len(files.paths) == 1 and refused:
         raise refused[0]
     absent += [f'{Path(error.path).name} {error.problem}' for error in refused]
     if not parts:

@@ -256,3 +256,15 @@ def test_a_last_line_without_end_that_is_whole_is_read(tmp_path):
     path.write_text('stamp_ns,ts_deg,rs_deg\n1400000001000000000,10.0,11.0')
     rows = PairsCsv(path)
     assert [len(pairs) for pairs in rows] == [1] and rows.cut == ''
+
+
+@pytest.mark.parametrize('mark', '.,')
+@pytest.mark.parametrize('cut', [1, 2, 3, 4])
+def test_a_last_number_that_is_cut_is_not_read_as_another(tmp_path, cut, mark):
+    """59.863 cut to 5 would be a difference of 55 degrees."""
+    path = tmp_path / 'pairs.csv'
+    row = '140000000{};60.047;59.863'.replace('.', mark)
+    path.write_text('\n'.join(['stamp_s;ts_deg;rs_deg', row.format(1), row.format(2)])[:-cut])
+    rows = PairsCsv(path)
+    assert [len(pairs) for pairs in rows] == [1]
+    assert rows.cut.startswith('line 3 was left out: the file ends within it, and its last number')

@@ -63,7 +63,7 @@ def test_memory_is_that_of_a_few_pieces(tmp_path, compression):
     assert path.stat().st_size < 2e6
     tracemalloc.start()
     try:
-        assert len(read(path)) == 300
+        assert len(read(path)) == check_bag(path).messages == 300
         _, peak = tracemalloc.get_traced_memory()
     finally:
         tracemalloc.stop()
@@ -99,3 +99,18 @@ def test_a_record_that_claims_to_fill_the_memory_is_refused(tmp_path, monkeypatc
     monkeypatch.setattr(chunks, '_RECORD_BYTES', 50_000)
     path = bomb(tmp_path / 'x.mcap', 3, 60_000)
     assert 'a record in it claims more than 50000 bytes' in BagReader(path).incomplete
+
+
+@pytest.mark.usefixtures('small')
+@pytest.mark.parametrize('wrong', [b'\5' + (2**40).to_bytes(8, 'little') + bytes(400_000),
+                                   bytes(400_000)])
+def test_of_a_large_chunk_with_a_wrong_record_nothing_is_counted(tmp_path, wrong):
+    """The messages before it come in blocks, but the chunk is no part of what can be read."""
+    rows = encode_imu(Headings.of(START_NS + np.arange(500), np.arange(500) % 360.0), 'x')
+    text = shipped_schema(IMU).text.encode()
+    messages = [message(1, START_NS + at, row.tobytes()) for at, row in enumerate(rows)]
+    path = write(tmp_path / 'x.mcap', chunk(schema(1, IMU, text), channel(1, TOPIC), *messages),
+                 chunk(*messages, wrong, times=(START_NS, START_NS + 500)))
+    reader = BagReader(path)
+    assert 'chunk damaged: a record in it' in reader.incomplete
+    assert reader.topics[TOPIC].count == len(read(path)) == len(list(reader.messages())) == 500

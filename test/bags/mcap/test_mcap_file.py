@@ -306,3 +306,14 @@ def test_a_name_of_an_attachment_that_is_no_utf8_costs_only_its_letters(tmp_path
     path.write_bytes(changed)
     assert [(one.name, one.data) for one in BagReader(tmp_path / 'bag').attachments()] == [
         ('name\ufffd.csv', b'data'), ('other', b'more')]
+
+
+def test_a_channel_that_is_defined_in_two_ways_ends_the_reading_and_mixes_nothing(tmp_path):
+    path = write(tmp_path / 'x.mcap',
+                 indexed(schema(1), channel(1, '/a'), message(1, 1, b'x')),
+                 indexed(channel(1, '/a'), message(1, 2, b'y')),
+                 indexed(channel(1, '/b'), message(1, 3, b'z')))
+    reader = BagReader(path)
+    assert 'channel 1 is both /a and /b at byte' in reader.incomplete
+    assert [(m.topic, m.data) for m in reader.messages()] == [('/a', b'x'), ('/a', b'y')]
+    assert list(reader.topics) == ['/a'] and reader.topics['/a'].count == 2

@@ -247,6 +247,12 @@ def test_an_existing_path_is_not_overwritten(tmp_path, make):
         BagWriter(tmp_path / 'bag')
 
 
+def test_a_link_that_leads_to_itself_is_not_overwritten(tmp_path):
+    (tmp_path / 'bag').symlink_to('bag')
+    with pytest.raises(BagError, match='bag: already exists'):
+        BagWriter(tmp_path / 'bag')
+
+
 def test_a_folder_that_cannot_be_made_is_an_os_error(tmp_path):
     (tmp_path / 'file').touch()
     with pytest.raises(OSError):

@@ -390,29 +390,34 @@ def test_what_is_written_anew_is_compressed_as_most_chunks_are(tmp_path):
                 if isinstance(r, Chunk)} == {'lz4'}
 
 
-@pytest.mark.parametrize('again', [channel(1, '/c'), channel(1, '/c') + channel(2, '/d'),
-                                   schema(1, 'a/msg/A', b'int32 x\n')])
-@pytest.mark.parametrize('place', ['own', 'first', 'middle'])
-def test_a_number_that_gets_another_meaning_has_it_from_there_on(tmp_path, again, place):
-    """In a chunk of its own, before the messages of a chunk, between them."""
+@pytest.mark.parametrize('again, left', [
+    (channel(1, '/c'), ('', '/b')), (channel(1, '/c') + channel(2, '/d'), ('', '')),
+    (schema(1, 'a/msg/A', b'int32 x\n'), ('', '')), (channel(1, '/a', encoding='x'), ('', '/b'))])
+@pytest.mark.parametrize('place', ['own', 'first', 'middle', 'back'])
+def test_messages_of_a_number_that_means_two_things_are_left_out(tmp_path, again, left, place):
+    """In a chunk of its own, before the messages of a chunk, between them, and back again."""
     pieces = {'own': [indexed(*ten(begin=2000)), indexed(again), indexed(*ten(begin=3000))],
               'first': [indexed(*ten(begin=2000)), indexed(again, *ten(begin=3000))],
-              'middle': [indexed(*ten(begin=2000), again, *ten(begin=3000))]}[place]
+              'middle': [indexed(*ten(begin=2000), again, *ten(begin=3000))],
+              'back': [indexed(*ten(begin=2000), again), indexed(*TWO, *ten(begin=3000))]}[place]
     path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten()), *pieces, indexed(*ten(begin=4000)))
-    if again[0] == 3:
-        later = '/a_a', '/b_a'
-    else:
-        later = '/c', '/d' if b'/d' in again else '/b'
-    assert recovered(path) == [*as_sent(), *as_sent(begin=2000), *as_sent(later, 3000),
-                               *as_sent(later, 4000)]
+    expected = [m for begin in (1000, 2000, 3000, 4000) for m in as_sent(left, begin) if m.topic]
+    if not expected:
+        with pytest.raises(BagError, match='(channel|schema) 1 is both'):
+            recover(path, tmp_path / 'new')
+        return
+    assert recovered(path) == expected
+    total = recover(path, tmp_path / 'again')
+    assert total.messages_lost == 20 and total.messages == 20
+    assert any('channel 1 is both /a and ' in note for note in total.notes)
 
 
-def test_a_number_can_get_its_first_meaning_back(tmp_path):
-    path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten()),
-                 indexed(channel(1, '/c'), *ten(begin=2000)),
-                 indexed(channel(1, '/a'), *ten(begin=3000)), indexed(*ten(begin=4000)))
-    assert recovered(path) == [*as_sent(), *as_sent(('/c', '/b'), 2000), *as_sent(begin=3000),
-                               *as_sent(begin=4000)]
+def test_a_definition_that_says_the_same_in_other_words_contradicts_nothing(tmp_path):
+    """Only topic, type and encoding decide to what messages belong."""
+    again = record(Channel(id=1, topic='/a', message_encoding='cdr', metadata={'x': 'y'},
+                           schema_id=1))
+    path = write(tmp_path / 'x.mcap', indexed(*TWO, *ten()), indexed(again, *ten(begin=2000)))
+    assert recovered(path) == as_sent() + as_sent(begin=2000)
 
 
 def test_a_number_that_a_definition_without_checksum_contradicts_keeps_its_meaning(tmp_path):
@@ -574,6 +579,14 @@ def test_what_is_left_of_a_chunk_without_its_head_is_left_out(tmp_path, whole):
     assert recovered(path) == (as_sent() if whole else []) + as_sent(begin=2000)
     total = recover(path, tmp_path / 'again')
     assert ('messages without their chunk' in str(total.notes)) is not whole
+
+
+@pytest.mark.parametrize('rest', [b'\xee' * 50, bytes(50)])
+def test_messages_in_a_damaged_chunk_are_not_taken_for_messages_outside_chunks(tmp_path, rest):
+    """No chunk of the file is sound, but the head of one proves that there are chunks."""
+    path = write(tmp_path / 'x.mcap', chunk(*TWO, *ten(), compression='', crc=7), rest)
+    with pytest.raises(BagError, match='nothing in it is readable'):
+        recover(path, tmp_path / 'new')
 
 
 def test_without_any_chunk_the_messages_behind_damage_are_kept(tmp_path):
@@ -905,13 +918,15 @@ def test_a_loop_of_links_is_one_clear_error(tmp_path, command):
         command(tmp_path / 'a', tmp_path / 'new')
 
 
-def test_recovery_of_channels_that_are_defined_again_and_again_is_linear(tmp_path):
-    """Eight times the records take about eight times the time, not 64 times."""
+@pytest.mark.parametrize('size', [500, 16_000])
+def test_recovery_of_channels_that_are_defined_again_and_again_is_linear(tmp_path, size):
+    """In small chunks, and in one; eight times the records take about eight times the time."""
     def seconds(count: int) -> float:
         records = [schema(1) + channel(1, f'/t{n % 50}') + message(1, 10**18 + n, b'\0\1\0\0')
+                   + channel(2, '/a') + message(2, 10**18 + n, b'\0\1\0\0')
                    for n in range(count)]
-        path = write(tmp_path / 'x.mcap', *(chunk(*records[at:at + 500])
-                                            for at in range(0, count, 500)))
+        path = write(tmp_path / 'x.mcap', *(chunk(*records[at:at + size])
+                                            for at in range(0, count, size)))
         began_s = time.process_time()
         assert recover(path, tmp_path / f'new_{count}').messages == count
         return time.process_time() - began_s

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 import shutil
 
@@ -25,10 +26,19 @@ from heading_intercompare.bags.recovery.recover_bag import recover
 from heading_intercompare.bags.rosbag2.bag_check import check_bag
 from heading_intercompare.bags.rosbag2.bag_files import find_files
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.cli import main
 
 
 def names(folder: Path) -> list[str]:
     return [each.name for each in find_files(folder).paths]
+
+
+def another(bag: Path, name: str) -> None:
+    """Write a file of the same size as the first, with other bytes at its beginning."""
+    data = bytearray((bag / 'trial_0.mcap').read_bytes())
+    place = data.index(b'heading_intercompare', 0, 200)
+    data[place:place + 7] = b'another'
+    (bag / name).write_bytes(data)
 
 
 @pytest.fixture
@@ -62,14 +72,14 @@ def test_a_copy_in_the_folder_doubles_nothing_and_is_named(bag, tmp_path, copy):
 
 def test_a_file_that_goes_on_with_the_numbers_is_read(bag):
     """A recorder that was killed had no time to list it."""
-    shutil.copy(bag / 'trial_0.mcap', bag / 'trial_1.mcap')
+    another(bag, 'trial_1.mcap')
     assert names(bag) == ['trial_0.mcap', 'trial_1.mcap']
     assert find_files(bag).unlisted == []
 
 
 def test_all_files_are_read_if_none_is_listed_or_none_of_the_listed_is_there(bag):
+    another(bag, 'another.mcap')
     (bag / 'trial_0.mcap').rename(bag / 'other.mcap')
-    shutil.copy(bag / 'other.mcap', bag / 'another.mcap')
     assert names(bag) == ['another.mcap', 'other.mcap']
     assert find_files(bag).absent == ['trial_0.mcap']
     (bag / 'metadata.yaml').unlink()
@@ -80,3 +90,55 @@ def test_many_strange_files_are_counted_not_listed(bag):
     for number in range(8):
         (bag / f'strange {number}.mcap').touch()
     assert find_files(bag).oddities[0].endswith('strange 4.mcap and 3 more')
+
+
+@pytest.mark.parametrize('listed', [True, False])
+@pytest.mark.parametrize('make', [shutil.copy, os.link, os.symlink])
+def test_a_copy_with_the_next_number_doubles_nothing_and_is_named(bag, tmp_path, make, listed):
+    whole = len(list(BagReader(bag).messages()))
+    make(bag / 'trial_0.mcap', bag / 'trial_1.mcap')
+    if not listed:
+        (bag / 'metadata.yaml').unlink()
+    reader = BagReader(bag)
+    assert len(list(reader.messages())) == whole
+    said = 'left out, because it is a copy: trial_1.mcap (of trial_0.mcap)'
+    assert reader.oddities == [said]
+    assert check_bag(bag).files == 1
+    total = recover(bag, tmp_path / 'new')
+    assert total.messages == whole and total.files == 1
+    assert f'trial: {said}' in total.notes
+
+
+def test_of_equal_files_the_one_that_is_listed_is_read(bag):
+    shutil.copy(bag / 'trial_0.mcap', bag / 'trial_-1.mcap')
+    (bag / 'trial_0.mcap').rename(bag / 'trial_5.mcap')
+    shutil.copy(bag / 'trial_5.mcap', bag / 'trial_4.mcap')
+    text = (bag / 'metadata.yaml').read_text().replace('trial_0.mcap', 'trial_5.mcap')
+    (bag / 'metadata.yaml').write_text(text)
+    found = find_files(bag)
+    assert names(bag) == ['trial_5.mcap'] and found.unlisted == ['trial_-1.mcap']
+    assert found.copies == [('trial_4.mcap', 'trial_5.mcap')]
+
+
+def test_files_that_differ_or_are_empty_are_no_copies(bag):
+    another(bag, 'trial_1.mcap')
+    for number in (2, 3):
+        (bag / f'trial_{number}.mcap').touch()
+    assert len(names(bag)) == 4 and find_files(bag).copies == []
+
+
+def test_files_of_different_sizes_are_not_opened(bag, monkeypatch):
+    (bag / 'trial_1.mcap').write_bytes((bag / 'trial_0.mcap').read_bytes() + b'x')
+    listed = ['trial_0.mcap']
+    monkeypatch.setattr(Path, 'open', None)
+    assert [each.name for each in find_files(bag, listed).paths] == [
+        'trial_0.mcap', 'trial_1.mcap']
+
+
+def test_the_verdict_names_a_copy_and_counts_its_readings_once(bag, capsys):
+    shutil.copy(bag / 'trial_0.mcap', bag / 'trial_1.mcap')
+    assert main(['analyze', str(bag), '--set', 'norms.sigma_max_deg=0.3',
+                 '--set', 'norms.sigma_ref_max_deg=0.3']) == 0
+    out, err = capsys.readouterr()
+    assert 'it is a copy: trial_1.mcap (of trial_0.mcap)' in err
+    assert 'stamp_not_increasing' not in out

@@ -16,10 +16,15 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
+import re
 import shutil
+import tracemalloc
 from types import SimpleNamespace
+from typing import Callable
 
+from bags.mcap_bytes import channel, chunk, message, schema, write
 import numpy as np
 import pytest
 import zstandard
@@ -29,9 +34,11 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.mcap_file import mcap_files
 from heading_intercompare.bags.packed_payloads import unpack_payload
 from heading_intercompare.bags.recording.bag_writer import BagWriter
+from heading_intercompare.bags.recovery import copier
 from heading_intercompare.bags.recovery.recover_bag import recover
 from heading_intercompare.bags.rosbag2.bag_check import check_bag
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.messages.heading_messages import encode_imu, IMU
 from heading_intercompare.readers.registry import open_recording
 
@@ -39,14 +46,20 @@ TOPICS = ('/ts/heading', '/rs/heading')
 BOTH = dict.fromkeys(TOPICS, 'enu')
 
 
-def by_message(path: Path, two_sensors) -> Path:
-    """Write a bag as `ros2 bag record --compression-mode message` does."""
-    pack = zstandard.ZstdCompressor().compress
-    with BagWriter(path) as bag:
+def one_by_one(path: Path, two_sensors, pack: Callable[[bytes], bytes] = bytes,
+               **settings) -> Path:
+    """Write a bag message by message."""
+    with BagWriter(path, BagSettings(**settings)) as bag:
         for topic, headings in zip(TOPICS, two_sensors):
             bag.add_topic(topic, IMU)
             for row, stamp in zip(encode_imu(headings, 'ts'), headings.stamp_ns.tolist()):
                 bag.write(topic, pack(row.tobytes()), stamp)
+    return path
+
+
+def by_message(path: Path, two_sensors, **settings) -> Path:
+    """Write a bag as `ros2 bag record --compression-mode message` does."""
+    one_by_one(path, two_sensors, zstandard.ZstdCompressor().compress, **settings)
     text = (path / 'metadata.yaml').read_text()
     (path / 'metadata.yaml').write_text(text.replace(
         'compression_format: ""', 'compression_format: zstd').replace(
@@ -97,6 +110,96 @@ def test_a_recovered_bag_is_one_that_everybody_can_read(packed, write_bag, tmp_p
     assert check_bag(tmp_path / 'new').faults == []
     for one, other in zip(columns(tmp_path / 'new'), columns(write_bag('plain'))):
         np.testing.assert_array_equal(one, other)
+
+
+@pytest.mark.parametrize('share', [0.2, 0.5, 0.7, 0.85])
+@pytest.mark.parametrize('kind', ['by message', 'by file'])
+def test_of_a_killed_compressed_bag_reading_and_recovery_name_the_same_end(
+        kind, share, two_sensors, tmp_path):
+    """rosbag2 compresses a file when it begins the next one: the last file is still plain."""
+    if kind == 'by message':
+        path = by_message(tmp_path / 'packed', two_sensors, chunk_bytes=8000)
+    else:
+        path = by_file(one_by_one(tmp_path / 'packed', two_sensors, split_bytes=60_000,
+                                  chunk_bytes=8000))
+        last = max(path.glob('*.zstd'))
+        last.with_suffix('').write_bytes(zstandard.decompress(last.read_bytes()))
+        last.unlink()
+    (path / 'metadata.yaml').unlink()
+    file = max(path.glob('*.mcap'))
+    data = file.read_bytes()
+    size = int(share * len(data))
+    file.write_bytes(data[:size])
+    reader = BagReader(path)
+    read = [message.data for message in reader.messages()]
+    total = recover(path, tmp_path / 'new')
+    begin, end = re.search(r'at byte (\d+) of (\d+)', reader.incomplete).groups()
+    # Just after a record there is no damage but the missing end.
+    assert int(end) == size and (int(begin) == size or any(
+        f'{file.name}: bytes {begin} to {end}: ' in note for note in total.notes))
+    assert f'{file.name}: was not closed' in total.notes
+    new = BagReader(tmp_path / 'new')
+    kept = [message.data for message in new.messages()]
+    assert new.incomplete is None and kept[:len(read)] == read
+    assert {data[:4] for data in kept} == {b'\0\1\0\0'}
+
+
+def bomb(path: Path, count: int, zeros: int) -> Path:
+    """Write messages that take a thousand times their size when they are unpacked."""
+    data = zstandard.ZstdCompressor().compress(b'\0\1\0\0' + bytes(zeros))
+    sound = zstandard.ZstdCompressor().compress(b'\0\1\0\0')
+    return write(path, chunk(schema(1), channel(1, '/a'), channel(2, '/b'), *(
+        message(1 + n % 2, n, sound if n % 2 else data) for n in range(count))))
+
+
+@pytest.mark.slow
+def test_payloads_that_unpack_to_gigabytes_are_unpacked_one_by_one(tmp_path):
+    path = bomb(tmp_path / 'x.mcap', 200, 2**23)
+    assert path.stat().st_size < 100_000
+    tracemalloc.start()
+    try:
+        total = recover(path, tmp_path / 'new')
+        sizes = [len(found.data) for found in BagReader(path).messages()]
+        assert check_bag(path).messages == 200
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert total.messages == 200 and sum(sizes) > 8e8 and peak < 100e6
+
+
+def test_a_payload_that_cannot_be_unpacked_is_lost_and_counted(tmp_path, monkeypatch):
+    monkeypatch.setattr(copier, 'unpack_payload', partial(unpack_payload, most=1000))
+    total = recover(bomb(tmp_path / 'x.mcap', 20, 2000), tmp_path / 'new')
+    assert (total.messages, total.messages_lost, total.counts) == (10, 10, {'/a': 0, '/b': 10})
+    assert any('10 messages cannot be decompressed' in note for note in total.notes)
+    new = BagReader(tmp_path / 'new')
+    assert [found.data for found in new.messages()] == 10 * [b'\0\1\0\0']
+    assert new.metadata()['recovery']['messages'] == '10'
+
+
+def test_a_compressed_file_that_is_cut_before_its_first_block_is_named(two_sensors, tmp_path):
+    path = by_file(one_by_one(tmp_path / 'trial', two_sensors, split_bytes=60_000,
+                              chunk_bytes=8000))
+    first = path / 'trial_0.mcap.zstd'
+    first.write_bytes(first.read_bytes()[:12])
+    reader = BagReader(path)
+    said = 'trial_0.mcap.zstd is empty or cut: nothing of it can be unpacked'
+    assert said in reader.incomplete and 0 < len(list(reader.messages())) < 3000
+    for command in (BagReader, lambda place: recover(place, tmp_path / 'new')):
+        with pytest.raises(BagError, match=said) as caught:
+            command(first)
+        assert str(caught.value).startswith(str(first))
+
+
+def test_damage_in_a_compressed_file_is_named_by_the_place_of_the_bag(write_bag):
+    path = write_bag('trial', chunk_bytes=5000, compression='none')
+    file = path / 'trial_0.mcap'
+    data = bytearray(file.read_bytes())
+    data[data.index(b'ts', len(data) // 3)] ^= 1
+    file.write_bytes(data)
+    reader = BagReader(by_file(path))
+    with pytest.raises(BagError, match=f'^{re.escape(str(file))}: '):
+        list(reader.messages())
 
 
 def test_messages_come_unpacked(packed, write_bag):
