@@ -253,10 +253,10 @@ class Part:
 
     def _take_definition(self, opcode: int, content: bytes) -> None:
         if opcode == Opcode.SCHEMA:
-            schema = parse_record(mcap.Schema, content)
+            schema = parse_record(mcap.Schema, content, any_text=True)
             self.schemas[schema.id] = schema
         elif opcode == Opcode.CHANNEL:
-            channel = parse_record(mcap.Channel, content)
+            channel = parse_record(mcap.Channel, content, any_text=True)
             known = self.channels.setdefault(channel.id, channel)
             if (known.topic, known.schema_id, known.message_encoding) != (
                     channel.topic, channel.schema_id, channel.message_encoding):
@@ -427,7 +427,8 @@ class Part:
 
     def metadata(self) -> Iterator[mcap.Metadata]:
         """Yield the metadata records in file order; BagError if one is damaged."""
-        yield from self._read_extras(Opcode.METADATA, partial(parse_record, mcap.Metadata))
+        yield from self._read_extras(Opcode.METADATA, partial(parse_record, mcap.Metadata,
+                                                                 any_text=True))
 
     def attachments(self) -> Iterator[mcap.Attachment]:
         """Yield the attachments in file order; BagError if one is damaged."""

@@ -44,10 +44,35 @@ _RECORD_LIMIT = 2**31
 _AnyRecord = TypeVar('_AnyRecord', bound=mcap.McapRecord)
 
 
-def parse_record(kind: type[_AnyRecord], content: bytes) -> _AnyRecord:
-    """Return an MCAP record from the bytes after its head; BagError if it is damaged."""
+class _AnyText(ReadDataStream):
+    """Reads texts that are no UTF-8; wrong bytes become escapes, as Python writes them."""
+
+    def read_prefixed_string(self) -> str:
+        return self.read(self.read4()).decode(errors='backslashreplace')
+
+
+def parse_record(kind: type[_AnyRecord], content: bytes, *, any_text: bool = False) -> _AnyRecord:
+    """
+    Return an MCAP record from the bytes after its head.
+
+    Parameters
+    ----------
+    kind : type
+        The kind of record.
+    content : bytes
+        The bytes.
+    any_text : bool
+        Its texts may be no UTF-8, as where its checksum proves that it was written like that.
+
+    Raises
+    ------
+    BagError
+        If it is damaged.
+
+    """
+    stream = _AnyText if any_text else ReadDataStream
     try:
-        return kind.read(ReadDataStream(BytesIO(content)))
+        return kind.read(stream(BytesIO(content)))
     except (McapError, struct.error, ValueError, OverflowError, MemoryError):
         raise BagError(f'a record of type {kind.__name__} is damaged') from None
 

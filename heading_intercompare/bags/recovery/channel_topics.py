@@ -68,7 +68,7 @@ class Definitions:
         self._seen.add((opcode, content, checked))
         try:
             definition = parse_record(mcap.Schema if opcode == Opcode.SCHEMA else mcap.Channel,
-                                      content)
+                                      content, any_text=checked)
         except BagError:
             return
         known = (self._checked if checked else self._others).setdefault(key, definition)

@@ -67,6 +67,8 @@ __all__ = ['Attachment', 'BagMessage', 'BagReader', 'TopicInfo']
 #: Records of the programs that keep the numbers of the publishers. Others may number the messages
 #: of all topics together, or in any other way.
 _NUMBERED_BY = (RECORD, 'rosbag2')
+#: Topics in a message.
+_MOST_NAMED = 20
 _DISORDER = ('its chunks are not in the order of time; its readings are read in the order of '
              'their log times')
 
@@ -236,8 +238,9 @@ class BagReader:
         for name in (topic, f'/{topic}'):
             if name in self.topics:
                 return name
-        present = ', '.join(f'{name} ({info.type_name})'
-                            for name, info in sorted(self.topics.items()))
+        named = [f'{name} ({info.type_name})' for name, info in sorted(self.topics.items())]
+        more = len(named) - _MOST_NAMED
+        present = ', '.join(named[:_MOST_NAMED]) + (f' and {more} more' if more > 0 else '')
         cut = f' ({self.incomplete})' if self.incomplete else ''
         raise BagError(f'has no topic {topic!r}; it has {present or "no topics"}{cut}', self.path)
 

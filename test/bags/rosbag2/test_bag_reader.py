@@ -530,6 +530,14 @@ def test_an_absent_topic_lists_those_present(write_bag):
         reader.messages(['heading'])
 
 
+def test_of_many_topics_a_few_are_named(tmp_path):
+    with BagWriter(tmp_path / 'bag') as bag:
+        for number in range(300):
+            bag.add_topic(f'/topic_{number:03}', STRING)
+    with pytest.raises(BagError, match=r'/topic_019 \(std_msgs/msg/String\) and 280 more$'):
+        BagReader(tmp_path / 'bag').resolve('heading')
+
+
 def test_a_bag_cut_before_its_topics_says_so(write_bag):
     path = write_bag() / 'trial_0.mcap'
     path.write_bytes(path.read_bytes()[:60])
