@@ -28,6 +28,7 @@ from bags.mcap_bytes import (
     message,
     record,
     schema,
+    sent,
     write,
 )
 from mcap import records as mcap
@@ -39,6 +40,7 @@ from heading_intercompare.bags.mcap.index_records import build_ending
 from heading_intercompare.bags.mcap.message_blocks import Record
 from heading_intercompare.bags.mcap.record_stream import RecordStream
 from heading_intercompare.bags.recording.bag_writer import BagWriter
+from heading_intercompare.bags.recovery.recover_bag import recover
 from heading_intercompare.bags.rosbag2.bag_check import check_bag
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.messages.cdr import encode
@@ -317,3 +319,20 @@ def test_a_channel_that_is_defined_in_two_ways_ends_the_reading_and_mixes_nothin
     assert 'channel 1 is both /a and /b at byte' in reader.incomplete
     assert [(m.topic, m.data) for m in reader.messages()] == [('/a', b'x'), ('/a', b'y')]
     assert list(reader.topics) == ['/a'] and reader.topics['/a'].count == 2
+
+
+def test_names_that_are_no_utf8_do_not_hide_sound_topics(tmp_path):
+    """One such topic, type or record of metadata made the whole bag unreadable."""
+    def spoil(piece):
+        return piece.replace(b'@@', b'\xff\xfe')
+    path = write(tmp_path / 'x.mcap', indexed(
+        schema(1), spoil(schema(2, '@@')), channel(1, '/a'), spoil(channel(2, '/@@', 2)),
+        message(1, 1, b'x'), message(2, 2, b'y'), message(1, 3, b'z')),
+        spoil(record(mcap.Metadata(name='@@', metadata={'@@': '@@'}))))
+    reader = BagReader(path)
+    assert {name: one.type_name for name, one in reader.topics.items()} == {
+        '/a': 'std_msgs/msg/String', r'/\xff\xfe': r'\xff\xfe'}
+    assert [m.data for m in reader.messages(['/a'])] == [b'x', b'z']
+    assert reader.metadata()[r'\xff\xfe'] == {r'\xff\xfe': r'\xff\xfe'}
+    recover(path, tmp_path / 'new')
+    assert sent(tmp_path / 'new') == sent(path)
