@@ -83,10 +83,10 @@ class Ros:
         end(self.executor, nodes)
         self.nodes = [node for node in self.nodes if node not in nodes]
 
-    def listen(self, kind, topic, profile):
-        """Return a list that fills with the messages of a topic."""
+    def listen(self, kind, topic, profile, node=None):
+        """Return a list that fills with messages of a topic, which the test or a node hears."""
         heard = []
-        self.plain.create_subscription(kind, topic, heard.append, profile)
+        (node or self.plain).create_subscription(kind, topic, heard.append, profile)
         return heard
 
     def close(self):

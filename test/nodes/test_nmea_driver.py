@@ -23,6 +23,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from nodes.lines import free_port, sentence
 from nodes.rclpy_objects import headings_from
 import pytest
+from rclpy.node import Node
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import Imu
 
@@ -56,7 +57,7 @@ def test_a_log_is_not_begun_before_it_is_heard(ros, tmp_path):
     first = ros.listen(Imu, 'ts/heading', qos.PAIRS_TAKEN)
     ros.spin_until(lambda: ros.executor.spin_once(0.3) is None)
     assert (first, node.done) == ([], False)
-    second = ros.listen(Imu, 'ts/heading', qos.PAIRS_TAKEN)
+    second = ros.listen(Imu, 'ts/heading', qos.PAIRS_TAKEN, ros.add(Node, 'second'))
     ros.spin_until(lambda: len(first) == len(second) == 5)
 
 
@@ -239,7 +240,7 @@ def test_what_a_live_source_says_before_its_subscribers_are_there_waits_for_them
     said = send_lines(port, 0, 30)
     ros.spin_until(lambda: len(node._waiting) == 30)
     assert early == []
-    late = ros.listen(Imu, 'ts/heading', qos.PAIRS_TAKEN)
+    late = ros.listen(Imu, 'ts/heading', qos.PAIRS_TAKEN, ros.add(Node, 'late'))
     ros.spin_until(lambda: len(early) == len(late) == 30)
     assert headings_from(late, 'enu').heading_deg.tolist() == pytest.approx(said)
 

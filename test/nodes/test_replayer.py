@@ -27,6 +27,7 @@ from nodes.rclpy_objects import headings_from, ledger_from, marker_message, mark
 from nodes.ros_nodes import NORMS, Ros
 import numpy as np
 import pytest
+from rclpy.node import Node
 from rclpy.serialization import serialize_message
 from ros_domain import take_domain
 from rosgraph_msgs.msg import Clock
@@ -77,9 +78,9 @@ def bag_of(path, marks=(), ts_topic='/ts/heading', noise_deg=None):
     return str(path)
 
 
-def listeners(ros):
-    """Return the messages on the topics of both sensors."""
-    return [ros.listen(Imu, f'{role}/heading', qos.PAIRS_TAKEN) for role in ('ts', 'rs')]
+def listeners(ros, node=None):
+    """Return the messages on the topics of both sensors, which the test or a node hears."""
+    return [ros.listen(Imu, f'{role}/heading', qos.PAIRS_TAKEN, node) for role in ('ts', 'rs')]
 
 
 def test_headings_come_as_they_were_recorded_and_then_the_node_is_done(ros, tmp_path):
@@ -100,7 +101,7 @@ def test_a_replay_says_for_whom_it_waits_and_how_it_goes_on(ros, tmp_path):
         '0.000 s of 29.900 s'))
     listeners(ros)
     ros.spin_until(lambda: '(1 and 1 there); then' in node.state)
-    listeners(ros)
+    listeners(ros, ros.add(Node, 'second'))
     ros.spin_until(lambda: node.state == 'paused at 0.000 s of 29.900 s')
     node.pause(False)
     ros.spin_until(lambda: node.state.startswith('replaying at '))

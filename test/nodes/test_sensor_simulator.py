@@ -21,6 +21,7 @@ import time
 from diagnostic_msgs.msg import DiagnosticArray
 from nodes.rclpy_objects import heading_messages, headings_from
 import pytest
+from rclpy.node import Node
 from sensor_msgs.msg import Imu
 from std_srvs.srv import SetBool, Trigger
 
@@ -225,5 +226,5 @@ def test_the_reference_of_several_sensors_waits_for_all_synchronizers(ros):
         return any(words in one.message for state in states for one in state.status)
     ros.spin_until(lambda: says('waiting for 2 subscribers of /rs/heading (1 there)'))
     assert not node.done
-    ros.listen(Imu, 'rs/heading', qos.PAIRS_TAKEN)
+    ros.listen(Imu, 'rs/heading', qos.PAIRS_TAKEN, ros.add(Node, 'second'))
     ros.spin_until(lambda: node.done)
