@@ -76,7 +76,8 @@ def wrap180(angle_deg: ArrayLike, center_deg: float = 0.0) -> np.ndarray:
     """
     angle = np.asarray(angle_deg, dtype=np.float64) - center_deg
     if _are_within(angle, -180.0, 180.0):
-        return angle + center_deg
+        angle += center_deg
+        return angle
     d = _remainder(angle)
     d = np.where(d >= 180.0, d - 360.0, d)
     d = np.where(d < -180.0, d + 360.0, d)

@@ -176,14 +176,17 @@ def _share(large: np.ndarray, at: np.ndarray, reach: int) -> np.ndarray:
 
 def _subtract_medians(heading: np.ndarray) -> np.ndarray:
     """Return each reading minus the median of seven, itself in the middle."""
-    padded = np.pad(heading, _BESIDE, mode='edge')
     off = np.empty_like(heading)
     for lo in range(0, heading.size, _PIECE):
-        part = padded[lo:lo + _PIECE + 2 * _BESIDE]
+        hi = min(lo + _PIECE, heading.size)
+        part = heading[max(0, lo - _BESIDE):hi + _BESIDE]
+        beyond = max(0, _BESIDE - lo), max(0, hi + _BESIDE - heading.size)
+        if any(beyond):
+            part = np.pad(part, beyond, mode='edge')
         rows = [part[k:part.size - 2 * _BESIDE + k] for k in range(2 * _BESIDE + 1)]
         for a, b in _MEDIAN_OF_SEVEN:
             rows[a], rows[b] = np.minimum(rows[a], rows[b]), np.maximum(rows[a], rows[b])
-        np.subtract(heading[lo:lo + _PIECE], rows[_BESIDE], out=off[lo:lo + _PIECE])
+        np.subtract(heading[lo:hi], rows[_BESIDE], out=off[lo:hi])
     return off
 
 
@@ -191,30 +194,30 @@ def _glitches(stamps: np.ndarray, rs: np.ndarray,
               step_s: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the index of the first reading of each glitch of the RS, and its size, degrees."""
     off = _subtract_medians(rs)
-    size = np.abs(off)
-    outer = float(np.quantile(size[::max(1, size.size // _LOOKED_AT)], _QUANTILE))
-    beyond = outer / math.log(10.0) * (math.log(0.1 * size.size) + _SURPLUS)
+    outer = float(np.quantile(np.abs(off[::max(1, off.size // _LOOKED_AT)]), _QUANTILE))
+    beyond = outer / math.log(10.0) * (math.log(0.1 * off.size) + _SURPLUS)
     least = max(outer + beyond, _GRAIN * (find_resolution(rs).step_deg or 0.0),
                 0.5 * _SHIP_DEG_S2 * step_s ** 2)
-    far = np.flatnonzero(size > 0.5 * least)
+    far = np.flatnonzero((off > 0.5 * least) | (off < -0.5 * least))
     if not far.size:
         return far, off[far]
     begins = np.flatnonzero(np.diff(far, prepend=-2) > 1)
     ends = np.append(begins[1:], far.size)
-    high = np.maximum.reduceat(size[far], begins) > least
+    high = np.maximum.reduceat(np.abs(off[far]), begins) > least
     uneven = np.concatenate(([0], np.cumsum(
         np.abs(np.diff(stamps) / 1e9 - step_s) > _EVEN * step_s)))
     found, last_ns = [], None
     for lo, hi in zip(begins[high].tolist(), ends[high].tolist()):
         own = far[lo:hi]
-        peak = int(own[np.argmax(size[own])])
-        around = np.arange(max(0, int(own[0]) - 2), min(size.size, int(own[-1]) + 3))
-        own = around[size[around] > _FLANK * size[peak]]
+        peak = int(own[np.argmax(np.abs(off[own]))])
+        size = abs(float(off[peak]))
+        around = np.arange(max(0, int(own[0]) - 2), min(off.size, int(own[-1]) + 3))
+        own = around[np.abs(off[around]) > _FLANK * size]
         first, last = int(own[0]), int(own[-1])
         # Half of the time out and back, from the reading before to the reading after.
         lasts = 0.5 * (last - first + 2) * step_s
         needed = 0.5 * _SHIP_DEG_S2 * lasts ** 2 / (1.0 - _FLANK)
-        if last - first >= _LONGEST or size[peak] <= needed:
+        if last - first >= _LONGEST or size <= needed:
             continue
         if first <= _BESIDE or last + _BESIDE >= rs.size \
                 or uneven[first - _BESIDE - 1] != uneven[last + _BESIDE]:

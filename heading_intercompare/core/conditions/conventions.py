@@ -34,6 +34,8 @@ _CONCENTRATED = 0.9
 _ON_SEAM_SIGMAS = 5.0
 _LOOKED_AT = 1 << 17
 _STEP_NS = 250_000_000
+#: Differences wrapped at once.
+_PIECE = 1 << 15
 
 
 @dataclass(frozen=True, slots=True)
@@ -217,10 +219,12 @@ def estimate_mean_difference(x_deg: ArrayLike) -> MeanDifference:
     centre, length = circular_mean(x[::max(1, -(-x.size // _LOOKED_AT))])
     if not math.isfinite(centre):
         return MeanDifference(x.size, None, length)
-    off = x - centre
-    share = _count_beyond_half(off) / x.size
-    share = min(share, 1.0 - share)
-    off = wrap180(off)
+    off, beyond = np.empty(x.size), 0
+    for lo in range(0, x.size, _PIECE):
+        part = x[lo:lo + _PIECE] - centre
+        beyond += _count_beyond_half(part)
+        off[lo:lo + _PIECE] = wrap180(part)
+    share = min(beyond, x.size - beyond) / x.size
     mean = float(wrap180(centre + off.mean()))
     if not block_size(x.size, 16):
         return MeanDifference(x.size, mean, length, seam_share=share)

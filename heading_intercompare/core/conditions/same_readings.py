@@ -89,16 +89,18 @@ def find_same_source(x_deg: ArrayLike, rs_deg: ArrayLike, ts: Resolution, rs: Re
     x = x - x[0]
     std = math.sqrt(Moments.of(x).m2_deg2 / (x.size - 1))
     heading = np.asarray(rs_deg, dtype=np.float64)
-    changes = min(_count_changes(heading), _count_changes(x + heading))
+    ts_changes = rs_changes = 0
+    for lo in range(0, x.size - 1, _PIECE):
+        part = slice(lo, lo + _PIECE + 1)
+        rs_changes += _count_nonzero(np.diff(heading[part]))
+        ts_changes += _count_nonzero(np.diff(x[part] + heading[part]))
+    changes = min(ts_changes, rs_changes)
     if changes < _LEAST_CHANGES:
         return SameSource(None, std, rounding)
-    x -= float(np.median(x[::max(1, x.size // 100_000)]))
-    return SameSource(_count_nonzero(x) <= share * changes, std, rounding)
-
-
-def _count_changes(heading: np.ndarray) -> int:
-    return sum(_count_nonzero(np.diff(heading[lo:lo + _PIECE + 1]))
-               for lo in range(0, heading.size - 1, _PIECE))
+    middle = float(np.median(x[::max(1, x.size // 100_000)]))
+    differing = sum(_count_nonzero(x[lo:lo + _PIECE] - middle)
+                    for lo in range(0, x.size, _PIECE))
+    return SameSource(differing <= share * changes, std, rounding)
 
 
 def _count_nonzero(difference: np.ndarray) -> int:

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import math
+from typing import Iterator
 
 import numpy as np
 from numpy.polynomial.legendre import legvander
@@ -66,11 +67,17 @@ class Polynomial:
     residual_deg: np.ndarray
 
 
-def _scaled_time(stamp_ns: np.ndarray) -> np.ndarray:
-    """Return stamps scaled to [-1, 1]."""
+def _pieces(n: int) -> Iterator[slice]:
+    for lo in range(0, n, _PIECE):
+        yield slice(lo, lo + _PIECE)
+
+
+def _bases(stamp_ns: np.ndarray, order: int) -> Iterator[tuple[slice, np.ndarray]]:
+    """Yield pieces of a record, and the polynomials of its time scaled to [-1, 1] there."""
     span = int(stamp_ns[-1]) - int(stamp_ns[0])
-    t: Reals = (stamp_ns - stamp_ns[0]).astype(np.float64)
-    return 2.0 * t / span - 1.0 if span else t
+    for piece in _pieces(stamp_ns.size):
+        u: Reals = (stamp_ns[piece] - stamp_ns[0]).astype(np.float64)
+        yield piece, _legendre(2.0 * u / span - 1.0 if span else u, order)
 
 
 def _legendre(u: np.ndarray, order: int) -> np.ndarray:
@@ -128,23 +135,20 @@ def remove_polynomial(stamp_ns: ArrayLike, x_deg: ArrayLike, order: int) -> Poly
     order = max(0, min(order, x.size - 2))
     first = float(x[0])
     residual = x - first
-    u = _scaled_time(stamps)
-    pieces = [slice(lo, lo + _PIECE) for lo in range(0, x.size, _PIECE)]
     gram, right = np.zeros((order + 1, order + 1)), np.zeros(order + 1)
-    for piece in pieces:
-        basis = _legendre(u[piece], order)
+    for piece, basis in _bases(stamps, order):
         gram += basis @ basis.T
         right += basis @ residual[piece]
     coefficients = np.linalg.lstsq(gram, right, rcond=None)[0]
     right = np.zeros(order + 1)
-    for piece in pieces:
-        basis, part = _legendre(u[piece], order), residual[piece]
+    for piece, basis in _bases(stamps, order):
+        part = residual[piece]
         part -= coefficients @ basis
         right += basis @ part
     # A second pass removes the rounding error of the normal equations.
     correction = np.linalg.lstsq(gram, right, rcond=None)[0]
-    for piece in pieces:
-        residual[piece] -= correction @ _legendre(u[piece], order)
+    for piece, basis in _bases(stamps, order):
+        residual[piece] -= correction @ basis
     coefficients += correction
     coefficients[0] += first
     return Polynomial(order, tuple(coefficients.tolist()), residual)
@@ -183,7 +187,8 @@ def bic_of(rss: float, blocks: int, parameters: int, floor: float) -> float:
 
 def rounding_floor(values: np.ndarray) -> float:
     """Return the residual sum of squares that rounding alone would leave."""
-    return values.size * (1e-13 * (1.0 + float(np.abs(values).max()))) ** 2
+    largest = max(-float(values.min()), float(values.max()))
+    return values.size * (1e-13 * (1.0 + largest)) ** 2
 
 
 def average_blocks(stamp_ns: np.ndarray, x: np.ndarray) -> tuple[np.ndarray, np.ndarray, int]:
@@ -362,18 +367,18 @@ def fit_slope(stamp_ns: ArrayLike, x_deg: ArrayLike,
     n = x.size
     if n < 2 or stamps[-1] == stamps[0]:
         return None
-    t_h = (stamps - stamps[0]) / 3.6e12
-    moved = Moments.of(t_h)
+    span_h = float((stamps[-1] - stamps[0]) / 3.6e12)
     if n < 3:
-        b = float(x[1] - x[0]) / float(t_h[1])
+        b = float(x[1] - x[0]) / span_h
         return Slope(b, float(x[0]), None, None, None, 1.0, None)
     line = Detrended.of(stamps, x, 1) if line is None else line
-    span_h = float(t_h[-1])
     level, tilt = line.polynomial.coefficients_deg
     b = 2.0 * tilt / span_h
     residual = line.polynomial.residual_deg
     tau = sokal_times(residual).tau_1
     rss = sum_products(residual, residual)
+    times_h = (Moments.of((stamps[piece] - stamps[0]) / 3.6e12) for piece in _pieces(n))
+    moved = sum(times_h, start=Moments())
     naive = math.sqrt(rss / (n - 2) / moved.m2_deg2)
     u, dof = naive * math.sqrt(max(1.0, tau)), n - 2
     if line.found is not None:
