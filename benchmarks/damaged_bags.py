@@ -283,7 +283,7 @@ class Score:
 
     @property
     def share(self) -> float:
-        """The share of the messages that is kept."""
+        """Return the share of the messages that is kept."""
         return self.kept / self.total if self.total else 0.0
 
 

@@ -48,6 +48,7 @@ class _AnyText(ReadDataStream):
     """Reads texts that are no UTF-8; wrong bytes become escapes, as Python writes them."""
 
     def read_prefixed_string(self) -> str:
+        """Return the next text, whose length comes before it."""
         return self.read(self.read4()).decode(errors='backslashreplace')
 
 
