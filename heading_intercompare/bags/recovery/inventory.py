@@ -229,7 +229,7 @@ class Inventory:
 
     @property
     def section(self) -> int:
-        """The number of the newest section."""
+        """Return the number of the newest section."""
         return len(self.sections) - 1
 
     def topic(self, section: int, number: int) -> tuple[mcap.Channel, mcap.Schema] | None:
