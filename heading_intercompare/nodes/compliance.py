@@ -64,7 +64,7 @@ class Compliance(Node):
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('compliance', **OVERRIDES, **kwargs)
         settings, taking, own = declare(
-            self, Settings, Taking, ComplianceNode, followed=('window_s',))
+            self, Settings, Taking, ComplianceNode, followed=('window_s', 'stale_s'))
         self._settings, self._own = settings_of_tested(settings, own.sensor), place_files(own)
         self.health = Health(self, called(self, own.sensor))
         self._compliance = PureCompliance(self._settings, source='live',

@@ -39,8 +39,9 @@ class MotionDriver(ReadingNode):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('motion_driver', **OVERRIDES, **kwargs)
-        analysis, settings, sending, self._taking, own = declare(
-            self, PUBLISHED, DriverSettings, Sending, Taking, DriverNode)
+        analysis, settings, sending, taking, own = declare(
+            self, PUBLISHED, DriverSettings, Sending, Taking, DriverNode, followed=('stale_s',))
+        self._allow_silence(taking)
         self.done = self.ended = False
         self.health = Health(self)
         wake = self.create_guard_condition(self._pass_on)
@@ -82,7 +83,7 @@ class MotionDriver(ReadingNode):
         if n != self._n_before:
             self._newest_s, self._n_before = now_s, n
         age_s = now_s - self._newest_s
-        allowed_s = self._taking.stale_s if n else self._taking.first_wait_s
+        allowed_s = self._allowed_s[n > 0]
         silent = self._reading.started and not self._flushed and age_s > allowed_s
         words = f'no motion for more than {allowed_s:g} s; ' if silent else ''
         self.health.note('source', WARN if silent else OK, words + self._reading.source.status,

@@ -54,8 +54,9 @@ class NmeaDriver(ReadingNode):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('nmea_driver', **OVERRIDES, **kwargs)
-        analysis, settings, sending, self._taking, own = declare(
-            self, PUBLISHED, DriverSettings, Sending, Taking, DriverNode)
+        analysis, settings, sending, taking, own = declare(
+            self, PUBLISHED, DriverSettings, Sending, Taking, DriverNode, followed=('stale_s',))
+        self._allow_silence(taking)
         self.done = self.ended = self._flushed = self._ending = False
         self._frame_id = own.frame_id or settings.topic.strip('/').replace('/', '_')
         self._lost = LossPublisher(self, resolve_topic(self, settings.topic))
@@ -129,7 +130,7 @@ class NmeaDriver(ReadingNode):
             self._pass_on()
         now_s = time.monotonic()
         age_s = now_s - self._newest_s
-        allowed_s = self._taking.stale_s if self._published else self._taking.first_wait_s
+        allowed_s = self._allowed_s[self._published > 0]
         silent = self._reading.started and not self._flushed and age_s > allowed_s
         rate_hz = (self._published - self._published_before) / max(now_s - self._beat_s, 1e-3)
         counts = {**self._reading.source.counts, **self._decoder.counts}

@@ -66,14 +66,14 @@ class SensorsWatch(Node):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('sensors_watch', **OVERRIDES, **kwargs)
-        settings, taking, types, own = declare(self, Settings, Taking, HeadingTypes, SensorsNode)
+        settings, taking, types, own = declare(self, Settings, Taking, HeadingTypes, SensorsNode,
+                                               followed=('stale_s',))
         self.health = Health(self)
         self._comparison = SensorsComparison(settings, source='live', only_others=True)
         self._headings = SensorsIntake(self, self.health, taking, types, self._comparison)
         self._journals = PairJournals(self, self.health, settings, own, self._comparison,
                                       self._headings.heard)
-        self._motion = MotionIntake(self, self.health, taking, settings.motion,
-                                    (self._journals,))
+        self._motion = MotionIntake(self, self.health, taking, settings.motion, (self._journals,))
         self._now = NowPublisher(self, self.health, settings, self._comparison, taking.stale_s)
         self._reporting = SensorsReporting(self, self.health, settings, own, self._comparison,
                                            self._journals, self._headings)

@@ -18,18 +18,21 @@ from __future__ import annotations
 
 import socket
 import time
+from types import SimpleNamespace
 
 from diagnostic_msgs.msg import DiagnosticArray
 from nodes.lines import free_port, sentence
 from nodes.rclpy_objects import headings_from
 import pytest
 from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import Imu
 
 from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.drivers.settings import DriverError
 from heading_intercompare.messages.ledger_messages import decode_losses
+from heading_intercompare.nodes.motion_driver import MotionDriver
 from heading_intercompare.nodes.nmea_driver import NmeaDriver
 from heading_intercompare.nodes.ros import qos
 
@@ -243,6 +246,20 @@ def test_what_a_live_source_says_before_its_subscribers_are_there_waits_for_them
     late = ros.listen(Imu, 'ts/heading', qos.PAIRS_TAKEN, ros.add(Node, 'late'))
     ros.spin_until(lambda: len(early) == len(late) == 30)
     assert headings_from(late, 'enu').heading_deg.tolist() == pytest.approx(said)
+
+
+@pytest.mark.parametrize('make, noun', [(NmeaDriver, 'heading'), (MotionDriver, 'motion')])
+def test_how_long_a_source_may_be_silent_changes_while_the_driver_runs(ros, make, noun):
+    node = ros.ours(make, source=f'udp://127.0.0.1:{free_port()}', first_wait_s=0.2)
+    words = []
+    node.health.note = lambda part, level, said, **values: words.append(said)
+    ros.spin_until(lambda: f'no {noun} for more than 0.2 s; ' in ''.join(words))
+    node._published = 1
+    node._motion = SimpleNamespace(n_published=1, publish=bool, publishers=[])
+    node.set_parameters([Parameter('stale_s', value=0.3)])
+    ros.spin_until(lambda: f'no {noun} for more than 0.3 s; ' in ''.join(words))
+    result, = node.set_parameters([Parameter('stale_s', value=-1.0)])
+    assert not result.successful
 
 
 def test_a_live_source_does_not_wait_for_ever(ros):

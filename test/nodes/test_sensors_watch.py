@@ -24,6 +24,8 @@ from diagnostic_msgs.msg import DiagnosticArray
 from nodes.killed import kill
 from nodes.rclpy_objects import heading_messages
 import pytest
+from rclpy.node import Node
+from rclpy.parameter import Parameter
 from rclpy.qos import QoSProfile
 from sensor_msgs.msg import Imu
 from std_srvs.srv import Trigger
@@ -176,6 +178,20 @@ def several(ros, make, sensor='', settings=SETTINGS, **values):
     return ros.add(make, cli_args=['--ros-args', *(
         word for old, new in rules.items() for word in ('-r', f'{old}:={new}'))],
         parameter_overrides=make_overrides({**settings, **named, **values}))
+
+
+def test_how_long_a_sensor_may_be_silent_changes_while_the_node_runs(ros):
+    watch, sender = several(ros, SensorsWatch), ros.add(Node, 'sender')
+    publisher = sender.create_publisher(Imu, 'rs/heading', qos.HEADINGS_OUT)
+    ros.spin_until(lambda: publisher.get_subscription_count() == 1)
+    publisher.publish(heading_messages(Headings.of([START_NS], [90.0]), 'rs')[0])
+
+    def heading():
+        return watch._headings.view()['gnss'].heading_deg
+    ros.spin_until(lambda: heading() is not None)
+    ros.spin_until(lambda: heading() is None)
+    assert watch.set_parameters([Parameter('stale_s', value=3600.0)])[0].successful
+    assert heading() == pytest.approx(90.0)
 
 
 def test_a_compliance_node_that_starts_again_goes_on_and_the_others_do_not_notice(

@@ -28,6 +28,8 @@ from rclpy.timer import Timer
 from heading_intercompare.drivers.framing import Received
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.drivers.sources import FileSource, open_source, Source
+from heading_intercompare.nodes.ros.parameters import follow
+from heading_intercompare.nodes.settings import Taking
 
 from .publishing import Audience, await_acknowledgement
 
@@ -137,6 +139,14 @@ class ReadingNode(Node):
     _later: Timer
     _flushed: bool
     _ending: bool
+    _allowed_s: tuple[float, float]
+
+    def _allow_silence(self, taking: Taking) -> None:
+        """Note how long the source may be silent; `stale_s` may change while the node runs."""
+        def change(stale_s: float) -> None:
+            self._allowed_s = taking.first_wait_s, stale_s
+        change(taking.stale_s)
+        follow(self, 'stale_s', change)
 
     @property
     def first_ns(self) -> int | None:

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 import time
 from typing import Any, Mapping
 
@@ -38,6 +39,7 @@ from heading_intercompare.messages.status_messages import decode_statuses
 from heading_intercompare.nodes.alarms.alarm_panel import AlarmPanel
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.message_types import STATUS_TYPES
+from heading_intercompare.nodes.ros.parameters import follow
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.taking.intake import Intake
 from heading_intercompare.web.figures.stream_watch import SensorView
@@ -77,6 +79,7 @@ class NowPublisher:
     def __init__(self, node: Node, health: Health, settings: Settings,
                  comparison: SensorsComparison, stale_s: float) -> None:
         self._comparison, self._stale_s = comparison, stale_s
+        follow(node, 'stale_s', partial(setattr, self, '_stale_s'))
         self._mean_max_deg = settings.detectors.mean_max_deg
         self._names = [one.name for one in comparison.sensors]
         reference = find_reference(comparison.sensors)

@@ -23,6 +23,7 @@ from rclpy.node import Node
 from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.core.sensors.comparison import SensorsComparison
+from heading_intercompare.nodes.ros.parameters import follow
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.settings import HeadingTypes, Taking
 from heading_intercompare.nodes.taking.headings_intake import HeadingsIntake
@@ -59,6 +60,8 @@ class SensorsIntake:
             for one in comparison.sensors}
         self.heard = HeadingsIntake(node, health, taking, streams, self._lose)
         self._watches = {name: StreamWatch(taking.stale_s) for name in streams}
+        for watch in self._watches.values():
+            follow(node, 'stale_s', watch.allow)
         self.newest_ns: int | None = None
 
     def take(self, *, last: bool = False) -> dict[str, Headings]:

@@ -88,6 +88,10 @@ class StreamWatch:
         self._offset_s: float | None = None
         self._flagged = False
 
+    def allow(self, stale_s: float) -> None:
+        """Change how long silence is allowed, seconds."""
+        self._stale_s = stale_s
+
     def take(self, headings: Headings, received_ns: int, now_s: float) -> None:
         """
         Take readings.
