@@ -182,16 +182,20 @@ def test_report_writes_the_protocol_with_the_notes(bag, tmp_path, capsys):
 
 @pytest.mark.slow
 def test_the_json_holds_the_notes_and_a_sha256_that_anybody_can_check(bag, tmp_path, capsys):
-    for number in (10, 2):
-        (bag / f'trial_{number}.mcap').write_bytes((bag / 'trial_0.mcap').read_bytes())
+    whole = (bag / 'trial_0.mcap').read_bytes()
+    # Two that end too soon, by which they are no copies, and one copy, which is left out.
+    for number, content in ((10, whole[:-1]), (2, whole[:-2])):
+        (bag / f'trial_{number}.mcap').write_bytes(content)
     try:
+        (bag / 'trial_3.mcap').write_bytes(whole)
         assert main(['analyze', str(bag), *NORMS, '--json', '-']) == 0
+        (bag / 'trial_3.mcap').unlink()
         entry, = json.loads(capsys.readouterr().out)['inputs']
         done = subprocess.run(['sh', '-c', 'export LC_ALL=C; cat "$0"/*.mcap | sha256sum', bag],
                               capture_output=True, text=True, check=True)
     finally:
-        for number in (10, 2):
-            (bag / f'trial_{number}.mcap').unlink()
+        for number in (10, 2, 3):
+            (bag / f'trial_{number}.mcap').unlink(missing_ok=True)
     assert entry['sha256'] == done.stdout.split()[0]
     assert entry['notes'] == [{'stamp_ns': T0 + 180 * S, 'text': 'course <change>'}]
     assert main(['analyze', str(bag), *NORMS, '--csv', str(tmp_path / 'p.csv')]) == 0
