@@ -27,6 +27,7 @@ from launch import LaunchDescription
 from launch.actions import (
     DeclareLaunchArgument,
     IncludeLaunchDescription,
+    LogInfo,
     OpaqueFunction,
     Shutdown,
 )
@@ -40,12 +41,15 @@ from heading_intercompare.core.rows.sensor_table import read_sensors
 from heading_intercompare.nodes.launching.arguments import (
     check_path,
     common_arguments,
+    find_misspelt,
     read_namespace,
     read_number,
     read_switch,
 )
 from heading_intercompare.nodes.sensors.places import count_subscribers
 
+# The file that it includes warns of all others.
+OWN = ('scenario', 'speed')
 HERE = Path(__file__).resolve().parent
 # Default and meaning of each argument of this file, and of those that it shares with the other.
 ARGUMENTS = {
@@ -83,11 +87,18 @@ def check(context):
     return []
 
 
+def warn(context):
+    """Say which arguments have no effect."""
+    return [LogInfo(msg=line)
+            for line in find_misspelt(context.launch_configurations, OWN)]
+
+
 def generate_launch_description():
     """Return the graph."""
     return LaunchDescription([
         *(DeclareLaunchArgument(name, default_value=default, description=words)
           for name, (default, words) in ARGUMENTS.items()),
+        OpaqueFunction(function=warn),
         OpaqueFunction(function=check),
         IncludeLaunchDescription(
             PythonLaunchDescriptionSource(str(HERE / 'intercompare.launch.py')),

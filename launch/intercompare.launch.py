@@ -35,6 +35,7 @@ from pathlib import Path
 from launch import LaunchDescription
 from launch.actions import (
     DeclareLaunchArgument,
+    LogInfo,
     OpaqueFunction,
     SetEnvironmentVariable,
     Shutdown,
@@ -49,6 +50,7 @@ from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.nodes.launching.arguments import (
     check_path,
     common_arguments,
+    find_misspelt,
     read_namespace,
     read_switch,
 )
@@ -206,11 +208,18 @@ def nodes(context):
 TRANSPORTS = 'FASTDDS_BUILTIN_TRANSPORTS'
 
 
+def warn(context):
+    """Say which arguments have no effect."""
+    return [LogInfo(msg=line)
+            for line in find_misspelt(context.launch_configurations, ARGUMENTS)]
+
+
 def generate_launch_description():
     """Return the graph."""
     return LaunchDescription([
         SetEnvironmentVariable(TRANSPORTS, os.environ.get(TRANSPORTS, 'UDPv4')),
         *(DeclareLaunchArgument(name, default_value=default, description=words)
           for name, (default, words) in ARGUMENTS.items()),
+        OpaqueFunction(function=warn),
         OpaqueFunction(function=nodes),
     ])

@@ -23,7 +23,7 @@ All nodes end at the end of the bag.
 """
 
 from launch import LaunchDescription
-from launch.actions import DeclareLaunchArgument, OpaqueFunction, Shutdown
+from launch.actions import DeclareLaunchArgument, LogInfo, OpaqueFunction, Shutdown
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
@@ -33,6 +33,7 @@ from heading_intercompare.core.sensors.pair_settings import check_norms
 from heading_intercompare.nodes.launching.arguments import (
     check_path,
     common_arguments,
+    find_misspelt,
     read_namespace,
     read_number,
     read_switch,
@@ -103,10 +104,17 @@ def nodes(context):
     return made
 
 
+def warn(context):
+    """Say which arguments have no effect."""
+    return [LogInfo(msg=line)
+            for line in find_misspelt(context.launch_configurations, ARGUMENTS)]
+
+
 def generate_launch_description():
     """Return the graph."""
     return LaunchDescription([
         *(DeclareLaunchArgument(name, default_value=default, description=words)
           for name, (default, words) in ARGUMENTS.items()),
+        OpaqueFunction(function=warn),
         OpaqueFunction(function=nodes),
     ])

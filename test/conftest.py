@@ -37,7 +37,10 @@ for name in ('ROS_DOMAIN_ID', 'ROS_LOCALHOST_ONLY', 'ROS_STATIC_PEERS', 'ROS_DIS
              'RCUTILS_COLORIZED_OUTPUT', 'RCUTILS_LOGGING_BUFFERED_STREAM'):
     os.environ.pop(name, None)
 os.environ |= {'ROS_PYTHON_CHECK_FIELDS': '1', 'ROS_AUTOMATIC_DISCOVERY_RANGE': 'OFF'}
-os.environ.setdefault('ROS_LOG_DIR', tempfile.mkdtemp(prefix='heading_intercompare_log_'))
+if 'ROS_LOG_DIR' not in os.environ:
+    _logs = tempfile.TemporaryDirectory(
+        prefix='heading_intercompare_log_', ignore_cleanup_errors=True)
+    os.environ['ROS_LOG_DIR'] = _logs.name
 
 ROOT = Path(__file__).resolve().parent.parent
 

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
+import re
 from typing import Any, Mapping, Sequence
 
 from heading_intercompare.core.settings import flatten, list_settings, Settings, SettingsError
@@ -27,6 +28,11 @@ __all__ = ['Config', 'load_config', 'settings_for']
 
 SHARED = '/**'
 """The section whose settings apply to every node and every command."""
+
+_NODES = re.compile(
+    r'synchronizer|compliance|sensors_watch|recorder|replayer|dashboard|.*_driver|\*+')
+_NOWHERE = object()
+_ANALYSIS = frozenset(rule.name for rule in list_settings(Settings))
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,7 +93,23 @@ def load_config(path: str | None) -> Config:
             raise SettingsError(f'{path}: section {short!r} is given twice, with and without a '
                                 'slash')
         sections[short] = values
-    return Config(path, sections.pop(SHARED, {}), sections)
+    shared = sections.pop(SHARED, {})
+    for name, values in sections.items():
+        _refuse_own_analysis(path, name, values, shared)
+    return Config(path, shared, sections)
+
+
+def _refuse_own_analysis(path: str, name: str, values: Mapping[str, Any],
+                         shared: Mapping[str, Any]) -> None:
+    """Raise SettingsError if one node is to judge, pair or record by settings of its own."""
+    # Nodes of other packages have parameters of the same names, such as `model`.
+    if not _NODES.fullmatch(name.rpartition('/')[2]):
+        return
+    for key in values:
+        if key in _ANALYSIS and repr(values[key]) != repr(shared.get(key, _NOWHERE)):
+            raise SettingsError(
+                f'{path}: section {name!r}: {key} holds for every node and every command, which '
+                f"would disagree otherwise: put it into section '{SHARED}'")
 
 
 def _parse_assignments(assignments: Sequence[str]) -> dict[str, Any]:

@@ -97,9 +97,16 @@ class Configuration:
 
     name: str
 
-    def perform(self, context: dict[str, str]) -> str:
+    def perform(self, context: Context) -> str:
         """Return the value."""
-        return context[self.name]
+        return context.launch_configurations[self.name]
+
+
+@dataclass
+class Context:
+    """What is known while a launch file starts."""
+
+    launch_configurations: dict[str, str]
 
 
 @dataclass
@@ -107,6 +114,13 @@ class Function:
     """A function that returns actions."""
 
     function: Any
+
+
+@dataclass
+class Info:
+    """A line on the screen."""
+
+    msg: str
 
 
 @dataclass
@@ -139,6 +153,7 @@ def description(name: str) -> list[Any]:
         'launch_ros', 'launch_ros.actions')}
     modules['launch'].LaunchDescription = list
     modules['launch.actions'].DeclareLaunchArgument = Argument
+    modules['launch.actions'].LogInfo = Info
     modules['launch.actions'].OpaqueFunction = Function
     modules['launch.actions'].SetEnvironmentVariable = EnvironmentVariable
     modules['launch.actions'].Shutdown = Shutdown
@@ -155,18 +170,29 @@ def description(name: str) -> list[Any]:
 
 def nodes(name: str, **given: str) -> list[Node]:
     """Return the nodes that a launch file starts with these arguments."""
+    return [action for action in perform(name, given) if isinstance(action, Node)]
+
+
+def lines(name: str, **given: str) -> list[str]:
+    """Return what a launch file says on the screen before its nodes start."""
+    return [action.msg for action in perform(name, given) if isinstance(action, Info)]
+
+
+def perform(name: str, given: dict[str, str]) -> list[Node | Info]:
+    """Return what a launch file does with these arguments."""
     actions = description(name)
-    declared = {a.name: a for a in actions if isinstance(a, Argument)}
-    assert given.keys() <= declared.keys()
-    context = {key: given.get(key, a.default_value) for key, a in declared.items()}
+    declared = {a.name: a.default_value for a in actions if isinstance(a, Argument)}
+    context = Context({**declared, **given})
     made = []
     for action in actions:
         if isinstance(action, Include):
             passed = {key: value.perform(context) if isinstance(value, Configuration) else value
                       for key, value in action.launch_arguments}
-            made += nodes(Path(action.source).name, **passed)
+            # Its file also sees what was given to this one.
+            made += perform(Path(action.source).name, {**context.launch_configurations, **passed})
         elif isinstance(action, Function):
             made += action.function(context)
     variables = {a.name: a.value for a in actions if isinstance(a, EnvironmentVariable)}
     transports = variables.get('FASTDDS_BUILTIN_TRANSPORTS', '')
-    return [replace(node, transports=node.transports or transports) for node in made]
+    return [replace(one, transports=one.transports or transports) if isinstance(one, Node) else one
+            for one in made]

@@ -16,6 +16,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+import difflib
 import math
 import os
 import re
@@ -23,7 +25,8 @@ from typing import Any
 
 from heading_intercompare.core.settings import SettingsError
 
-__all__ = ['check_path', 'common_arguments', 'read_namespace', 'read_number', 'read_switch']
+__all__ = ['check_path', 'common_arguments', 'find_misspelt', 'read_namespace', 'read_number',
+           'read_switch']
 
 _SWITCHES = {**dict.fromkeys(('true', 'yes', 'on', '1'), True),
              **dict.fromkeys(('false', 'no', 'off', '0'), False)}
@@ -60,6 +63,30 @@ def check_path(name: str, text: str, what: str, *, folder: bool = False) -> None
     except OSError as error:
         raise SettingsError(
             f'{name}:={text}: {error.strerror}; give the path of {what}') from error
+
+
+def find_misspelt(given: Iterable[str], known: Iterable[str]) -> list[str]:
+    """
+    Return a line for each argument that looks like a misspelt one; ROS would ignore it silently.
+
+    An argument that looks like none may belong to a launch file that includes this one.
+
+    Parameters
+    ----------
+    given, known : iterable of str
+        The names that were given, and those that the launch file has.
+
+    Examples
+    --------
+    >>> find_misspelt(['recrod', 'record', 'camera'], ['record', 'respawn'])
+    ['recrod:= has no effect; did you mean record:=?']
+
+    """
+    known = [*known]
+    near = {name: difflib.get_close_matches(name, known, 1, 0.75)
+            for name in sorted({*given} - {*known})}
+    return [f'{name}:= has no effect; did you mean {found[0]}:=?'
+            for name, found in near.items() if found]
 
 
 def read_switch(name: str, text: str) -> bool:

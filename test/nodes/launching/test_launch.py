@@ -22,7 +22,7 @@ from pathlib import Path
 import re
 import types
 
-from nodes.launch_files import Argument, description, nodes, Shutdown
+from nodes.launch_files import Argument, Context, description, lines, nodes, Shutdown
 from nodes.lines import free_port
 from nodes.ros_nodes import NORMS
 import pytest
@@ -238,6 +238,8 @@ TWO_NORMS = '/**: {ros__parameters: {norms: {sigma_max_deg: 0.2, sigma_ref_max_d
      "section 'motion_driver': source is required"),
     (FILES[0], {'text': TWO_NORMS + 'recorder: {ros__parameters: {outptu: x}}'},
      "section 'recorder': unknown parameter 'outptu'; did you mean 'output'"),
+    (FILES[0], {'text': TWO_NORMS + 'compliance: {ros__parameters: {norms.sigma_max_deg: 2.0}}'},
+     "section 'compliance': norms.sigma_max_deg holds for every node"),
     (FILES[1], {'text': TWO_NORMS + 'replayer: {ros__parameters: {rate: fast}}', 'bag': '.'},
      "section 'replayer': rate = "),
     (FILES[1], {}, 'bag is missing: give bag:=PATH of a bag'),
@@ -264,11 +266,27 @@ def test_a_mistake_is_told_in_one_line(name, given, words, config, tmp_path):
 def test_a_mistake_of_the_demo_is_told_before_it_starts_a_node(given):
     """The nodes of the file that it includes would run on, without anybody to end them."""
     actions = description(DEMO)
-    first = next(a for a in actions if not isinstance(a, Argument))
+    first = next(a for a in actions if getattr(a, 'function', description).__name__ == 'check')
     context = {a.name: given.get(a.name, a.default_value)
                for a in actions if isinstance(a, Argument)}
     with pytest.raises(SettingsError):
-        first.function(context)
+        first.function(Context(context))
+
+
+@pytest.mark.parametrize('name, given, known', [
+    (FILES[0], 'recrod', 'record'), (FILES[0], 'name_space', 'namespace'),
+    (FILES[1], 'durations', 'duration'), (DEMO, 'recrod', 'record'),
+    (DEMO, 'scenaro', 'scenario')])
+def test_a_misspelt_argument_is_named_once(name, given, known, config):
+    files = {} if name == DEMO else {'config': config, 'bag': config}
+    assert lines(name, **files, **{given: 'false'}) == [
+        f'{given}:= has no effect; did you mean {known}:=?']
+
+
+@pytest.mark.parametrize('name', [*FILES, DEMO])
+def test_an_argument_of_a_launch_file_that_includes_it_is_left_alone(name, config):
+    files = {} if name == DEMO else {'config': config, 'bag': config}
+    assert lines(name, **files, camera='left', scenario='demo') == []
 
 
 def test_a_log_that_cannot_be_played_ends_all_and_one_that_was_played_does_not(config):

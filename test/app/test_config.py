@@ -1,0 +1,58 @@
+# Copyright 2026 The heading_intercompare authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A ROS parameter file means the same to every node and every command."""
+
+from __future__ import annotations
+
+import pytest
+import yaml
+
+from heading_intercompare.app.config import load_config
+from heading_intercompare.core.settings import SettingsError
+
+
+@pytest.fixture
+def load(tmp_path):
+    """Return a function that reads a parameter file with these sections."""
+    def read(**sections):
+        path = tmp_path / 'my.yaml'
+        path.write_text(yaml.dump({name: {'ros__parameters': values} for name, values in
+                                   {'/**': {'ts_topic': 'gyro'}, **sections}.items()}))
+        return load_config(str(path))
+    return read
+
+
+@pytest.mark.parametrize('name', [
+    'compliance', '/compliance', 'ship1/compliance', '/**/compliance', '/*', 'synchronizer',
+    'recorder', 'replayer', 'ts_driver', 'gyro_driver', 'dashboard', 'sensors_watch'])
+@pytest.mark.parametrize('given, key', [
+    ({'norms': {'sigma_max_deg': 2.0}}, 'norms.sigma_max_deg'),
+    ({'norms.sigma_max_deg': 2.0}, 'norms.sigma_max_deg'), ({'ts_topic': 'other'}, 'ts_topic'),
+    ({'model': 'total'}, 'model')])
+def test_a_node_does_not_judge_by_settings_that_the_others_do_not_know(load, name, given, key):
+    """Live, `compliance` took the norm of its section; `analyze` took the one of all."""
+    with pytest.raises(SettingsError) as refused:
+        load(**{name: given})
+    assert f"section {name.lstrip('/')!r}: {key} holds for every node" in str(refused.value)
+    assert 'my.yaml: ' in str(refused.value) and "section '/**'" in str(refused.value)
+
+
+def test_a_node_may_repeat_what_holds_for_all(load):
+    assert load(recorder={'ts_topic': 'gyro', 'output': 'bag'}).sections['recorder'] == {
+        'ts_topic': 'gyro', 'output': 'bag'}
+
+
+def test_a_node_of_another_package_may_call_its_parameters_as_it_likes(load):
+    assert load(camera={'model': 'x20', 'sensors': 3}).sections['camera']['sensors'] == 3
