@@ -29,8 +29,8 @@ __all__ = ['Config', 'load_config', 'settings_for']
 SHARED = '/**'
 """The section whose settings apply to every node and every command."""
 
-_NODES = re.compile(
-    r'synchronizer|compliance|sensors_watch|recorder|replayer|dashboard|.*_driver|\*+')
+# The replayer neither pairs nor judges: what it calls the TS may be another topic of the bag.
+_NODES = re.compile(r'synchronizer|compliance|sensors_watch|recorder|dashboard|.*_driver|\*+')
 _NOWHERE = object()
 _ANALYSIS = frozenset(rule.name for rule in list_settings(Settings))
 

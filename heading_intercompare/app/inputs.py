@@ -191,7 +191,8 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
         elif has_pairs(path):
             found = judge_csv(path, name, settings, runs, takers, progress, take_motion)
         else:
-            readers: list[Readable] = [open_recording(one) for one in (path, *parts)]
+            readers: list[Readable] = [open_recording(one, settings.bag_namespace)
+                                       for one in (path, *parts)]
             found = _analyze_bag(readers, name, settings, runs, takers, progress, start_digest,
                                  helpers, take_motion)
             found = replace(found, described=replace(
@@ -401,9 +402,8 @@ def read_motion(reader: Readable, settings: Settings, problems: list[str]) -> Mo
 
 def _count_headings(readers: Sequence[Readable], topics: Iterable[str]) -> int:
     """Return the number of headings in bags, by their indexes."""
-    wanted = {f'/{topic.lstrip("/")}' for topic in topics}
-    return sum(info.count for reader in readers for name, info in reader.topics.items()
-               if f'/{name.lstrip("/")}' in wanted)
+    return sum(reader.topics[name].count for reader in readers for topic in topics
+               if (name := reader.find(topic)) is not None)
 
 
 def explain_no_run(ledger: Ledger, settings: Settings,

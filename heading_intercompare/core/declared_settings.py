@@ -53,6 +53,7 @@ _GONE = {
 
 _ADDED: dict[str, Any] = {'pairing.jump_s': 10.0, 'pairing.silent_wait_s': 60.0,
                           'runs.every_h': None, 'runs.cut_at_utc': None, 'runs.keep': 31,
+                          'bag_namespace': None,
                           'alignment.clock_range_s': 600.0,
                           'exclusions': None, 'sensors': None, 'norms.systematic_max_deg': None,
                           'motion.compare': True,

@@ -371,6 +371,9 @@ class Settings(Checked):
     sequential: Sequential = field(default_factory=Sequential)
     ts_topic: str = setting('ts/heading', 'topic of the TS')
     rs_topic: str = setting('rs/heading', 'topic of the RS')
+    bag_namespace: str | None = setting(
+        None, 'namespace in a bag of the topics without a leading slash, such as /ship1; none: '
+        'that of the recorder of this package, or the root')
     ts_convention: str = setting('enu', 'world axes of the TS orientation',
                                  choices=('enu', 'ned'))
     rs_convention: str = setting('enu', 'world axes of the RS orientation',

@@ -23,8 +23,8 @@ from typing import Any, Mapping, Sequence
 from rclpy.node import Node
 
 from heading_intercompare.bags.recording import recorder_losses
+from heading_intercompare.bags.recording.part_states import PartStates, STATES
 from heading_intercompare.bags.recording.resilient_recording import Recording
-from heading_intercompare.bags.rosbag2.part_states import PartStates, STATES
 from heading_intercompare.bags.rosbag2.provenance import (
     describe_origin,
     NOTE_TOPIC,
@@ -95,7 +95,8 @@ class Recorder(Node):
 
     def state_sources(self, sources: Mapping[str, Mapping[str, Any]]) -> None:
         """Record where the headings come from: the settings of each source, by node name."""
-        origin = describe_origin(self._settings.to_mapping(), sources, self._before)
+        origin = describe_origin(self._settings.to_mapping(), sources, self._before,
+                                 self.get_namespace())
         self._bag.metadata(RECORD, origin)
 
     def _drain(self) -> None:

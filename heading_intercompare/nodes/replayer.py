@@ -67,7 +67,7 @@ class Replayer(Node):
         if own.bag is None:
             raise SettingsError('bag is required: an .mcap file or a rosbag2 folder')
         self.done = self.ended = self._begun = False
-        self.health, self._reader = Health(self), BagReader(own.bag)
+        self.health, self._reader = Health(self), BagReader(own.bag, settings.bag_namespace)
         self._motion = beside.ReplayedMotion(self._reader, settings.motion)
         topics = [*(heard := places.judging_topics(settings)), MARKER_TOPIC, *self._motion.topics]
         names = published_names(self, topics + ['/clock'] * own.clock, remapped)

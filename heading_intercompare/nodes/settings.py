@@ -25,7 +25,7 @@ __all__ = ['ComplianceNode', 'DashboardNode', 'DriverNode', 'HeadingTypes', 'PAI
            'PUBLISHED', 'RecorderNode', 'ReplayerNode', 'Sending', 'SensorsNode', 'SHOWN',
            'SimulatorNode', 'SynchronizerNode', 'Taking']
 
-PUBLISHED = Used(Settings, ('ts_topic', 'rs_topic', 'sensors', 'motion'))
+PUBLISHED = Used(Settings, ('ts_topic', 'rs_topic', 'sensors', 'motion', 'bag_namespace'))
 """What a node that publishes headings uses of the settings of the analysis."""
 
 PAIRED = Used(Settings, (

@@ -258,7 +258,7 @@ def _has_pairs(path: str | os.PathLike[str], form: Format) -> bool:
     return of_parquet(os.fspath(path))
 
 
-def open_recording(path: str | os.PathLike[str]) -> Recording:
+def open_recording(path: str | os.PathLike[str], namespace: str | None = None) -> Recording:
     """
     Open a recording of any kind.
 
@@ -266,6 +266,8 @@ def open_recording(path: str | os.PathLike[str]) -> Recording:
     ----------
     path : str or path
         A bag of MCAP, or a file of one of `FORMATS`; a folder or a pattern of such files.
+    namespace : str, optional
+        Where the topics of a bag without a leading slash are; see `BagReader`.
 
     Raises
     ------
@@ -278,14 +280,14 @@ def open_recording(path: str | os.PathLike[str]) -> Recording:
     form = find_format(path)
     if form is None:
         refuse_unreadable(path)
-        return BagReader(path)
+        return BagReader(path, namespace)
     try:
         if form.read is not None:
             return StreamRecording(path, form.name, form.read)
         from .rosbag_recording import RosbagRecording
     except ImportError as error:
         raise _need(path, form, error) from None
-    return RosbagRecording(path)
+    return RosbagRecording(path, namespace)
 
 
 def open_log_of_streams(path: str | os.PathLike[str]) -> StreamRecording | None:

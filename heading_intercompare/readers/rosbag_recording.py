@@ -41,6 +41,7 @@ from rosbags.typesys import get_typestore, Stores
 
 from heading_intercompare.bags.packed_payloads import unpack_payload
 from heading_intercompare.bags.rosbag2.bag_reader import BagMessage, TopicInfo
+from heading_intercompare.bags.rosbag2.topic_names import clean_namespace, find_topic, list_topics
 from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.drivers.logs import LogReader
 from heading_intercompare.drivers.settings import DriverSettings
@@ -170,6 +171,8 @@ class RosbagRecording:
     path : str or path
         A ``.bag`` of ROS 1, a ``.db3`` file, or the directory of a rosbag2. A directory without
         metadata.yaml is read by its files.
+    namespace : str, optional
+        Where topics without a leading slash are; none: in the root.
 
     Attributes
     ----------
@@ -187,13 +190,14 @@ class RosbagRecording:
 
     recovered: str | None = None
 
-    def __init__(self, path: str | os.PathLike[str]) -> None:
+    def __init__(self, path: str | os.PathLike[str], namespace: str | None = None) -> None:
         self.path = Path(path)
         self.ros1 = self.path.is_file() and self.path.suffix != '.db3'
         # Its headers have no number, which the conversion leaves out.
         self._store = get_typestore(Stores.ROS2_HUMBLE) if self.ros1 else None
         self.incomplete: str | None = None
         self.oddities: list[str] = []
+        self.namespace = clean_namespace(namespace or '')
         paths = [self.path]
         if self.path.is_dir() and not (self.path / 'metadata.yaml').exists():
             paths = sorted(self.path.glob('*.db3'), key=natural_key)
@@ -227,14 +231,16 @@ class RosbagRecording:
         except _faults() as error:
             raise ReaderError(self.path, f'is damaged, or no bag: {error}') from error
 
+    def find(self, topic: str) -> str | None:
+        """Return the name in the bag of a topic within the namespace; None if there is none."""
+        return find_topic(self.topics, topic, self.namespace)
+
     def resolve(self, topic: str) -> str:
-        """Return the name in the bag of a topic given with or without a leading slash."""
-        for name in (topic, f'/{topic}'):
-            if name in self.topics:
-                return name
-        present = ', '.join(f'{name} ({info.type_name})'
-                            for name, info in sorted(self.topics.items()))
-        raise ReaderError(self.path, f'has no topic {topic!r}; it has {present or "no topics"}')
+        """Return the name in the bag of a topic within the namespace."""
+        found = self.find(topic)
+        if found is None:
+            raise ReaderError(self.path, list_topics(self.topics, topic, self.namespace))
+        return found
 
     def headings(self, conventions: Mapping[str, str], helpers: int = 0,
                  lost: Callable[[str, str, Losses], None] | None = None,

@@ -27,6 +27,7 @@ from typing import Callable, Iterator, Mapping
 import numpy as np
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagMessage, TopicInfo
+from heading_intercompare.bags.rosbag2.topic_names import find_topic
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.records import Headings, Losses, Motion
 
@@ -176,6 +177,7 @@ class StreamRecording:
 
     incomplete: str | None = None
     recovered: str | None = None
+    namespace = ''
 
     def __init__(self, path: str | os.PathLike[str], kind: str,
                  read: Callable[[str], Collected]) -> None:
@@ -198,11 +200,14 @@ class StreamRecording:
         lacking = ', '.join(f'{n} {why}' for why, n in self.not_taken.items())
         return f'{found}; not taken: {lacking}' if lacking else found
 
+    def find(self, topic: str) -> str | None:
+        """Return the name of a stream given with or without a leading slash; None without it."""
+        return find_topic(self.topics, topic)
+
     def resolve(self, topic: str) -> str:
         """Return the name of a stream given with or without a leading slash."""
-        for name in (topic, f'/{topic}', topic.removeprefix('/')):
-            if name in self.topics:
-                return name
+        if (found := self.find(topic)) is not None:
+            return found
         raise ReaderError(self.path, f'has no stream {topic!r}; it has {self.words_present}; '
                           'choose with --ts and --rs')
 

@@ -36,7 +36,7 @@ def load(tmp_path):
 
 @pytest.mark.parametrize('name', [
     'compliance', '/compliance', 'ship1/compliance', '/**/compliance', '/*', 'synchronizer',
-    'recorder', 'replayer', 'ts_driver', 'gyro_driver', 'dashboard', 'sensors_watch'])
+    'recorder', 'ts_driver', 'gyro_driver', 'dashboard', 'sensors_watch'])
 @pytest.mark.parametrize('given, key', [
     ({'norms': {'sigma_max_deg': 2.0}}, 'norms.sigma_max_deg'),
     ({'norms.sigma_max_deg': 2.0}, 'norms.sigma_max_deg'), ({'ts_topic': 'other'}, 'ts_topic'),
@@ -52,6 +52,10 @@ def test_a_node_does_not_judge_by_settings_that_the_others_do_not_know(load, nam
 def test_a_node_may_repeat_what_holds_for_all(load):
     assert load(recorder={'ts_topic': 'gyro', 'output': 'bag'}).sections['recorder'] == {
         'ts_topic': 'gyro', 'output': 'bag'}
+
+
+def test_the_replayer_may_take_another_topic_of_its_bag(load):
+    assert load(replayer={'ts_topic': 'other'}).sections['replayer'] == {'ts_topic': 'other'}
 
 
 def test_a_node_of_another_package_may_call_its_parameters_as_it_likes(load):

@@ -24,7 +24,7 @@ import string
 import numpy as np
 import pytest
 
-from heading_intercompare.bags.rosbag2.part_states import PartStates
+from heading_intercompare.bags.recording.part_states import PartStates
 from heading_intercompare.bags.rosbag2.provenance import Notes
 from heading_intercompare.core.pairing.incarnations import Incarnations
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey

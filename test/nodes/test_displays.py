@@ -28,7 +28,7 @@ import pytest
 from rclpy.node import Node
 import yaml
 
-from heading_intercompare.bags.rosbag2.part_states import PartStates
+from heading_intercompare.bags.recording.part_states import PartStates
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.runtime.health import Health

@@ -23,6 +23,7 @@ import time
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import QuaternionStamped, TwistStamped
 from nodes.rclpy_objects import heading_messages, headings_from, marker_message
+from nodes.ros_nodes import NORMS
 import pytest
 from rclpy.qos import QoSProfile
 from rclpy.serialization import deserialize_message, serialize_message
@@ -50,6 +51,7 @@ from heading_intercompare.messages.status_messages import (
 )
 from heading_intercompare.nodes.recorder import Recorder
 from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.parameters import make_overrides
 from heading_intercompare.nodes.taking import recorded_topics
 
 REPORT = json.dumps({'runs': [{'start_ns': 5, 'end_ns': 9}]})
@@ -245,6 +247,20 @@ def test_settings_and_version_are_in_the_bag(ros, tmp_path):
     assert stated['version'] == VERSION
     assert stated['settings.variant'] == 'C'
     assert stated['settings.norms.sigma_max_deg'] == '0.2'
+
+
+def test_the_namespace_of_the_graph_is_in_the_bag(ros, tmp_path):
+    """Without it the settings of the graph do not name the topics of its bag."""
+    node = ros.add(Recorder, cli_args=['--ros-args', '-r', '__ns:=/ship1'],
+                   parameter_overrides=make_overrides({**NORMS, 'output': str(tmp_path / 'bag')}))
+    sensor = sensor_of(ros, '/ship1/ts/heading')
+    sensor.publish(some_headings(1)[0])
+    ros.spin_until(lambda: node.written == 1)
+    bag = finish(ros, node, sensor)
+    assert bag.metadata()['heading_intercompare']['namespace'] == bag.namespace == '/ship1'
+    assert bag.resolve('ts/heading') == '/ship1/ts/heading'
+    root = finish(ros, recorder_of(ros, tmp_path / 'root'))
+    assert 'namespace' not in root.metadata()['heading_intercompare'] and root.namespace == ''
 
 
 def test_after_a_second_what_came_is_on_the_disk(ros, tmp_path):

@@ -58,11 +58,11 @@ def stamp_of(time):
     return time.sec * 10 ** 9 + time.nanosec
 
 
-def bag_of(path, marks=(), ts_topic='/ts/heading', noise_deg=None):
+def bag_of(path, marks=(), ts_topic='/ts/heading', noise_deg=None, place=''):
     """Write 30 s of both sensors at 10 Hz, and marks at the end of the file."""
     with BagWriter(path) as bag:
-        rows = []
-        for topic in (ts_topic, '/rs/heading'):
+        rows, ts_topic, marker = [], place + ts_topic, f'{place}/compliance/marker'
+        for topic in (ts_topic, f'{place}/rs/heading'):
             readings = HEADINGS
             if topic == ts_topic and noise_deg is not None:
                 readings = Headings.as_sent(HEADINGS.stamp_ns,
@@ -71,9 +71,9 @@ def bag_of(path, marks=(), ts_topic='/ts/heading', noise_deg=None):
             rows.append(Rows(topic, encode_imu(readings, 'gyro'), HEADINGS.stamp_ns + 5))
         bag.write_rows(rows)
         if marks:
-            bag.add_topic('/compliance/marker', 'diagnostic_msgs/msg/DiagnosticArray')
+            bag.add_topic(marker, 'diagnostic_msgs/msg/DiagnosticArray')
         for kind, ns in marks:
-            bag.write('/compliance/marker', serialize_message(marker_message(kind, ns)),
+            bag.write(marker, serialize_message(marker_message(kind, ns)),
                       T0_NS + 10 ** 12)
     return str(path)
 
@@ -92,6 +92,17 @@ def test_headings_come_as_they_were_recorded_and_then_the_node_is_done(ros, tmp_
     assert chunk_ns == HEADINGS.stamp_ns.tolist()
     assert headings_from(ts, 'enu') == headings_from(rs, 'enu')
     assert node.published == 600
+
+
+def test_a_bag_of_a_graph_in_a_namespace_is_replayed_in_that_of_the_node(ros, tmp_path):
+    bag = bag_of(tmp_path / 'bag', [('start', T0_NS)], place='/ship1')
+    with pytest.raises(BagError, match=r"'ts/heading', but /ship1/ts/heading \(bag_namespace="):
+        ros.ours(Replayer, bag=bag)
+    marks = ros.listen(DiagnosticArray, 'compliance/marker', qos.MARKER)
+    node = ros.ours(Replayer, bag=bag, rate=0.0, bag_namespace='/ship1')
+    ts, rs = listeners(ros)
+    ros.spin_until(lambda: node.done)
+    ros.spin_until(lambda: len(ts) == len(rs) == 300 and len(marks) == 1)
 
 
 def test_a_replay_says_for_whom_it_waits_and_how_it_goes_on(ros, tmp_path):

@@ -165,5 +165,5 @@ def _read_ts(path: str, settings: Settings,
         return (Headings.concatenate(Headings.of(p.stamp_ns, p.ts_deg) for p in pairs),
                 hash_files([path]))
     topic = settings.ts_topic
-    chunks = open_recording(path).headings({topic: settings.ts_convention})
+    chunks = open_recording(path, settings.bag_namespace).headings({topic: settings.ts_convention})
     return Headings.concatenate(chunk[topic] for chunk in chunks), None

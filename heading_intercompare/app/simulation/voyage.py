@@ -31,6 +31,7 @@ from heading_intercompare.app.sources.file_hash import hash_files
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.rosbag2.motion_topics import read_bag_motion
 from heading_intercompare.bags.rosbag2.provenance import TRUTH_TOPIC
+from heading_intercompare.bags.rosbag2.topic_names import find_topic
 from heading_intercompare.core.records import Headings, Motion
 from heading_intercompare.core.settings import MotionRule, SettingsError
 from heading_intercompare.drivers.settings import DriverError, DriverSettings
@@ -135,7 +136,7 @@ def _read(path: str, stream: str, needs_heading: bool = True) -> tuple[str, Trac
     if not needs_heading:
         return '', TrackRecord(Headings.empty(), told)
     name = _choose(path, stream, [topic for topic, info in recording.topics.items()
-                                  if info.type_name in HEADING_TYPES])
+                                  if info.type_name in HEADING_TYPES], recording.namespace)
     headings = Headings.concatenate(
         chunk[name] for chunk in recording.headings({name: 'enu'}))
     return name, TrackRecord(headings, told, attitude_of_bag(recording, name, 'enu'))
@@ -153,14 +154,14 @@ def _read_log(path: str, sentence: str, needs_heading: bool) -> tuple[str, Track
     return log.sentence or 'csv', TrackRecord(log.headings, moved.rows, attitude)
 
 
-def _choose(path: str, asked: str, present: list[str]) -> str:
+def _choose(path: str, asked: str, present: list[str], namespace: str = '') -> str:
     """Return the stream with the headings that count as true."""
-    by_name = {name.lstrip('/'): name for name in present}
-    wanted = asked.lstrip('/') or (TRUTH_TOPIC.lstrip('/') if TRUTH_TOPIC.lstrip('/') in by_name
-                                   else next(iter(by_name), '') if len(by_name) == 1 else '')
     if not present:
         raise BagError('has no headings', path)
-    if wanted not in by_name:
+    found = find_topic(present, asked or TRUTH_TOPIC, namespace) or find_topic(present, asked)
+    if found is None and not asked and len(present) == 1:
+        found = present[0]
+    if found is None:
         problem = f'has no headings {asked!r}' if asked else 'has headings of several sensors'
         raise BagError(f'{problem}; it has {", ".join(present)}; choose with track.heading', path)
-    return by_name[wanted]
+    return found

@@ -25,6 +25,7 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import Note, read_notes
 from heading_intercompare.bags.rosbag2.readable import Readable
+from heading_intercompare.bags.rosbag2.topic_names import find_elsewhere
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.marks import decode_marks, MARKER_TOPIC, MARKS
@@ -69,8 +70,9 @@ def read_bag(path: str | os.PathLike[str], settings: Settings | None = None) -> 
     path : path
         ``.mcap`` file or rosbag2 directory.
     settings : Settings, optional
-        Only `ts_topic`, `rs_topic`, `ts_convention` and `rs_convention` are used; the defaults
-        name the topics of this package. ``Settings.of(ts_topic='/gyro/imu')`` names others.
+        Only the topics of the headings, their conventions and `bag_namespace` are used; the
+        defaults name the topics of this package. ``Settings.of(ts_topic='/gyro/imu')`` names
+        others.
 
     Returns
     -------
@@ -87,21 +89,25 @@ def read_bag(path: str | os.PathLike[str], settings: Settings | None = None) -> 
 
     """
     rule = settings or Settings()
-    reader = BagReader(path)
+    reader = BagReader(path, rule.bag_namespace)
     topics = {rule.ts_topic: rule.ts_convention, rule.rs_topic: rule.rs_convention}
     chunks = list(reader.headings(topics))
+    marks = tuple(read_marks(reader))
     problems = (*find_problems(reader), *reader.oddities)
     for problem in problems:
         warnings.warn(f'{reader.path}: {problem}', stacklevel=2)
     ts, rs = (Headings.concatenate([chunk[topic] for chunk in chunks])
               for topic in (rule.ts_topic, rule.rs_topic))
-    return RecordedHeadings(ts, rs, tuple(read_marks(reader)), tuple(read_notes(reader)), problems)
+    return RecordedHeadings(ts, rs, marks, tuple(read_notes(reader)), problems)
 
 
 def read_marks(reader: Readable) -> Iterator[tuple[str, int]]:
     """Yield the marks of a bag: 'start' or 'stop', and the stamp; BagError for another message."""
-    topics = [t for t in reader.topics if t.lstrip('/') == MARKER_TOPIC]
-    for message in reader.messages(topics) if topics else ():
+    topic = reader.find(MARKER_TOPIC)
+    if others := find_elsewhere(reader.topics, MARKER_TOPIC, reader.namespace):
+        reader.oddities.append(f'the marks of another graph ({", ".join(others)}) do not count; '
+                               'bag_namespace names another')
+    for message in [] if topic is None else reader.messages([topic]):
         try:
             if message.type_name != STATUS_TYPE:
                 raise BagError(f'is {message.type_name}, must be {STATUS_TYPE}')

@@ -60,6 +60,7 @@ from .bag_files import find_files
 from .bag_yaml import Qos
 from .provenance import RECORD
 from .sequence_gaps import Numbering
+from .topic_names import clean_namespace, find_topic, list_topics, read_namespace
 
 __all__ = ['Attachment', 'BagMessage', 'BagReader', 'TopicInfo']
 
@@ -67,8 +68,6 @@ __all__ = ['Attachment', 'BagMessage', 'BagReader', 'TopicInfo']
 #: Records of the programs that keep the numbers of the publishers. Others may number the messages
 #: of all topics together, or in any other way.
 _NUMBERED_BY = (RECORD, 'rosbag2')
-#: Topics in a message.
-_MOST_NAMED = 20
 _DISORDER = ('its chunks are not in the order of time; its readings are read in the order of '
              'their log times')
 
@@ -169,6 +168,8 @@ class BagReader:
     path : str or path
         The file or directory. Files of a directory are read in natural order of their names;
         metadata.yaml may be absent.
+    namespace : str, optional
+        Where topics without a leading slash are. None: in that of the recorder, or in the root.
 
     Attributes
     ----------
@@ -191,13 +192,14 @@ class BagReader:
 
     """
 
-    def __init__(self, path: str | os.PathLike[str]) -> None:
+    def __init__(self, path: str | os.PathLike[str], namespace: str | None = None) -> None:
         self.path = Path(path)
         self.oddities: list[str] = []
         self._parts, absent = _open_files(self.path, self.oddities, self._make_folder)
         reasons = absent + [part.incomplete for part in self._parts if part.incomplete]
         self.incomplete = '; '.join(reasons) or None
         self._metadata: dict[str, dict[str, str]] | None = None
+        self._namespace = None if namespace is None else clean_namespace(namespace)
         self.start_ns = min((p.start_ns for p in self._parts if p.start_ns is not None),
                             default=None)
         self.end_ns = max((p.end_ns for p in self._parts if p.end_ns is not None), default=None)
@@ -225,9 +227,20 @@ class BagReader:
         schema = part.schemas.get(part.channels[number].schema_id)
         return full_name(schema.name) if schema else ''
 
+    @property
+    def namespace(self) -> str:
+        """Return the namespace of topics without a leading slash; '' for the root."""
+        if self._namespace is None:
+            self._namespace = read_namespace(self.metadata())
+        return self._namespace
+
+    def find(self, topic: str) -> str | None:
+        """Return the name in the bag of a topic within the namespace; None if there is none."""
+        return find_topic(self.topics, topic, self.namespace)
+
     def resolve(self, topic: str) -> str:
         """
-        Return the name in the bag of a topic given with or without a leading slash.
+        Return the name in the bag of a topic within the namespace.
 
         Raises
         ------
@@ -235,14 +248,11 @@ class BagReader:
             If there is no such topic; the message lists the topics of the bag.
 
         """
-        for name in (topic, f'/{topic}'):
-            if name in self.topics:
-                return name
-        named = [f'{name} ({info.type_name})' for name, info in sorted(self.topics.items())]
-        more = len(named) - _MOST_NAMED
-        present = ', '.join(named[:_MOST_NAMED]) + (f' and {more} more' if more > 0 else '')
-        cut = f' ({self.incomplete})' if self.incomplete else ''
-        raise BagError(f'has no topic {topic!r}; it has {present or "no topics"}{cut}', self.path)
+        found = self.find(topic)
+        if found is None:
+            cut = f' ({self.incomplete})' if self.incomplete else ''
+            raise BagError(list_topics(self.topics, topic, self.namespace) + cut, self.path)
+        return found
 
     def headings(self, conventions: Mapping[str, str], helpers: int = 0,
                  lost: Callable[[str, str, Losses], None] | None = None,

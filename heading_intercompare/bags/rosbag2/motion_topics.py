@@ -86,8 +86,7 @@ def find_motion_topics(bag: Readable, rule: MotionRule) -> dict[str, list[tuple[
     wanted: dict[str, list[tuple[str, str]]] = {}
     default = motion_topics(MotionRule())
     for what, topic in motion_topics(rule).items():
-        present = any(name.lstrip('/') == topic.lstrip('/') for name in bag.topics)
-        if not present and topic == default[what]:
+        if topic == default[what] and bag.find(topic) is None:
             continue
         name = bag.resolve(topic)
         kind = bag.topics[name].type_name

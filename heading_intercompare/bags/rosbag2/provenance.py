@@ -33,12 +33,15 @@ from heading_intercompare.messages.texts import decode_text, TEXT_TYPE
 if TYPE_CHECKING:
     from .readable import Readable
 
-__all__ = ['CONTINUES', 'describe_origin', 'is_note', 'Note', 'note_lines', 'NOTE_TOPIC', 'Notes',
-           'read_continues', 'read_notes', 'read_texts', 'RECORD', 'REPORT_TOPIC',
-           'SENSORS_REPORT_TOPIC', 'TRUTH_TOPIC']
+__all__ = ['CONTINUES', 'describe_origin', 'is_note', 'NAMESPACE', 'Note', 'note_lines',
+           'NOTE_TOPIC', 'Notes', 'read_continues', 'read_notes', 'read_texts', 'RECORD',
+           'REPORT_TOPIC', 'SENSORS_REPORT_TOPIC', 'TRUTH_TOPIC']
 
 CONTINUES = 'continues'
 """The key in that record that names the bag before this one."""
+
+NAMESPACE = 'namespace'
+"""The key in that record that names the namespace of the graph."""
 
 RECORD = 'heading_intercompare'
 """The metadata record with version, settings and sources."""
@@ -60,7 +63,7 @@ _TIMED = re.compile(r'(\d{4}-\d\d-\d\dT\d\d:\d\d(?::\d\d)?)(?:\.(\d{1,9}))?Z\s+(
 
 def describe_origin(settings: Mapping[str, object],
                     sources: Mapping[str, Mapping[str, object]] | None = None,
-                    continues: str | None = None) -> dict[str, object]:
+                    continues: str | None = None, namespace: str = '/') -> dict[str, object]:
     """
     Return the record `RECORD`.
 
@@ -72,9 +75,12 @@ def describe_origin(settings: Mapping[str, object],
         Where the headings come from: names and values of each source; None and '' are skipped.
     continues : str, optional
         Name of the bag of the same trial that came before this one.
+    namespace : str
+        Namespace of the graph; that of the root is not kept.
 
     """
     return {'version': VERSION, **({CONTINUES: continues} if continues else {}),
+            **({NAMESPACE: namespace} if namespace != '/' else {}),
             **{f'settings.{name}': 'none' if value is None else value
                for name, value in settings.items()},
             **{f'source.{source}.{name}': value for source, values in (sources or {}).items()
@@ -195,11 +201,12 @@ def read_texts(bag: Readable, topic: str) -> list[tuple[int, str]]:
         If the bag cannot be read.
 
     """
-    found = next((name for name, info in bag.topics.items() if name.lstrip('/') == topic
-                  and info.type_name == TEXT_TYPE and info.count), None)
+    found = bag.find(topic)
+    if found is None or bag.topics[found].type_name != TEXT_TYPE or not bag.topics[found].count:
+        return []
     try:
-        return [] if found is None else [(message.log_time_ns, decode_text(message.data))
-                                         for message in bag.messages([found])]
+        return [(message.log_time_ns, decode_text(message.data))
+                for message in bag.messages([found])]
     except MessageError as error:
         raise BagError(error.problem) from None
 

@@ -37,11 +37,18 @@ class Readable(Protocol):
     end_ns: int | None
 
     @property
+    def namespace(self) -> str:
+        """Return where topics without a leading slash are; '' for the root."""
+
+    @property
     def recovered(self) -> str | None:
         """Return what was lost when it was recovered from a damaged one."""
 
+    def find(self, topic: str) -> str | None:
+        """Return the name of a topic within the namespace; None if there is none."""
+
     def resolve(self, topic: str) -> str:
-        """Return the name of a topic given with or without a leading slash."""
+        """Return the name of a topic, within the namespace; an error if there is none."""
 
     def headings(self, conventions: Mapping[str, str], helpers: int = 0,
                  lost: Callable[[str, str, Losses], None] | None = None,

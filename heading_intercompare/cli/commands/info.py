@@ -29,10 +29,10 @@ from heading_intercompare.bags.recording.journal_reading import (
     read_origin,
     Unjudged,
 )
+from heading_intercompare.bags.recording.part_states import read_states, STATES
 from heading_intercompare.bags.recording.recorder_losses import RECORDING, tell_missing
 from heading_intercompare.bags.rosbag2.bag_check import BagCheck, check_bag
 from heading_intercompare.bags.rosbag2.bag_reader import Attachment, BagReader
-from heading_intercompare.bags.rosbag2.part_states import read_states, STATES
 from heading_intercompare.bags.rosbag2.provenance import (
     is_note,
     read_notes,

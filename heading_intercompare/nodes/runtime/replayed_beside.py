@@ -40,8 +40,8 @@ __all__ = ['publish_marks', 'ReplayedLosses', 'ReplayedMotion']
 
 def publish_marks(reader: BagReader, publisher: Publisher) -> int:
     """Publish all marks of a recording; return their number."""
-    topics = [name for name in reader.topics if name.lstrip('/') == MARKER_TOPIC]
-    marks = [message.data for message in reader.messages(topics)] if topics else []
+    topic = reader.find(MARKER_TOPIC)
+    marks = [] if topic is None else [message.data for message in reader.messages([topic])]
     for mark in marks:
         publisher.publish(mark)
     return len(marks)

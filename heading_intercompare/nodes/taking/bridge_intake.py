@@ -21,7 +21,7 @@ import time
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 
-from heading_intercompare.bags.rosbag2.part_states import DIAGNOSTICS_TOPIC
+from heading_intercompare.bags.recording.part_states import DIAGNOSTICS_TOPIC
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.heading_messages import read_headings, read_pairs
 from heading_intercompare.messages.ledger_messages import decode_ledger, LedgerMessage

@@ -17,8 +17,8 @@
 from __future__ import annotations
 
 from heading_intercompare.bags.recording.bag_writer import BagWriter
+from heading_intercompare.bags.recording.part_states import PartStates, read_states, STATES
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
-from heading_intercompare.bags.rosbag2.part_states import PartStates, read_states, STATES
 from heading_intercompare.messages.status_messages import (
     encode_statuses,
     ERROR,
