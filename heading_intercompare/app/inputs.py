@@ -350,7 +350,8 @@ def _analyze_bag(readers: Sequence[Readable], name: str, settings: Settings,
     hand_out(comparison.finish())
     results = comparison.results()
     if kept:
-        results = judge_aligned(Headings.concatenate(kept[ts]), Headings.concatenate(kept[rs]),
+        results = judge_aligned(Headings.concatenate(kept.pop(ts)),
+                                Headings.concatenate(kept.pop(rs)),
                                 results, settings, source=name, lost=lost, motion=motion)
     return Found(results, comparison.compliance.take_earlier(), comparison.ledger, Input(name),
                  tuple(problems), tuple(marks), motion=motion, remarks=tuple(remarks))

@@ -17,7 +17,10 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Callable, Sequence
+from itertools import pairwise
+from typing import Callable, Iterator, Sequence
+
+import numpy as np
 
 from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.timing.clock_search import find_apart
@@ -28,11 +31,13 @@ from heading_intercompare.core.verdict.judge import RunResult
 from heading_intercompare.core.verdict.verdict_document import Verdict
 
 from .pipeline import Intercomparison, join
-from .records import Headings, Losses, Motion, Pairs
+from .records import Headings, Integers, Losses, Motion, Pairs
 from .settings import LARGEST_SKEW_S, Pairing, Settings
 
 __all__ = ['analyze', 'judge_aligned', 'name_apart']
 
+#: Readings of the TS that are paired at once.
+_AT_ONCE = 1 << 16
 _LEAST_READINGS = 64
 _SHOWS_NONE = ('no_fit', 'too_few')
 
@@ -186,7 +191,8 @@ def _pair_again(ts: Headings, rs: Headings, result: RunResult, settings: Setting
     comparison = Intercomparison(moved, source=source, table=table)
     if motion is not None:
         comparison.take_motion(motion)
-    comparison.update(ts, rs)
+    for ts_part, rs_part in _cut(ts, rs, moved.alignment.skew_s):
+        comparison.update(ts_part, rs_part)
     for key, losses in lost:
         within = (losses.stamp_ns >= result.verdict.start_ns) & (
             losses.stamp_ns <= result.verdict.end_ns)
@@ -211,11 +217,36 @@ def _readings_of(ts: Headings, rs: Headings, result: RunResult, settings: Settin
     """Return the TS readings of a run, and the RS readings up to range and `apart_s` away."""
     known_ns = round(settings.alignment.skew_s * 1e9)
     run = result.verdict
-    inside = (ts.stamp_ns - known_ns >= run.start_ns) & (ts.stamp_ns - known_ns <= run.end_ns)
     margin_ns = (round((settings.alignment.skew_range_s + apart_s) * 1e9) + abs(known_ns)
                  + round(settings.pairing.max_gap_s * 1e9))
-    near = (rs.stamp_ns >= run.start_ns - margin_ns) & (rs.stamp_ns <= run.end_ns + margin_ns)
-    return ts[inside], rs[near]
+    return (_between(ts, run.start_ns + known_ns, run.end_ns + known_ns),
+            _between(rs, run.start_ns - margin_ns, run.end_ns + margin_ns))
+
+
+def _between(headings: Headings, first_ns: int, last_ns: int) -> Headings:
+    """Return the readings with stamps in a closed interval."""
+    stamp_ns = headings.stamp_ns
+    if _rises(stamp_ns):
+        lo, hi = np.searchsorted(stamp_ns, first_ns), np.searchsorted(stamp_ns, last_ns, 'right')
+        return headings[lo:hi]
+    return headings[(stamp_ns >= first_ns) & (stamp_ns <= last_ns)]
+
+
+def _rises(stamp_ns: Integers) -> bool:
+    return bool((stamp_ns[1:] >= stamp_ns[:-1]).all())
+
+
+def _cut(ts: Headings, rs: Headings, skew_s: float) -> Iterator[tuple[Headings, Headings]]:
+    """Yield the readings of both sensors in pieces that end together with the skew removed."""
+    if not (_rises(ts.stamp_ns) and _rises(rs.stamp_ns)):
+        yield ts, rs
+        return
+    ends_ns = ts.stamp_ns[_AT_ONCE::_AT_ONCE]
+    ts_ends, rs_ends = (
+        [0, *np.searchsorted(each.stamp_ns, ends_ns - round(late_s * 1e9)).tolist(), len(each)]
+        for each, late_s in ((ts, 0.0), (rs, skew_s)))
+    for ts_span, rs_span in zip(pairwise(ts_ends), pairwise(rs_ends)):
+        yield ts[slice(*ts_span)], rs[slice(*rs_span)]
 
 
 def _note_alignment(result: RunResult, found: Scan | None, words: str) -> RunResult:

@@ -20,6 +20,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare import analyze, Headings, Settings
+from heading_intercompare.core import offline
 
 S = 1_000_000_000
 T0 = 1_400_000_000 * S
@@ -64,6 +65,33 @@ def test_an_aligned_run_keeps_its_first_and_last_pair(rng, rs_hz, late_s):
         stamps = rs.stamp_ns[(rs.stamp_ns >= kept[0]) & (rs.stamp_ns <= kept[-1])]
         assert run.pairing.ts_variance_factor < 1.0 == run.pairing.rs_variance_factor
     assert (run.start_ns, run.end_ns, run.n) == (stamps[0], stamps[-1], stamps.size)
+
+
+def without(headings, from_s, to_s):
+    """Return headings without those of a stretch."""
+    t_s = (headings.stamp_ns - T0) / 1e9
+    return headings[(t_s < from_s) | (t_s >= to_s)]
+
+
+@pytest.mark.parametrize('rs_hz', [1.0, 10.0])
+@pytest.mark.parametrize('case', ['whole', 'ts hole', 'rs hole', 'clocks apart', 'disorder'])
+def test_a_run_paired_again_in_pieces_is_that_of_all_readings_at_once(
+        rng, rs_hz, case, monkeypatch):
+    """At once the readings of 12 h at 100 Hz took 1.3 GB, which is why they come in pieces."""
+    ts, rs = late_ts(rng, rs_hz, 0.45)
+    if case == 'clocks apart':
+        ts = Headings.of(ts.stamp_ns + 85 * S, ts.heading_deg)
+    elif case == 'disorder':
+        ts = ts[np.r_[0:500, 600:700, 500:600, 700:len(ts)]]
+    elif case != 'whole':
+        ts, rs = (without(each, 400.0, 480.0) if name == case[:2] else each
+                  for name, each in (('ts', ts), ('rs', rs)))
+    settings = Settings.from_mapping({
+        'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1, 'alignment.skew': 'apply'})
+    whole = analyze(ts, rs, settings).to_dict()
+    assert sum(any('aligned: ' in word for word in run['warnings']) for run in whole['runs'])
+    monkeypatch.setattr(offline, '_AT_ONCE', 300)
+    assert analyze(ts, rs, settings).to_dict() == whole
 
 
 GYROS = ('gyr1', 'lgyr')

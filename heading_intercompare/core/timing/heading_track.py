@@ -23,7 +23,7 @@ import numpy as np
 from heading_intercompare.core.angles import unwrap_deg
 from heading_intercompare.core.records import Headings, Reals
 
-__all__ = ['Track']
+__all__ = ['RisingTimes', 'Track']
 
 _ROUNDING_S = 5e-10
 
@@ -80,3 +80,43 @@ class Track:
             begun = np.searchsorted(self.t_s[gaps], to_s, side='left')
             good &= ended == begun
         return good
+
+
+class RisingTimes:
+    """
+    A track at a set of times that rise together from call to call.
+
+    Searching each time anew in a long track costs more than the rest; most move by a reading or
+    two.
+
+    Parameters
+    ----------
+    track : Track
+        Of at least two readings.
+    t_s : array_like, shape (n,)
+        The first times, within those of the readings.
+
+    """
+
+    def __init__(self, track: Track, t_s: Reals) -> None:
+        self._t_s, self._heading_deg = track.t_s, track.heading_deg
+        # The last reading begins no step.
+        self._last = self._t_s.size - 2
+        self._at = np.clip(np.searchsorted(self._t_s, t_s, side='right') - 1, 0, self._last)
+        self._step()
+
+    def _step(self) -> None:
+        """Read the step of the track in which each time lies."""
+        self._from_s, self._from_deg = self._t_s[self._at], self._heading_deg[self._at]
+        self._to_s = self._t_s[self._at + 1]
+        self._slope = ((self._heading_deg[self._at + 1] - self._from_deg)
+                       / (self._to_s - self._from_s))
+
+    def at(self, t_s: Reals) -> Reals:
+        """Return unwrapped headings as `Track.at` does; no time is before its last one."""
+        late = np.flatnonzero((t_s >= self._to_s) & (self._at < self._last))
+        while late.size:
+            self._at[late] += 1
+            self._step()
+            late = late[(t_s[late] >= self._to_s[late]) & (self._at[late] < self._last)]
+        return self._slope * (t_s - self._from_s) + self._from_deg

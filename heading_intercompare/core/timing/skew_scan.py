@@ -17,7 +17,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 import math
+from typing import Callable
 
 import numpy as np
 
@@ -25,7 +27,7 @@ from heading_intercompare.core.angles import wrap180
 from heading_intercompare.core.records import Headings, Reals
 from heading_intercompare.core.statistics.blocking import sum_covariance
 
-from .heading_track import Track
+from .heading_track import RisingTimes, Track
 from .skew_instrument import LEAST_STRENGTH
 
 __all__ = ['Scan', 'scan_skew']
@@ -91,19 +93,31 @@ class _Differences:
         self.rs = rs
         self.t_s, self.ts_deg = ts.t_s[inside], ts.heading_deg[inside]
 
-    def at(self, skew_s: float, every: int = 1) -> np.ndarray:
+    def at(self, skew_s: float) -> Reals:
         """Return the wrapped differences at a skew."""
-        x: Reals = self.ts_deg[::every] - self.rs.at(self.t_s[::every] - skew_s)
-        x -= 360.0 * round(float(x.mean()) / 360.0)
-        if float(x.max()) >= 180.0 or float(x.min()) < -180.0:
-            x = wrap180(x)
-        return x
+        return _wrap(self.ts_deg - self.rs.at(self.t_s - skew_s))
 
-    def variance(self, skew_s: float, every: int = 1) -> float:
+    def variance(self, skew_s: float) -> float:
         """Return the sample variance at a skew; needs at least two readings."""
-        x = self.at(skew_s, every)
-        x -= x.mean()
-        return float(x @ x) / (x.size - 1)
+        return _find_variance(self.at(skew_s))
+
+    def search(self, skews_s: Reals, every: int) -> Reals:
+        """Return the sample variances of every so many readings at rising skews."""
+        t_s, ts_deg = self.t_s[::every], self.ts_deg[::every]
+        rs = RisingTimes(self.rs, t_s - skews_s[-1])
+        found = [_find_variance(_wrap(ts_deg - rs.at(t_s - skew_s)))
+                 for skew_s in skews_s[::-1].tolist()]
+        return np.array(found[::-1])
+
+
+def _wrap(x: Reals) -> Reals:
+    x -= 360.0 * round(float(x.mean()) / 360.0)
+    return wrap180(x) if float(x.max()) >= 180.0 or float(x.min()) < -180.0 else x
+
+
+def _find_variance(x: Reals) -> float:
+    x -= x.mean()
+    return float(x @ x) / (x.size - 1)
 
 
 def scan_skew(ts: Headings, rs: Headings, range_s: float = 2.0, step_s: float = 0.01, *,
@@ -163,11 +177,14 @@ def scan_skew(ts: Headings, rs: Headings, range_s: float = 2.0, step_s: float = 
         return None
     every = max(1, -(-n // _SEARCHED))
     grid = np.arange(-last, last + 1)
-    searched = np.array([difference.variance(k * step_s, every) for k in grid.tolist()])
-    best = _descend(difference, step_s, last, int(grid[np.argmin(searched)]))
-    skew_s = _find_lowest(difference, best, last, step_s)
+    skews_s: Reals = grid.astype(np.float64) * step_s
+    searched = difference.search(skews_s, every)
+    variance = lru_cache(maxsize=None)(lambda k: difference.variance(k * step_s))
+    best = _descend(variance, last, int(grid[np.argmin(searched)]))
+    skew_s = _find_lowest(variance, best, last, step_s)
+    zero = _spread(difference.at(0.0))
     x = difference.at(skew_s)
-    zero = difference.at(0.0)
+    here = _spread(x)
     u_s, bias_s = _uncertainty(difference, skew_s, step_s, x)
     at_edge = abs(best) == last
     thin = max(1, -(-last // _CURVE))
@@ -175,35 +192,37 @@ def scan_skew(ts: Headings, rs: Headings, range_s: float = 2.0, step_s: float = 
     return Scan(n, last * step_s, step_s, skew_s, u_s, bias_s, at_edge,
                 not at_edge and u_s is not None and bias_s is not None
                 and u_s + bias_s <= 0.1 * last * step_s,
-                float(x.std(ddof=1)), float(x.mean()), float(zero.std(ddof=1)),
-                float(zero.mean()), tuple((grid[shown] * step_s).tolist()),
+                *here, *zero, tuple((grid[shown] * step_s).tolist()),
                 tuple(np.sqrt(searched[shown]).tolist()))
 
 
-def _descend(difference: _Differences, step_s: float, last: int, start: int) -> int:
+def _spread(x: Reals) -> tuple[float, float]:
+    """Return the standard deviation and the mean."""
+    return float(x.std(ddof=1)), float(x.mean())
+
+
+def _descend(variance: Callable[[int], float], last: int, start: int) -> int:
     """Return the nearest grid point with a local minimum of the variance of all readings."""
-    best, least = start, difference.variance(start * step_s)
+    best = start
     for direction in (1, -1):
-        while abs(best + direction) <= last:
-            value = difference.variance((best + direction) * step_s)
-            if value >= least:
-                break
-            best, least = best + direction, value
+        while (abs(best + direction) <= last
+               and variance(best + direction) < variance(best)):
+            best += direction
     return best
 
 
-def _find_lowest(difference: _Differences, best: int, last: int, step_s: float) -> float:
+def _find_lowest(variance: Callable[[int], float], best: int, last: int, step_s: float) -> float:
     """Return the minimum of the parabola through a grid point and its neighbours."""
     if abs(best) == last:
         return best * step_s
-    minus, here, plus = (difference.variance(k * step_s) for k in (best - 1, best, best + 1))
+    minus, here, plus = (variance(k) for k in (best - 1, best, best + 1))
     bend = plus - 2.0 * here + minus
     return best * step_s - (step_s * (plus - minus) / (2.0 * bend) if bend > 0.0 else 0.0)
 
 
 def _uncertainty(difference: _Differences, skew_s: float, step_s: float,
                  x: np.ndarray) -> tuple[float | None, float | None]:
-    """Return the standard uncertainty, and the largest shift by interpolation."""
+    """Return the standard uncertainty, and the largest shift by interpolation; changes `x`."""
     if x.size < 64:
         return None, None
     t, ts_deg = difference.t_s, difference.ts_deg
@@ -215,13 +234,20 @@ def _uncertainty(difference: _Differences, skew_s: float, step_s: float,
     if power <= 0.0:
         return None, None
     # The neighbours of a TS reading give its rate without the noise of the reading itself.
-    ts_rate = np.gradient(ts_deg, difference.t_s)
-    common = rate * (ts_rate - ts_rate.mean())
+    common = np.empty_like(rate)
+    common[1:-1] = ts_deg[2:] - ts_deg[:-2]
+    common[1:-1] /= difference.t_s[2:] - difference.t_s[:-2]
+    common[0], common[-1] = common[1], common[-2]
+    common -= common.mean()
+    common *= rate
     covariance, _ = sum_covariance(common)
     total = float(common.sum())
+    del common
     if total <= 0.0 or total * total < LEAST_STRENGTH * float(covariance):
         return None, None
     noise = max(0.0, 1.0 - total / power)
-    covariance, _ = sum_covariance(rate * (x - x.mean()))
+    x -= x.mean()
+    x *= rate
+    covariance, _ = sum_covariance(x)
     interval = float(np.median(np.diff(difference.rs.t_s)))
     return math.sqrt(float(covariance)) / power, 0.5 * interval * noise
