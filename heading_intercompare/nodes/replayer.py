@@ -48,7 +48,7 @@ from heading_intercompare.nodes.runtime.publishing import (
 )
 from heading_intercompare.nodes.sensors import places
 
-from .settings import PUBLISHED, ReplayerNode, Sending
+from .settings import REPLAYED, ReplayerNode, Sending
 
 __all__ = ['main', 'Replayer']
 
@@ -63,7 +63,7 @@ class Replayer(Node):
     def __init__(self, *, remapped: Collection[str] = (),
                  clock_ns: Callable[[], int] = time.monotonic_ns, **kwargs: Any) -> None:
         super().__init__('replayer', **OVERRIDES, **kwargs)
-        settings, sending, own = declare(self, PUBLISHED, Sending, ReplayerNode)
+        settings, sending, own = declare(self, REPLAYED, Sending, ReplayerNode)
         if own.bag is None:
             raise SettingsError('bag is required: an .mcap file or a rosbag2 folder')
         self.done = self.ended = self._begun = False

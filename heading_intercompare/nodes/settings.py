@@ -22,11 +22,14 @@ from heading_intercompare.core.settings import Checked, setting, Settings, Used
 from heading_intercompare.messages.heading_messages import HEADING_TYPES
 
 __all__ = ['ComplianceNode', 'DashboardNode', 'DriverNode', 'HeadingTypes', 'PAIRED',
-           'PUBLISHED', 'RecorderNode', 'ReplayerNode', 'Sending', 'SensorsNode', 'SHOWN',
-           'SimulatorNode', 'SynchronizerNode', 'Taking']
+           'PUBLISHED', 'RecorderNode', 'REPLAYED', 'ReplayerNode', 'Sending', 'SensorsNode',
+           'SHOWN', 'SimulatorNode', 'SynchronizerNode', 'Taking']
 
-PUBLISHED = Used(Settings, ('ts_topic', 'rs_topic', 'sensors', 'motion', 'bag_namespace'))
+PUBLISHED = Used(Settings, ('ts_topic', 'rs_topic', 'sensors', 'motion'))
 """What a node that publishes headings uses of the settings of the analysis."""
+
+REPLAYED = Used(Settings, (*PUBLISHED.names, 'bag_namespace'))
+"""What a node that publishes those of a bag uses of them."""
 
 PAIRED = Used(Settings, (
     'ts_topic', 'rs_topic', 'ts_convention', 'rs_convention', 'sensors', 'pairing',

@@ -596,9 +596,13 @@ def test_an_unreadable_message_is_an_invalid_reading_at_its_log_time(tmp_path, b
 def test_nothing_but_unreadable_messages_takes_no_time(tmp_path):
     def timed(messages):
         path = mcap_file(tmp_path / 'a.mcap', [('/ts', m) for m in messages], IMU)
-        began_s = time.process_time()
-        found = read(path, {'/ts': 'enu'})['/ts']
-        return found, time.process_time() - began_s
+        took_s = []
+        # The least of several: another process may hold one up.
+        for _ in range(4):
+            began_s = time.process_time()
+            found = read(path, {'/ts': 'enu'})['/ts']
+            took_s.append(time.process_time() - began_s)
+        return found, min(took_s)
 
     _, few_s = timed([BAD[n % 4] for n in range(10_000)])
     found, many_s = timed([BAD[n % 4] for n in range(40_000)])

@@ -23,7 +23,7 @@ from rclpy.parameter import Parameter
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.core.settings import list_settings, Settings, SettingsError, to_mapping
 from heading_intercompare.nodes.ros.parameters import declare, follow, make_overrides, OVERRIDES
-from heading_intercompare.nodes.settings import PAIRED, PUBLISHED, SHOWN
+from heading_intercompare.nodes.settings import PAIRED, PUBLISHED, REPLAYED, SHOWN
 
 
 def node_with(ros, values):
@@ -78,7 +78,7 @@ def test_only_what_a_node_uses_becomes_a_parameter_and_all_of_it_is_checked(ros)
             declare(node_with(ros, wrong), PUBLISHED)
 
 
-@pytest.mark.parametrize('used', [PUBLISHED, PAIRED, SHOWN])
+@pytest.mark.parametrize('used', [PUBLISHED, REPLAYED, PAIRED, SHOWN])
 def test_what_is_used_is_there(used):
     known = {rule.name for rule in list_settings(Settings)}
     assert all(name in known or any(one.startswith(f'{name}.') for one in known)
