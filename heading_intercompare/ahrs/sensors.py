@@ -26,7 +26,7 @@ from heading_intercompare.ahrs.gimballed.output import AhrsOutput
 from heading_intercompare.ahrs.inertial.compiled_loop import compile_recursion
 from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
 from heading_intercompare.core.angles import wrap360
-from heading_intercompare.core.records import Headings
+from heading_intercompare.core.records import Headings, Reals
 
 from .plans import parse_deviation
 from .random_noise import Markov, open_stream, Outages
@@ -148,10 +148,11 @@ class SimulatedSensor:
         random_deg = math.hypot(self._terms.white_deg, self._terms.markov_deg,
                                 s.resolution_deg / math.sqrt(12.0))
         if self._ahrs:
-            heading_deg, sigma_deg = self._ahrs.read(t_s)
+            heading_deg, sigma_deg, rate_rad_s = self._ahrs.read(t_s)
             sigma_deg = np.hypot(sigma_deg, random_deg)
         else:
-            heading_deg = np.degrees(self._truth.heading_rad(t_s))
+            heading_rad, rate_rad_s = self._truth.read_heading(t_s)
+            heading_deg = np.degrees(heading_rad)
             sigma_deg = np.full(t_s.shape, random_deg)
         if s.claimed_sigma_deg is not None:
             sigma_deg = np.where(np.isnan(heading_deg), np.nan, s.claimed_sigma_deg)
@@ -162,9 +163,8 @@ class SimulatedSensor:
             heading_deg = s.resolution_deg * np.rint(heading_deg / s.resolution_deg)
         given = self._rng['dropout'].random(t_s.size) >= s.dropout
         given &= ~self._outages.cover(t_s)
-        rate_deg_s = np.degrees(self._truth.heading_rate_rad_s(t_s))
         return Readings(Headings.as_sent(self._stamps(t_s), wrap360(heading_deg)), t_s, sigma_deg,
-                        rate_deg_s)[given]
+                        np.degrees(rate_rad_s))[given]
 
     def _errors(self, t_s: np.ndarray) -> np.ndarray:
         """Return the errors of the closed-form model, degrees."""
@@ -172,11 +172,15 @@ class SimulatedSensor:
         white = self._rng['white']
         drawn = (white.standard_normal(t_s.size) if terms.white_shape == 'normal'
                  else math.sqrt(12.0) * (white.random(t_s.size) - 0.5))
-        turning = 2.0 * math.pi / terms.tone_period_s * t_s + self._tone_phase_rad
-        return (terms.offset_deg + terms.drift_deg_h * t_s / 3600.0
-                + terms.settling_deg * np.exp(-t_s / terms.settling_tau_s)
-                + terms.tone_deg * np.sin(turning)
-                + self._markov.take(t_s.size) + terms.white_deg * drawn)
+        error_deg: Reals = terms.offset_deg + terms.drift_deg_h * t_s / 3600.0
+        if terms.settling_deg:
+            error_deg += terms.settling_deg * np.exp(-t_s / terms.settling_tau_s)
+        if terms.tone_deg:
+            error_deg += terms.tone_deg * np.sin(
+                2.0 * math.pi / terms.tone_period_s * t_s + self._tone_phase_rad)
+        error_deg += self._markov.take(t_s.size)
+        error_deg += terms.white_deg * drawn
+        return error_deg
 
     def _deviate(self, t_s: np.ndarray) -> np.ndarray:
         """Return the error that depends on the true heading, degrees."""

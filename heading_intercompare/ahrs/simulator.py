@@ -23,7 +23,9 @@ from typing import Iterator, Mapping
 import numpy as np
 
 from heading_intercompare.ahrs.gimballed.modes import AhrsStatus
+from heading_intercompare.ahrs.inertial.compiled_loop import compile_steering
 from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
+from heading_intercompare.ahrs.ship.steering import Steering
 from heading_intercompare.ahrs.ship.track_course import Track
 from heading_intercompare.core.records import Headings, Motion
 
@@ -189,6 +191,8 @@ class Trial:
         s = scenario
         # Without an AHRS, loading numba would take longer than it saves.
         fast = fast and any(one.model in AHRS_MODELS for one in s.sensors.values())
+        if fast and isinstance(ship.course, Steering):
+            compile_steering(ship.course)
         self.now_s = 0.0
         self._last_s = s.duration_s + max(one.latency_s for one in s.sensors.values())
         self._true = _Truth(ship, start_ns, s)
@@ -319,8 +323,9 @@ class _Sender:
     def take(self, end_s: float) -> Readings:
         """Return the readings delivered since the last call and before `end_s`."""
         parts = [self._waiting]
-        while self._made_s < min(end_s - self._latency_s, self._duration_s):
-            self._made_s = min(self._made_s + BLOCK_S, self._duration_s)
+        wanted_s = min(end_s - self._latency_s, self._duration_s)
+        if self._made_s < wanted_s:
+            self._made_s = min(BLOCK_S * math.ceil(wanted_s / BLOCK_S), self._duration_s)
             parts.append(self._sensor.take(self._made_s))
         made = Readings.concatenate(parts)
         n = int(np.searchsorted(made.t_s + self._latency_s, end_s, side='left'))

@@ -140,6 +140,8 @@ class GimballedAhrs:
         self._events = list(parse_events(settings.events))
         self._place = open_stream(seed, f'{role}.ahrs.start')
         self._step = self._entered = 0
+        # Inputs and mounting errors of the minute.
+        self._rows = self._flexure_rad = np.empty(0)
         self._steady = Steady(loop.HOLD, 0)
         self.computer.prepare(float(ship.block(0).latitude_rad[0]))
         self._compiled = compile_for(self.platform, self.computer) if fast else None
@@ -259,18 +261,21 @@ class GimballedAhrs:
 
     def block(self) -> Track:
         """Run for the next ten seconds and return the states."""
-        ship = self._ship.block(self._step // BLOCK_STEPS)
-        random = self.instruments.take(TRACK_STEPS)
-        rows = rows_of(ship, self._step % BLOCK_STEPS, random)
+        minute, first = divmod(self._step, BLOCK_STEPS)
+        if not first:
+            ship, random = self._ship.block(minute), self.instruments.take(BLOCK_STEPS)
+            self._rows, self._flexure_rad = rows_of(ship, random), random['flexure']
+            if not minute:
+                self._look(ship)
+        steps = slice(first, first + TRACK_STEPS)
+        rows = self._rows[steps]
         start_s, platform, computer = self.now_s, self.platform, self.computer
-        if not self._step:
-            self._look(ship)
         grid = np.empty((TRACK_STEPS + 1, 4))
         states = grid.tolist() if self._compiled is None else grid
         inputs = rows.tolist() if self._compiled is None else rows
         states[0][:] = self._state()
         said: list[AhrsStatus] = []
-        kept: list[tuple[Mode, Validity, float]] = []
+        kept: list[tuple[int, Mode, Validity, float]] = []
         k = 0
         if self._compiled:
             self._compiled.begin()
@@ -300,17 +305,17 @@ class GimballedAhrs:
                     platform.step(rows[k].tolist(), *rates)
                     computer.take()
                 states[k + 1][:] = self._state()
-            kept += [(self.mode, self.validity, self.sigma_rad)] * n
+            kept.append((n, self.mode, self.validity, self.sigma_rad))
             k += n
             self._step += n
             if self._step % 10 == 0:
                 self._watch()
         azimuth, assumed, alpha, beta = np.array(states).T
         error = np.arctan2(np.sin(assumed - azimuth), np.cos(assumed - azimuth))
-        mode, validity, sigma = zip(*kept)
-        return Track(start_s, azimuth, error, alpha, beta, random['flexure'], np.array(sigma),
-                     np.array(mode, dtype=np.int8), np.array(validity, dtype=np.int8),
-                     tuple(said))
+        lasted, mode, validity, sigma = zip(*kept)
+        return Track(start_s, azimuth, error, alpha, beta, self._flexure_rad[steps],
+                     np.repeat(sigma, lasted), np.repeat(np.array(mode, np.int8), lasted),
+                     np.repeat(np.array(validity, np.int8), lasted), tuple(said))
 
     def _state(self) -> tuple[float, float, float, float]:
         """Return the true and the assumed azimuth, and the two tilts."""

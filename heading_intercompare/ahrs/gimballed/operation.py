@@ -54,7 +54,7 @@ def gyrocompass(ahrs: Machine) -> Procedure:
         # What was claimed before may be more, such as after hours of a free azimuth.
         ahrs.sigma_rad = max(alignment_sigma(ahrs.residual_deg_h, computer.latitude_rad),
                              ahrs.sigma_rad)
-    speed_rad = 0.0
+    speed_rad, output_rad = 0.0, output_sigma(errors)
     for second in count(1):
         yield Steady(GYROCOMPASS, SECOND)
         latitude_rad = computer.latitude_rad
@@ -75,7 +75,7 @@ def gyrocompass(ahrs: Machine) -> Procedure:
                 ahrs.validity = Validity.SETTLING
                 ahrs.say('meridian lost')
         if ahrs.validity is Validity.VALID:
-            ahrs.sigma_rad = math.hypot(output_sigma(errors), speed_rad, gyrocompass_sigma(
+            ahrs.sigma_rad = math.hypot(output_rad, speed_rad, gyrocompass_sigma(
                 errors, ahrs.residual_deg_h, sigma_1_s, ahrs.soak, latitude_rad))
 
 

@@ -37,10 +37,16 @@ BLOCK_S = TRACK_STEPS * GRID_S
 
 
 class Indication(NamedTuple):
-    """Headings as a continuous angle and claimed standard deviations, degrees; nan if invalid."""
+    """
+    The output of an AHRS at some instants, each of shape (n,).
+
+    Headings as a continuous angle and claimed standard deviations, degrees; nan if invalid. The
+    true rate of turn, rad/s.
+    """
 
     heading_deg: np.ndarray
     sigma_deg: np.ndarray
+    rate_rad_s: np.ndarray
 
 
 class AhrsOutput:
@@ -71,7 +77,7 @@ class AhrsOutput:
         self._white = open_stream(seed, f'{role}.ahrs.output')
         self._noise_deg = self._errors.output_deg if sensor.ahrs.noise else 0.0
         self._phases = (2.0 * math.pi * self._white.random(2)).tolist()
-        self._track: Track | None = None
+        self._tracks: list[Track] = []
         self._statuses: list[AhrsStatus] = []
 
     def statuses(self) -> tuple[AhrsStatus, ...]:
@@ -93,42 +99,48 @@ class AhrsOutput:
             Seconds since the start, no earlier than the block in which the last call ended.
 
         """
-        heading_deg, sigma_deg = np.empty(t_s.shape), np.empty(t_s.shape)
-        done = 0
-        while done < t_s.size:
-            if self._track is None or t_s[done] >= self._track.start_s + BLOCK_S:
-                self._track = self._ahrs.block()
-                self._statuses += self._track.statuses
-                continue
-            end_s = self._track.start_s + BLOCK_S
-            part = slice(done, int(np.searchsorted(t_s, end_s, side='left')))
-            heading_deg[part], sigma_deg[part] = self._indicate(self._track, t_s[part])
-            done = part.stop
-        return Indication(heading_deg, sigma_deg)
+        while t_s.size and (not self._tracks
+                            or t_s[-1] >= self._tracks[-1].start_s + BLOCK_S):
+            self._tracks.append(self._ahrs.block())
+            self._statuses += self._tracks[-1].statuses
+        if not t_s.size:
+            return Indication(t_s, t_s, t_s)
+        said = self._indicate(t_s)
+        del self._tracks[:-1]
+        return said
 
-    def _indicate(self, track: Track, t_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _indicate(self, t_s: np.ndarray) -> Indication:
         """
-        Return headings and claimed standard deviations within one block.
+        Return the output within the blocks at hand.
 
         The heading is that of the ship plus the azimuth error of the platform (assumed minus true
         azimuth), with follow-up lag, pick-off harmonics, gimbal coupling, flexure and noise.
         """
         e, ship = self._errors, self._ship
-        position = np.minimum((t_s - track.start_s) / GRID_S, TRACK_STEPS - 1e-9)
+        start_s = np.array([track.start_s for track in self._tracks])
+        block = np.searchsorted(start_s[:-1] + BLOCK_S, t_s, side='right')
+        position = np.minimum((t_s - start_s[block]) / GRID_S, TRACK_STEPS - 1e-9)
         step = np.maximum(position, 0.0).astype(np.int64)
-        left, right = track.error_rad[step], track.error_rad[step + 1]
-        error = left + (position - step) * (right - left)
-        heading = ship.heading_rad(t_s)
-        psi = heading - (track.azimuth_rad[step] + (position - step) * (
-            track.azimuth_rad[step + 1] - track.azimuth_rad[step]))
-        roll, pitch = ship.roll_pitch_rad(t_s)
+        part, step = position - step, step + block * TRACK_STEPS
+        # The end of a block is the start of the next one, but for rounding.
+        left = step + block
+        error, azimuth = (
+            values[left] + part * (values[left + 1] - values[left])
+            for values in (self._join('error_rad'), self._join('azimuth_rad')))
+        heading, rate, roll, pitch = ship.read_attitude(t_s)
+        psi = heading - azimuth
         arcsec = (e.harmonic_arcsec * np.sin(psi + self._phases[0])
                   + e.harmonic2_arcsec * np.sin(2.0 * psi + self._phases[1]))
         indicated = np.degrees(
-            heading + error - e.follow_up_s * ship.heading_rate_rad_s(t_s)
-            + e.coupling * (roll + pitch) + track.flexure_rad[step]) + arcsec / 3600.0
+            heading + error - e.follow_up_s * rate
+            + e.coupling * (roll + pitch) + self._join('flexure_rad')[step]) + arcsec / 3600.0
         indicated += self._noise_deg * self._white.standard_normal(t_s.size)
         indicated = RESOLUTION_DEG * np.rint(indicated / RESOLUTION_DEG)
-        given = track.validity[step] >= self._least
-        return (np.where(given, indicated, np.nan),
-                np.where(given, np.degrees(track.sigma_rad[step]), np.nan))
+        given = self._join('validity')[step] >= self._least
+        return Indication(
+            np.where(given, indicated, np.nan),
+            np.where(given, np.degrees(self._join('sigma_rad')[step]), np.nan), rate)
+
+    def _join(self, name: str) -> np.ndarray:
+        """Return an attribute of all blocks at hand, one after the other."""
+        return np.concatenate([getattr(track, name) for track in self._tracks])

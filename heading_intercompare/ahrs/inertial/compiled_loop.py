@@ -21,23 +21,23 @@ import hashlib
 from importlib.util import find_spec
 from operator import attrgetter
 from pathlib import Path
-from typing import Any, Callable
+from typing import Any, Callable, NamedTuple
 
 import numpy as np
 
 from heading_intercompare.ahrs.random_noise import Markov, recur
-from heading_intercompare.ahrs.ship import earth
+from heading_intercompare.ahrs.ship import earth, steering
 from heading_intercompare.core.records import Reals
 
 from . import control_laws, loop
 from .computer import Computer
 from .platform import Platform
 
-__all__ = ['compile_for', 'compile_recursion', 'CompiledLoop']
+__all__ = ['compile_for', 'compile_recursion', 'compile_steering', 'CompiledLoop']
 
 COMPILED = (earth.radii, earth.gravity, loop.set_latitude, loop.resolve, loop.integrate,
             loop.free, loop.hold, loop.fine, loop.gyrocompass, loop.schuler, loop.show,
-            loop.step, loop.take, loop.transport_without_azimuth, loop.run)
+            loop.step, loop.take, loop.transport_without_azimuth, loop.run, steering.sail)
 USED = frozenset(name for function in COMPILED for name in function.__code__.co_names)
 """The names of all attributes that the loop reads or writes, among others."""
 
@@ -56,9 +56,10 @@ class CompiledLoop:
     def __init__(self, platform: Platform, computer: Computer) -> None:
         parts = platform.instruments
         self._twins = [_Twin(thing) for thing in (platform, computer, parts, parts.thermostat)]
-        self._run, compiled_recur = _compile()
+        compiled = _compile()
+        self._run = compiled.run
         for noise in parts.coloured.values():
-            noise.recur = compiled_recur
+            noise.recur = compiled.recur
 
     def begin(self) -> None:
         """Read the constant lists of the objects; they may change between blocks, not within."""
@@ -111,27 +112,46 @@ def compile_for(platform: Platform, computer: Computer) -> CompiledLoop | None:
 def compile_recursion(noise: Markov) -> None:
     """Let a noise outside the loop use the compiled recursion too, if numba is installed."""
     if find_spec('numba'):
-        noise.recur = _compile()[1]
+        noise.recur = _compile().recur
+
+
+def compile_steering(course: steering.Steering) -> None:
+    """Let an autopilot steer by compiled steps too, if numba is installed."""
+    if find_spec('numba'):
+        course.sail = _compile().sail
+
+
+class _Compiled(NamedTuple):
+    """`loop.run` for arrays of one record each, and two functions as they are."""
+
+    run: Callable[..., None]
+    recur: Callable[..., Reals]
+    sail: Callable[..., steering.State]
 
 
 @cache
-def _compile() -> tuple[Callable[..., None], Callable[..., Reals]]:
-    """Return `loop.run` for arrays of one record each, and `recur`, from numba or its cache."""
+def _compile() -> _Compiled:
+    """Return what numba makes of the functions, or has in its cache."""
     import numba
     from numba.extending import register_jitable
     sources = b''.join(Path(module.__file__ or '').read_bytes()
-                       for module in (earth, control_laws, loop))
+                       for module in (earth, control_laws, loop, steering))
     for function in COMPILED:
         register_jitable(function)
-    version, run = hashlib.sha256(sources).hexdigest(), loop.run
+    version, run, sail = hashlib.sha256(sources).hexdigest(), loop.run, steering.sail
 
     def enter(law, p, c, i, t, rows, first, stop, states):
         # Named here, it belongs to the key under which numba keeps the machine code.
         version  # noqa: B018
         run(law, p[0], c[0], i[0], t[0], rows, first, stop, states)
 
+    def enter_steering(*given):
+        version  # noqa: B018
+        return sail(*given)
+
+    functions = enter, recur, enter_steering
     try:
-        return numba.njit(cache=True)(enter), numba.njit(cache=True)(recur)
+        return _Compiled(*(numba.njit(cache=True)(each) for each in functions))
     except RuntimeError:
         # There is no place where numba may write.
-        return numba.njit(enter), numba.njit(recur)
+        return _Compiled(*map(numba.njit, functions))

@@ -38,16 +38,14 @@ SERVO_RATE_1_S = 2.8
 MOTOR_1_S = 2.5
 
 
-def rows_of(ship: ShipBlock, first: int, random: dict[str, np.ndarray]) -> np.ndarray:
+def rows_of(ship: ShipBlock, random: dict[str, np.ndarray]) -> np.ndarray:
     """
     Return the inputs of the platform over each control step, shape (n, 22).
 
     Parameters
     ----------
     ship : ShipBlock
-        The ship over the minute.
-    first : int
-        Step of the minute at which the rows begin; the random errors give their number.
+        The ship over the minute, from its start; the random errors give the number of steps.
     random : dict of ndarray
         Errors, from `Instruments.take`.
 
@@ -58,7 +56,7 @@ def rows_of(ship: ShipBlock, first: int, random: dict[str, np.ndarray]) -> np.nd
 
     """
     n = random['log'].size
-    start, stop = slice(first, first + n), slice(first + 1, first + n + 1)
+    start, stop = slice(0, n), slice(1, n + 1)
 
     def mean(values: np.ndarray) -> np.ndarray:
         return 0.5 * (values[start] + values[stop])

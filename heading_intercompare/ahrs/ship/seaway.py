@@ -23,6 +23,7 @@ from typing import Protocol
 import numpy as np
 
 from heading_intercompare.ahrs.random_noise import open_stream
+from heading_intercompare.core.records import Reals
 
 __all__ = ['BLOCK_S', 'BLOCK_STEPS', 'CHANNELS', 'GRID_S', 'KEPT_BLOCKS', 'read_blocks', 'Sea',
            'Seaway', 'SEAWAYS', 'SeawayPreset']
@@ -67,8 +68,8 @@ class Sea(Protocol):
     def block(self, index: int) -> np.ndarray:
         """Return the motion over one block of the grid."""
 
-    def read(self, channel: str, t_s: np.ndarray, derivative: int = 0) -> np.ndarray:
-        """Return one channel or its rate at any instants."""
+    def read(self, t_s: Reals, *wanted: tuple[str, int]) -> list[Reals]:
+        """Return channels or their rates at any instants."""
 
 
 class Seaway:
@@ -132,59 +133,54 @@ class Seaway:
                 for channel, (omega, start, table) in enumerate(
                         zip(self._omega, self._complex, self._table)):
                     now = start * np.exp(1j * np.fmod(omega * (index * BLOCK_S), 2.0 * math.pi))
-                    weights = np.stack((now, 1j * omega * now, -omega * omega * now), axis=1)
-                    values[channel] = np.einsum('ti,id->dt', table, weights).real
+                    weights = np.stack((now, 1j * omega * now, -omega * omega * now))
+                    # In this order of the axes it adds along both rows, four times as fast.
+                    values[channel] = np.einsum('ti,di->dt', table, weights).real
             while len(self._kept) >= KEPT_BLOCKS:
                 del self._kept[next(iter(self._kept))]
             self._kept[index] = values
         return self._kept[index]
 
-    def read(self, channel: str, t_s: np.ndarray, derivative: int = 0) -> np.ndarray:
+    def read(self, t_s: Reals, *wanted: tuple[str, int]) -> list[Reals]:
         """
-        Return one channel or its rate at any instants.
+        Return channels or their rates at any instants.
 
         Parameters
         ----------
-        channel : str
-            A name of `CHANNELS`.
         t_s : ndarray, shape (n,)
             Seconds since the start, not negative.
-        derivative : {0, 1}
-            0 for the value, 1 for its rate.
+        *wanted : tuple of str and {0, 1}
+            Names of `CHANNELS`, each with 0 for the value or 1 for its rate.
 
         Returns
         -------
-        ndarray, shape (n,)
+        list of ndarray, each of shape (n,)
             Interpolated by cubics with the exact slopes at the grid (error below 0.02 arc
             seconds). An instant gives the same bits whatever other instants are read with it.
 
         """
-        return read_blocks(self, channel, t_s, derivative)
+        return read_blocks(self, t_s, *wanted)
 
 
-def read_blocks(sea: Sea, channel: str, t_s: np.ndarray, derivative: int) -> np.ndarray:
-    """Return one channel of a sea, or its rate, at any instants; see `Seaway.read`."""
-    value = np.zeros(t_s.shape)
+def read_blocks(sea: Sea, t_s: Reals, *wanted: tuple[str, int]) -> list[Reals]:
+    """Return channels of a sea or their rates at any instants; see `Seaway.read`."""
+    found: list[Reals] = [np.zeros(t_s.shape) for _ in wanted]
     if sea.calm or not t_s.size:
-        return value
-    row = CHANNELS.index(channel)
+        return found
     blocks = np.floor(t_s / BLOCK_S).astype(np.int64)
     first, last = int(blocks.min()), int(blocks.max())
     for index in (first,) if first == last else np.unique(blocks).tolist():
         here = slice(None) if first == last else blocks == index
-        grid = sea.block(index)[row]
+        table = sea.block(index)
         position = (t_s[here] - index * BLOCK_S) / GRID_S
         step = np.minimum(position.astype(np.int64), BLOCK_STEPS - 1)
-        value[here] = _hermite(grid[derivative], grid[derivative + 1], step, position - step,
-                               GRID_S)
-    return value
-
-
-def _hermite(values: np.ndarray, slopes: np.ndarray, step: np.ndarray, fraction: np.ndarray,
-             grid_s: float) -> np.ndarray:
-    """Return the cubics through even grid values with the given slopes."""
-    u = fraction
-    left, right = values[step], values[step + 1]
-    bend = u * u * (3.0 - 2.0 * u)
-    return (left + bend * (right - left)
-            + grid_s * (u * (1.0 - u) * ((1.0 - u) * slopes[step] - u * slopes[step + 1])))
+        u, after = position - step, step + 1
+        back = 1.0 - u
+        bend, sag = u * u * (3.0 - 2.0 * u), u * back
+        # The cubic through the values of a step, with their slopes.
+        for value, (channel, order) in zip(found, wanted):
+            values, slopes = table[CHANNELS.index(channel)][order:order + 2]
+            left = values[step]
+            value[here] = (left + bend * (values[after] - left)
+                           + GRID_S * (sag * (back * slopes[step] - u * slopes[after])))
+    return found

@@ -18,11 +18,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import math
-from typing import Sequence
+from typing import NamedTuple, Sequence
 
 import numpy as np
 
 from heading_intercompare.core.angles import wrap360
+from heading_intercompare.core.records import Reals
 
 from .course import Course, Current, NO_CURRENT
 from .earth import EARTH_RATE_RAD_S, gravity, radii
@@ -33,7 +34,7 @@ from .track_course import SeaAboard, Track, TrackCourse
 from .wave_sea import WaveSea
 from .waves import Waves
 
-__all__ = ['Leg', 'ShipBlock', 'ShipTruth']
+__all__ = ['Attitude', 'Leg', 'ShipBlock', 'ShipTruth']
 
 SENSOR_HEIGHT_M = 10.0
 
@@ -67,6 +68,20 @@ class ShipBlock:
     force_down_m_s2: np.ndarray
 
 
+class Attitude(NamedTuple):
+    """
+    The attitude of the ship at some instants, each of shape (n,).
+
+    Heading as a continuous angle, rad, and its rate, rad/s; roll, starboard down, and pitch, bow
+    up, rad.
+    """
+
+    heading_rad: Reals
+    heading_rate_rad_s: Reals
+    roll_rad: Reals
+    pitch_rad: Reals
+
+
 class ShipTruth:
     """
     Motion of the ship as a pure function of time.
@@ -94,17 +109,22 @@ class ShipTruth:
     track : Track, optional
         A recorded voyage to repeat.
 
+    Attributes
+    ----------
+    course : Course
+        Where it points and goes, apart from the sea.
+
     """
 
     def __init__(self, legs: Sequence[Leg], latitude_deg: float, longitude_deg: float = 0.0,
                  seaway: str = 'calm', seed: int = 0, *, current: Current = NO_CURRENT,
                  waves: Waves | None = None, hull: Hull = USUAL_HULL,
                  track: Track | None = None) -> None:
-        self._course: Course = (
+        self.course: Course = (
             Steering(legs, latitude_deg, longitude_deg, current) if track is None
             else TrackCourse(track, latitude_deg, longitude_deg, current))
         sea: Sea = (Seaway(seaway, seed) if waves is None
-                    else WaveSea(waves, hull, self._course, seed))
+                    else WaveSea(waves, hull, self.course, seed))
         self._sea: Sea = sea if track is None else SeaAboard(track, sea)
         self._block: tuple[int, ShipBlock] | None = None
 
@@ -115,29 +135,44 @@ class ShipTruth:
     def heading_rad(self, t_s: np.ndarray) -> np.ndarray:
         """Return the true heading as a continuous angle, shape (n,), radians."""
         t = np.asarray(t_s, dtype=np.float64)
-        return self._course.read_heading(t)[0] + self._sea.read('yaw', t)
+        return self.course.read_heading(t)[0] + self._sea.read(t, ('yaw', 0))[0]
 
     def heading_rate_rad_s(self, t_s: np.ndarray) -> np.ndarray:
         """Return the rate of turn to starboard, shape (n,), rad/s."""
         t = np.asarray(t_s, dtype=np.float64)
-        return self._course.read_heading(t)[1] + self._sea.read('yaw', t, 1)
+        return self.course.read_heading(t)[1] + self._sea.read(t, ('yaw', 1))[0]
+
+    def read_heading(self, t_s: np.ndarray) -> tuple[Reals, Reals]:
+        """Return `heading_rad` and `heading_rate_rad_s` in less time than one by one."""
+        t = np.asarray(t_s, dtype=np.float64)
+        (steered, turn), (yaw, rate) = (self.course.read_heading(t),
+                                        self._sea.read(t, ('yaw', 0), ('yaw', 1)))
+        return steered + yaw, turn + rate
+
+    def read_attitude(self, t_s: np.ndarray) -> Attitude:
+        """Return heading, roll and pitch in less time than one by one."""
+        t = np.asarray(t_s, dtype=np.float64)
+        steered, turn = self.course.read_heading(t)
+        yaw, rate, roll, pitch = self._sea.read(
+            t, ('yaw', 0), ('yaw', 1), ('roll', 0), ('pitch', 0))
+        return Attitude(steered + yaw, turn + rate, roll, pitch)
 
     def speed_m_s(self, t_s: np.ndarray) -> np.ndarray:
         """Return the speed through the water along the ship axis, shape (n,), m/s."""
-        return self._course.read_speed(np.asarray(t_s, dtype=np.float64))
+        return self.course.read_speed(np.asarray(t_s, dtype=np.float64))
 
     def position_deg(self, t_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return latitude and longitude, each of shape (n,), degrees."""
-        return self._course.read_position(np.asarray(t_s, dtype=np.float64))
+        return self.course.read_position(np.asarray(t_s, dtype=np.float64))
 
     def velocity_m_s(self, t_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return the velocity over ground to the east and north, without the sea, (n,), m/s."""
-        return self._course.read_velocity(np.asarray(t_s, dtype=np.float64))
+        return self.course.read_velocity(np.asarray(t_s, dtype=np.float64))
 
     def roll_pitch_rad(self, t_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return roll (starboard down) and pitch (bow up), each of shape (n,), radians."""
-        t = np.asarray(t_s, dtype=np.float64)
-        return self._sea.read('roll', t), self._sea.read('pitch', t)
+        roll, pitch = self._sea.read(np.asarray(t_s, np.float64), ('roll', 0), ('pitch', 0))
+        return roll, pitch
 
     def block(self, index: int) -> ShipBlock:
         """Return the ship on the grid of the control loop, over the minute number `index`."""
@@ -147,9 +182,9 @@ class ShipTruth:
 
     def _tabulate(self, index: int) -> ShipBlock:
         t = index * BLOCK_S + GRID_S * np.arange(BLOCK_STEPS + 1)
-        steered, turn = self._course.read_heading(t)
-        east, north = self._course.read_velocity(t)
-        push = self._course.read_push(t)
+        steered, turn = self.course.read_heading(t)
+        east, north = self.course.read_velocity(t)
+        push = self.course.read_push(t)
         latitude = np.radians(self.position_deg(t)[0])
         sea = dict(zip(CHANNELS, self._sea.block(index)))
         # One latitude per block suffices for radii and gravity: at 15 knots a block is a quarter
@@ -162,7 +197,7 @@ class ShipTruth:
         return ShipBlock(
             heading_rad=steered + sea['yaw'][0],
             heading_rate_rad_s=turn + sea['yaw'][1],
-            speed_m_s=self._course.read_speed(t),
+            speed_m_s=self.course.read_speed(t),
             north_m_s=north,
             east_m_s=east,
             latitude_rad=latitude,

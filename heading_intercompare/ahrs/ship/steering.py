@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import math
-from typing import Sequence
+from typing import Any, Callable, Sequence
 
 import numpy as np
 
@@ -27,7 +27,9 @@ from heading_intercompare.core.records import Reals
 from .course import Current, interpolate_way, NO_CURRENT, Push
 from .earth import KNOT_M_S, radii
 
-__all__ = ['Leg', 'Steering']
+__all__ = ['Leg', 'sail', 'Steering']
+
+State = tuple[float, float, float, float, float, float, float]
 
 STEP_S = 0.5
 HORIZON_STEPS = 7200
@@ -78,8 +80,10 @@ class Steering:
         self._legs = tuple(legs)
         self._current_m_s = current.velocity_m_s
         first = self._legs[0]
-        self._state = (0, math.radians(first.course_deg), 0.0, first.speed_kn * KNOT_M_S,
-                       math.radians(latitude_deg), math.radians(longitude_deg), 0.0, 0.0)
+        self._first, self._state = 0, (
+            math.radians(first.course_deg), 0.0, first.speed_kn * KNOT_M_S,
+            math.radians(latitude_deg), math.radians(longitude_deg), 0.0, 0.0)
+        self.sail: Callable[..., State] = sail
         self._rows: list[np.ndarray] = []
         self._grid = np.zeros((9, 0))
 
@@ -101,8 +105,12 @@ class Steering:
     def read_position(self, t_s: Reals) -> tuple[Reals, Reals]:
         """Return latitude and longitude, degrees."""
         grid = self._reach(t_s)
-        at = np.arange(grid.shape[1]) * STEP_S
-        return np.degrees(np.interp(t_s, at, grid[5])), np.degrees(np.interp(t_s, at, grid[6]))
+        if not t_s.size:
+            return t_s, t_s
+        near = slice(int(float(t_s.min()) / STEP_S), int(float(t_s.max()) / STEP_S) + 2)
+        at = np.arange(near.start, near.stop) * STEP_S
+        latitude, longitude = (np.degrees(np.interp(t_s, at, row[near])) for row in grid[5:7])
+        return latitude, longitude
 
     def read_way(self, t_s: Reals) -> tuple[Reals, Reals]:
         """Return the way through the water to the east and the north, metres."""
@@ -145,34 +153,74 @@ class Steering:
                 self._grid = np.concatenate(self._rows, axis=1)
         return self._grid
 
-    def _sail(self, steps: int) -> np.ndarray:
+    def _sail(self, steps: int) -> Reals:
         """Steer for some more steps; rows: heading, r, r', v, v', position, way."""
-        start, heading, r, v, latitude, longitude, way_east, way_north = self._state
-        current_east, current_north = self._current_m_s
-        turn_decay, speed_decay = math.exp(-STEP_S / NOMOTO_S), math.exp(-STEP_S / SPEED_LAG_S)
-        rudder = RUDDER_GAIN_1_S * RUDDER_RAD
-        leg, later = self._legs[0], list(self._legs[1:])
-        rows = []
-        for k in range(start, start + steps):
-            while later and later[0].t_s <= k * STEP_S:
-                leg = later.pop(0)
-            away = math.radians(leg.course_deg) - heading
-            away -= 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5)
-            wanted = min(max(COURSE_GAIN_1_S * away, -TURN_RAD_S), TURN_RAD_S)
-            drive = min(max(wanted + RATE_GAIN * (wanted - r), -rudder), rudder)
-            v_wanted = leg.speed_kn * KNOT_M_S
-            rows.append((heading, r, (drive - r) / NOMOTO_S, v, (v_wanted - v) / SPEED_LAG_S,
-                         latitude, longitude, way_east, way_north))
-            north, east = v * math.cos(heading), v * math.sin(heading)
-            heading += drive * STEP_S + (r - drive) * NOMOTO_S * (1.0 - turn_decay)
-            r = drive + (r - drive) * turn_decay
-            v = v_wanted + (v - v_wanted) * speed_decay
-            meridian, normal = radii(latitude)
-            to_east = 0.5 * STEP_S * (east + v * math.sin(heading))
-            to_north = 0.5 * STEP_S * (north + v * math.cos(heading))
-            way_east += to_east
-            way_north += to_north
-            latitude += (to_north + STEP_S * current_north) / meridian
-            longitude += (to_east + STEP_S * current_east) / (normal * math.cos(latitude))
-        self._state = (start + steps, heading, r, v, latitude, longitude, way_east, way_north)
+        legs = zip(*((leg.t_s, math.radians(leg.course_deg), leg.speed_kn * KNOT_M_S)
+                     for leg in self._legs))
+        rows: Any = [[0.0] * 9 for _ in range(steps)]
+        given: list[Any] = [list(column) for column in legs]
+        if self.sail is not sail:
+            rows, given = np.array(rows), [np.array(column) for column in given]
+        self._state = self.sail(
+            self._first, self._state, *given, math.exp(-STEP_S / NOMOTO_S),
+            math.exp(-STEP_S / SPEED_LAG_S), *self._current_m_s, rows)
+        self._first += steps
         return np.array(rows).T
+
+
+def sail(first: int, state: State, begins_s: Sequence[float], courses_rad: Sequence[float],
+         speeds_m_s: Sequence[float], turn_decay: float, speed_decay: float,
+         current_east_m_s: float, current_north_m_s: float, rows: list[list[float]]) -> State:
+    """
+    Steer for some steps; numba can compile this.
+
+    Parameters
+    ----------
+    first : int
+        Number of the first step.
+    state : tuple of float
+        Heading, rad, its rate, speed, m/s, latitude and longitude, rad, and the way to the east
+        and the north, metres.
+    begins_s, courses_rad, speeds_m_s : sequence of float
+        The legs, from the first.
+    turn_decay, speed_decay : float
+        What a step leaves of a difference of the rate of turn and of the speed.
+    current_east_m_s, current_north_m_s : float
+        Velocity of the current.
+    rows : list of lists, or ndarray, shape (steps, 9)
+        Gets a row for each step; see `Steering`.
+
+    Returns
+    -------
+    tuple of float
+        The state after them.
+
+    """
+    heading, r, v, latitude, longitude, way_east, way_north = state
+    rudder, leg = RUDDER_GAIN_1_S * RUDDER_RAD, 0
+    north, east = v * math.cos(heading), v * math.sin(heading)
+    for k in range(len(rows)):
+        while leg + 1 < len(begins_s) and begins_s[leg + 1] <= (first + k) * STEP_S:
+            leg += 1
+        away = courses_rad[leg] - heading
+        away -= 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5)
+        wanted = min(max(COURSE_GAIN_1_S * away, -TURN_RAD_S), TURN_RAD_S)
+        drive = min(max(wanted + RATE_GAIN * (wanted - r), -rudder), rudder)
+        v_wanted = speeds_m_s[leg]
+        row = rows[k]
+        row[0], row[1], row[2] = heading, r, (drive - r) / NOMOTO_S
+        row[3], row[4] = v, (v_wanted - v) / SPEED_LAG_S
+        row[5], row[6], row[7], row[8] = latitude, longitude, way_east, way_north
+        heading += drive * STEP_S + (r - drive) * NOMOTO_S * (1.0 - turn_decay)
+        r = drive + (r - drive) * turn_decay
+        v = v_wanted + (v - v_wanted) * speed_decay
+        meridian, normal = radii(latitude)
+        from_north, from_east = north, east
+        north, east = v * math.cos(heading), v * math.sin(heading)
+        to_east = 0.5 * STEP_S * (from_east + east)
+        to_north = 0.5 * STEP_S * (from_north + north)
+        way_east += to_east
+        way_north += to_north
+        latitude += (to_north + STEP_S * current_north_m_s) / meridian
+        longitude += (to_east + STEP_S * current_east_m_s) / (normal * math.cos(latitude))
+    return heading, r, v, latitude, longitude, way_east, way_north

@@ -177,10 +177,9 @@ class SeaAboard:
             values[CHANNELS.index(channel)] = [function.read(t_s, order) for order in range(3)]
         return values
 
-    def read(self, channel: str, t_s: Reals, derivative: int = 0) -> Reals:
-        """Return one channel or its rate at any instants."""
-        if channel == 'yaw':
-            return np.zeros(t_s.shape)
-        if channel in self._own:
-            return self._own[channel].read(t_s, derivative)
-        return self._sea.read(channel, t_s, derivative)
+    def read(self, t_s: Reals, *wanted: tuple[str, int]) -> list[Reals]:
+        """Return channels or their rates at any instants; see `Seaway.read`."""
+        simulated = self._sea.read(t_s, *wanted)
+        return [np.zeros(t_s.shape) if channel == 'yaw' else
+                self._own[channel].read(t_s, order) if channel in self._own else value
+                for (channel, order), value in zip(wanted, simulated)]

@@ -84,9 +84,9 @@ class WaveSea:
             self._kept[index] = made
         return self._kept[index]
 
-    def read(self, channel: str, t_s: Reals, derivative: int = 0) -> Reals:
-        """Return one channel or its rate at any instants; see `Seaway.read`."""
-        return read_blocks(self, channel, t_s, derivative)
+    def read(self, t_s: Reals, *wanted: tuple[str, int]) -> list[Reals]:
+        """Return channels or their rates at any instants; see `Seaway.read`."""
+        return read_blocks(self, t_s, *wanted)
 
     def _move(self, t_s: Reals) -> np.ndarray:
         """Return the motion at some instants, shape (6, n)."""

@@ -36,7 +36,7 @@ def examine(seed=1, seaway='ss5', state='cold', broken=lambda platform, parts: N
     platform = Platform(parts, 1e-3)
     platform.azimuth_rad, platform.alpha_rad, platform.beta_rad = 0.4 * seed, 0.03, -0.02
     ship = ShipTruth([Leg(0.0, 50.0 * seed, 12.0)], 55.0, 0.0, seaway, seed)
-    rows = rows_of(ship.block(0), 0, parts.take(600)).tolist()
+    rows = rows_of(ship.block(0), parts.take(600)).tolist()
     broken(platform, parts)
     test = run_self_test(platform, parts.thermostat)
     for k in range(601):

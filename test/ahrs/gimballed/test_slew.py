@@ -38,7 +38,7 @@ class Bench:
         settings = Ahrs(noise=False, initial_state='warm')
         parts = Instruments(ERRORS['imo'], settings, 1, 'ts')
         self.heading_deg, self.speed_m_s = heading_deg, speed_m_s
-        self.row = rows_of(ShipTruth([Leg(0.0, 0.0, 0.0)], 45.0).block(0), 0, parts.take(1))[0]
+        self.row = rows_of(ShipTruth([Leg(0.0, 0.0, 0.0)], 45.0).block(0), parts.take(1))[0]
         self.platform = Platform(parts, 0.0)
         self.computer = Computer(settings, self.platform)
         self.computer.prepare(math.radians(45.0))

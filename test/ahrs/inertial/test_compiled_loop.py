@@ -23,10 +23,13 @@ import pytest
 
 from heading_intercompare.ahrs.gimballed.gimballed_ahrs import GimballedAhrs
 from heading_intercompare.ahrs.inertial import compiled_loop, loop
+from heading_intercompare.ahrs.plans import parse_legs
 from heading_intercompare.ahrs.random_noise import Markov, open_stream, recur
 from heading_intercompare.ahrs.sensor_presets import ERRORS
 from heading_intercompare.ahrs.settings import Ahrs, Scenario
+from heading_intercompare.ahrs.ship.course import Current
 from heading_intercompare.ahrs.ship.ship_motion import Leg, ShipTruth
+from heading_intercompare.ahrs.ship.steering import sail, Steering
 from heading_intercompare.ahrs.simulator import Simulation
 
 SETTINGS = {
@@ -55,7 +58,8 @@ def test_loop_on_records_gives_the_same_bits(settings, monkeypatch):
     """A record of numpy has attributes, so the interpreter can do what numba compiles."""
     def enter(law, p, c, i, t, *inputs):
         loop.run(law, *(one.view(np.recarray)[0] for one in (p, c, i, t)), *inputs)
-    monkeypatch.setattr(compiled_loop, '_compile', lambda: (enter, recur))
+    made = compiled_loop._Compiled(enter, recur, sail)
+    monkeypatch.setattr(compiled_loop, '_compile', lambda: made)
     monkeypatch.setattr(compiled_loop, 'find_spec', lambda _: True)
     assert said(settings, True) == said(settings, False)
 
@@ -83,11 +87,36 @@ def test_long_trial_is_compiled_and_the_same(monkeypatch):
 @pytest.mark.parametrize('model, compiled', [('dtg_precision', True), ('fog_strapdown', False)])
 def test_noise_of_the_other_sensor_is_compiled_where_the_loop_is(monkeypatch, model, compiled):
     quick = []
-    monkeypatch.setattr(compiled_loop, '_compile', lambda: (None, quick.append))
+    made = compiled_loop._Compiled(None, quick.append, sail)
+    monkeypatch.setattr(compiled_loop, '_compile', lambda: made)
     monkeypatch.setattr(compiled_loop, 'find_spec', lambda _: True)
     trial = Simulation(Scenario.from_mapping({
         'ts.model': model, 'rs.model': 'gnss_compass'})).begin(fast=True)
     assert (trial._senders['rs']._sensor._markov.recur == quick.append) is compiled
+
+
+def sailed(compile_it, legs='0 30 10; 300 350 4; 900 20 14; 900.3 185 14; 5000 185 0'):
+    """Return where a ship was in 2 h of turns through north and to the back, in a current."""
+    course = Steering(parse_legs(legs), 59.9, 10.7, Current(set_deg=70.0, drift_kn=2.0))
+    if compile_it:
+        compiled_loop.compile_steering(course)
+    assert (course.sail is sail) is not compile_it
+    t_s = np.arange(0.0, 7300.0, 7.7)
+    return [each.tolist() for each in (*course.read_heading(t_s), course.read_speed(t_s),
+                                       *course.read_position(t_s), *course.read_way(t_s))]
+
+
+def test_steering_on_arrays_gives_the_same_bits(monkeypatch):
+    monkeypatch.setattr(compiled_loop, '_compile', lambda: compiled_loop._Compiled(
+        None, None, lambda *given: sail(*given)))
+    monkeypatch.setattr(compiled_loop, 'find_spec', lambda _: True)
+    assert sailed(True) == sailed(False)
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not find_spec('numba'), reason='numba is not installed (extra fast)')
+def test_compiled_steering_gives_the_same_bits():
+    assert sailed(True) == sailed(False)
 
 
 def test_without_numba_the_loop_is_interpreted(monkeypatch):

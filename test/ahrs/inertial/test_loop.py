@@ -51,7 +51,7 @@ def bench(fixed='', speed_kn=0.0, course_deg=0.0):
     platform.pick_off_rad = float(block.heading_rad[0])
     platform.force_z_m_s2 = -computer.gravity
     computer.take()
-    return platform, computer, rows_of(block, 0, parts.take(600))
+    return platform, computer, rows_of(block, parts.take(600))
 
 
 def run(law, platform, computer, rows):

@@ -37,7 +37,7 @@ def quiet_platform():
     settings = Ahrs(noise=False, initial_state='warm')
     parts = Instruments(ERRORS['imo'], settings, 1, 'ts')
     ship = ShipTruth([Leg(0.0, 60.0, 15.0)], 40.0)
-    return Platform(parts, 0.0), rows_of(ship.block(0), 0, parts.take(600))
+    return Platform(parts, 0.0), rows_of(ship.block(0), parts.take(600))
 
 
 @pytest.mark.parametrize('command', [(0.0, 0.0, 0.0), (1e-5, -2e-5, math.radians(10.0))])
@@ -101,7 +101,7 @@ def test_velocity_quanta_keep_the_mean():
     ship = ShipTruth([Leg(0.0, 0.0, 0.0)], 0.0)
     platform = Platform(parts, 1e-3)
     read = []
-    for row in rows_of(ship.block(0), 0, parts.take(600)):
+    for row in rows_of(ship.block(0), parts.take(600)):
         platform.alpha_rad = platform.beta_rad = platform.azimuth_rad = 0.0
         platform.step(row, 7.292115e-5, 0.0, 0.0)
         read.append(platform.force_x_m_s2)

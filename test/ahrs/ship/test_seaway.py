@@ -54,17 +54,17 @@ def test_reading_between_the_grid_is_exact_enough():
         exact = np.zeros(t_s.shape)
         for omega, start in zip(sea._omega[row], sea._complex[row]):
             exact += (start * np.exp(1j * omega * t_s)).real
-        value = sea.read(name, t_s)
+        value = sea.read(t_s, (name, 0))[0]
         assert np.degrees(np.abs(value - exact).max()) * 3600.0 < 0.02
 
 
 def test_an_instant_gives_the_same_bits_alone_and_in_company():
     sea, t_s = Seaway('ss5', 3), np.array([599.97, 12.34, 61.2, 59.999999, 3600.0])
-    together = sea.read('yaw', t_s)
-    alone = [Seaway('ss5', 3).read('yaw', t_s[[i]])[0] for i in range(5)]
+    together = sea.read(t_s, ('yaw', 0))[0]
+    alone = [Seaway('ss5', 3).read(t_s[[i]], ('yaw', 0))[0][0] for i in range(5)]
     assert together.tolist() == alone
 
 
 def test_calm_is_still():
-    value, rate = (Seaway('calm', 1).read('yaw', np.array([0.0, 5.0]), k) for k in (0, 1))
+    value, rate = Seaway('calm', 1).read(np.array([0.0, 5.0]), ('yaw', 0), ('yaw', 1))
     assert not value.any() and not rate.any()

@@ -155,4 +155,4 @@ def test_the_true_heading_yaws_in_waves_and_is_the_same_bits_in_any_order():
 
 def test_no_height_is_a_calm_sea():
     sea = sail(Waves(0.0), 10.0)
-    assert sea.calm and not sea.read('roll', np.array([1.0, 2.0])).any()
+    assert sea.calm and not sea.read(np.array([1.0, 2.0]), ('roll', 0))[0].any()
