@@ -21,9 +21,10 @@ import numpy as np
 from scipy.signal import lfilter
 
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
-from heading_intercompare.bags.rosbag2.provenance import RECORD
+from heading_intercompare.bags.rosbag2.provenance import RECORD, SENSORS_REPORT_TOPIC
 from heading_intercompare.core.records import Headings
 from heading_intercompare.messages.heading_messages import encode_imu, IMU
+from heading_intercompare.messages.texts import encode_text, TEXT_TYPE
 
 START_NS = 1_770_000_000_000_000_000
 
@@ -61,7 +62,7 @@ def make_three(seed=0, **errors):
             for at, (name, sigma_deg) in enumerate(sigma.items())}
 
 
-def write_bag(path, headings, start_ns=START_NS, *, stored=None, report=None):
+def write_bag(path, headings, start_ns=START_NS, *, stored=None, report=None, published=None):
     """Write a bag of the sensors of `TABLE`, in chunks of a minute as a recorder would."""
     topics = {'gyro1': '/g1/imu', 'gyro2': 'gyro2/heading', 'gnss': 'gnss/heading'}
     with BagWriter(path) as writer:
@@ -69,6 +70,9 @@ def write_bag(path, headings, start_ns=START_NS, *, stored=None, report=None):
             writer.metadata(RECORD, stored)
         if report:
             writer.attachment('report.json', 'application/json', report.encode())
+        if published:
+            writer.add_topic(SENSORS_REPORT_TOPIC, TEXT_TYPE)
+            writer.write(SENSORS_REPORT_TOPIC, encode_text(published), start_ns)
         for topic in topics.values():
             writer.add_topic(topic, IMU)
         for minute in range(30):

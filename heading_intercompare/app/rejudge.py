@@ -21,7 +21,7 @@ import json
 from typing import Any, Callable, Mapping, Sequence
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
-from heading_intercompare.bags.rosbag2.provenance import read_texts, RECORD, REPORT_TOPIC
+from heading_intercompare.bags.rosbag2.provenance import find_report, RECORD
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.sensors.pair_settings import check_sensors
 from heading_intercompare.core.sensors.sensors_verdict import is_of_sensors, SensorsVerdict
@@ -227,7 +227,8 @@ def _read_report(reader: BagReader) -> tuple[Mapping[str, Any] | None, list[str]
     """Return the last report in a bag, or None and what is wrong with it."""
     texts: list[str | bytes] = [attached.data for attached in reader.attachments()
                                 if attached.name == _REPORT]
-    texts = texts or [text for _, text in read_texts(reader, REPORT_TOPIC)]
+    published = None if texts else find_report(reader)
+    texts += [] if published is None else [published.text]
     if not texts:
         return None, []
     try:

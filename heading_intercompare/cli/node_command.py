@@ -16,17 +16,28 @@
 
 from __future__ import annotations
 
+import argparse
 from importlib import import_module
 from typing import Any, Callable, Mapping
 
 from heading_intercompare.app.config import load_config
 
-__all__ = ['run_node']
+__all__ = ['add_namespace_argument', 'run_node']
 
 _WATCH_S, _BESIDE_S = 0.1, 0.3
 
 
-def run_node(module: str, node: str, config: str | None, *,
+def add_namespace_argument(parser: argparse.ArgumentParser) -> None:
+    """Add the option ``--namespace``."""
+    parser.add_argument('--namespace', metavar='/NAME', default='/', type=_read_namespace,
+                        help='of all nodes and topics: one for each graph in a ROS domain')
+
+
+def _read_namespace(text: str) -> str:
+    return f'/{text.strip().strip("/")}'
+
+
+def run_node(module: str, node: str, config: str | None, *, namespace: str = '/',
              remap: Mapping[str, str] | None = None,
              watch: Callable[[Any], None] | None = None,
              beside: tuple[str, str, Callable[[Any, Any], None]] | None = None,
@@ -40,6 +51,8 @@ def run_node(module: str, node: str, config: str | None, *,
         Module in ``nodes`` and the class in it.
     config : str or None
         ROS parameter file.
+    namespace : str
+        Of the node and its topics, with a leading slash. The sections of the file hold there too.
     remap : mapping of str to str, optional
         Published topics with other names. The node gets them as `remapped` and rejects any that
         it does not publish.
@@ -59,17 +72,20 @@ def run_node(module: str, node: str, config: str | None, *,
     Raises
     ------
     OSError, SettingsError
-        If the file cannot be read, or is not a ROS parameter file.
+        If the file cannot be read, is not a ROS parameter file, or the namespace is none.
 
     """
     from heading_intercompare.nodes.ros.parameters import make_overrides
     from heading_intercompare.nodes.ros.process import run
+    from heading_intercompare.nodes.ros.remapping import check_namespace
     from heading_intercompare.nodes.ros.steady_timer import every
 
+    check_namespace(namespace)
     # rcl's message for an unreadable file is long and unclear, and rcl ignores other text.
-    load_config(config)
+    own = load_config(config).sections.get(module, {}) if namespace != '/' else {}
     kind = _find(module, node)
-    given: dict[str, Any] = {'parameter_overrides': make_overrides(parameters)}
+    parameters = {name: value for name, value in parameters.items() if value is not None}
+    given: dict[str, Any] = {'parameter_overrides': make_overrides({**own, **parameters})}
     if remap:
         given['remapped'] = list(remap)
 
@@ -86,6 +102,8 @@ def run_node(module: str, node: str, config: str | None, *,
         return other
 
     arguments = ['--params-file', config] if config else []
+    if namespace != '/':
+        arguments += ['-r', f'__ns:={namespace}']
     for old, new in (remap or {}).items():
         arguments += ['-r', f'{old}:={new}']
     return run('heading-intercompare', make, ['--ros-args', *arguments] if arguments else [],

@@ -31,18 +31,17 @@ from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence
 
 import rclpy
 from rclpy.context import Context
-from rclpy.exceptions import InvalidNamespaceException
 from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
-from rclpy.validate_namespace import validate_namespace
 
 from heading_intercompare.core.rows.sensor_table import list_tested, read_sensors
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
-from heading_intercompare.core.settings import Settings, SettingsError
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.nodes.ros.parameters import make_overrides
 from heading_intercompare.nodes.ros.process import end, settle_memory, spin_nodes, Stop
+from heading_intercompare.nodes.ros.remapping import check_namespace
 from heading_intercompare.nodes.ros.security import check_security, say_security_errors
 from heading_intercompare.nodes.ros.transports import prefer_udp, RANGE, set_variable
 from heading_intercompare.nodes.sensors.places import (
@@ -122,15 +121,6 @@ def _plan_judging(settings: Settings, own: Mapping[str, Mapping[str, Any]],
             **shared, **own.get('sensors_watch', {}),
             'report_dir': judging_own.get('report_dir')}))
     return planned
-
-
-def _check_namespace(namespace: str) -> None:
-    """Raise SettingsError if a namespace is not valid."""
-    try:
-        validate_namespace(namespace)
-    except InvalidNamespaceException as error:
-        why = str(error).removeprefix('Invalid namespace: ').partition(':')[0]
-        raise SettingsError(f'namespace = {namespace!r}: {why}; must be like /ship1') from error
 
 
 @contextmanager
@@ -249,7 +239,7 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
     judging_own = {**own.get('compliance', {}), 'report_dir': report_dir}
     if output is not None:
         judging_own['bag'] = os.path.abspath(output)
-    _check_namespace(namespace)
+    check_namespace(namespace)
     first = _plan_judging(whole, own, judging_own, output is not None)
     n_judging = len(first)
     if page is not None:

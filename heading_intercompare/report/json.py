@@ -25,7 +25,7 @@ from heading_intercompare.core.sensors.sensors_verdict import (
 )
 from heading_intercompare.core.verdict.verdict_document import Verdict, VerdictError
 
-__all__ = ['parse', 'read', 'read_any', 'render', 'write']
+__all__ = ['parse', 'parse_any', 'read', 'read_any', 'render', 'write']
 
 
 def render(verdict: Verdict | SensorsVerdict) -> str:
@@ -49,14 +49,15 @@ def parse(text: str | bytes) -> Verdict:
         If it is not JSON, or not a verdict; the message is one line.
 
     """
-    found = _parse_any(text)
+    found = parse_any(text)
     if isinstance(found, SensorsVerdict):
         raise VerdictError('is a verdict on several sensors, not on one; take one of its '
                            'verdicts')
     return found
 
 
-def _parse_any(text: str | bytes) -> Verdict | SensorsVerdict:
+def parse_any(text: str | bytes) -> Verdict | SensorsVerdict:
+    """Return the verdict on one sensor, or on several, in a JSON text; errors as `parse`."""
     try:
         given = json.loads(text)
         kind = SensorsVerdict if is_of_sensors(given) else Verdict
@@ -92,6 +93,6 @@ def read(path: str | Path) -> Verdict:
 def read_any(path: str | Path) -> Verdict | SensorsVerdict:
     """Read a verdict on one sensor, or on several; errors as `read`."""
     try:
-        return _parse_any(Path(path).read_bytes())
+        return parse_any(Path(path).read_bytes())
     except VerdictError as error:
         raise VerdictError(f'{path}: {error}') from error

@@ -33,9 +33,9 @@ from heading_intercompare.messages.texts import decode_text, TEXT_TYPE
 if TYPE_CHECKING:
     from .readable import Readable
 
-__all__ = ['CONTINUES', 'describe_origin', 'is_note', 'NAMESPACE', 'Note', 'note_lines',
-           'NOTE_TOPIC', 'Notes', 'read_continues', 'read_notes', 'read_texts', 'RECORD',
-           'REPORT_TOPIC', 'SENSORS_REPORT_TOPIC', 'TRUTH_TOPIC']
+__all__ = ['CONTINUES', 'describe_origin', 'find_report', 'is_note', 'NAMESPACE', 'Note',
+           'note_lines', 'NOTE_TOPIC', 'Notes', 'PublishedReport', 'read_continues', 'read_notes',
+           'read_texts', 'RECORD', 'REPORT_TOPIC', 'SENSORS_REPORT_TOPIC', 'TRUTH_TOPIC']
 
 CONTINUES = 'continues'
 """The key in that record that names the bag before this one."""
@@ -85,6 +85,14 @@ def describe_origin(settings: Mapping[str, object],
                for name, value in settings.items()},
             **{f'source.{source}.{name}': value for source, values in (sources or {}).items()
                for name, value in values.items() if value not in (None, '')}}
+
+
+class PublishedReport(NamedTuple):
+    """A report as it was published: its topic, the time of receipt, and its text, JSON."""
+
+    topic: str
+    log_time_ns: int
+    text: str
 
 
 class Note(NamedTuple):
@@ -209,6 +217,23 @@ def read_texts(bag: Readable, topic: str) -> list[tuple[int, str]]:
                 for message in bag.messages([found])]
     except MessageError as error:
         raise BagError(error.problem) from None
+
+
+def find_report(bag: Readable) -> PublishedReport | None:
+    """
+    Return the last report that was published, that on all sensors first; None if there is none.
+
+    Raises
+    ------
+    OSError, BagError
+        If the bag cannot be read.
+
+    """
+    for topic in (SENSORS_REPORT_TOPIC, REPORT_TOPIC):
+        texts = read_texts(bag, topic)
+        if texts:
+            return PublishedReport(topic, *texts[-1])
+    return None
 
 
 def read_notes(bag: Readable) -> list[Note]:

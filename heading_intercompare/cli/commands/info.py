@@ -34,11 +34,10 @@ from heading_intercompare.bags.recording.recorder_losses import RECORDING, tell_
 from heading_intercompare.bags.rosbag2.bag_check import BagCheck, check_bag
 from heading_intercompare.bags.rosbag2.bag_reader import Attachment, BagReader
 from heading_intercompare.bags.rosbag2.provenance import (
+    find_report,
     is_note,
     read_notes,
-    read_texts,
     RECORD,
-    REPORT_TOPIC,
 )
 from heading_intercompare.bags.rosbag2.readable import Readable
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
@@ -49,7 +48,7 @@ from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import VerdictError
 from heading_intercompare.readers.registry import find_format, Format, open_recording
 from heading_intercompare.readers.stream_recording import StreamRecording
-from heading_intercompare.report.json import parse
+from heading_intercompare.report.json import parse_any
 
 __all__ = ['add_arguments', 'run']
 
@@ -276,16 +275,16 @@ def _files(attachments: Sequence[Attachment]) -> Iterator[str]:
 def _report_verdict(reader: BagReader, attachments: Sequence[Attachment]) -> Iterator[str]:
     """Yield the last published verdict if the recorder ended before it attached one."""
     if all(attachment.name != _REPORT for attachment in attachments):
-        reports = read_texts(reader, REPORT_TOPIC)
-        if reports:
+        report = find_report(reader)
+        if report is not None:
             yield ''
-            yield f'last report on {REPORT_TOPIC}, {utc(reports[-1][0])} UTC'
-            yield from _verdict(reports[-1][1])
+            yield f'last report on {report.topic}, {utc(report.log_time_ns)} UTC'
+            yield from _verdict(report.text)
 
 
 def _verdict(text: str) -> Iterator[str]:
     try:
-        yield from str(parse(text)).splitlines()
+        yield from str(parse_any(text)).splitlines()
     except VerdictError as error:
         yield f'  not a verdict that this version can read: {error}'
 

@@ -20,6 +20,7 @@ import argparse
 
 from heading_intercompare.bags.checked_text import utf8
 from heading_intercompare.bags.rosbag2.provenance import note_lines
+from heading_intercompare.cli.node_command import add_namespace_argument
 from heading_intercompare.cli.terminal.console import say_lines
 
 __all__ = ['add_arguments', 'add_note_argument', 'read_notes', 'run']
@@ -56,6 +57,7 @@ def _check(option: str, text: str) -> str:
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     parser.add_argument('text', nargs='+', metavar='TEXT', help=f'the note; {_TIMED}')
+    add_namespace_argument(parser)
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -63,6 +65,6 @@ def run(arguments: argparse.Namespace) -> int:
     text = _check('TEXT', ' '.join(arguments.text).strip())
     from heading_intercompare.nodes.runtime.note_publisher import publish_note
 
-    publish_note(text)
+    publish_note(text, arguments.namespace)
     say_lines([f'noted: {text}'])
     return 0

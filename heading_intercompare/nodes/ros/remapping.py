@@ -12,22 +12,33 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The names under which topics are published after remapping."""
+"""The names under which topics are published after remapping, and in which namespace."""
 
 from __future__ import annotations
 
 from typing import Collection, Sequence
 
+from rclpy.exceptions import InvalidNamespaceException
 from rclpy.node import Node
+from rclpy.validate_namespace import validate_namespace
 
 from heading_intercompare.core.settings import SettingsError
 
 from .parameters import resolve_topic
 
-__all__ = ['published_names']
+__all__ = ['check_namespace', 'published_names']
 
 # Every node publishes these, with other types.
 _TAKEN = ('/diagnostics', '/parameter_events', '/rosout')
+
+
+def check_namespace(namespace: str) -> None:
+    """Raise SettingsError if ROS allows no such namespace."""
+    try:
+        validate_namespace(namespace)
+    except InvalidNamespaceException as error:
+        why = str(error).removeprefix('Invalid namespace: ').partition(':')[0]
+        raise SettingsError(f'namespace = {namespace!r}: {why}; must be like /ship1') from error
 
 
 def published_names(node: Node, topics: Sequence[str],

@@ -29,6 +29,7 @@ from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.messages.texts import encode_text
 from heading_intercompare.nodes.ros.process import spin_nodes
 from heading_intercompare.nodes.ros.qos import NOTE
+from heading_intercompare.nodes.ros.remapping import check_namespace
 from heading_intercompare.nodes.ros.security import check_security, say_security_errors
 
 from .publishing import await_acknowledgement
@@ -39,34 +40,44 @@ __all__ = ['publish_note']
 _PATIENCE_S = 5.0
 
 
-def publish_note(text: str, patience_s: float = _PATIENCE_S) -> None:
+def publish_note(text: str, namespace: str = '/', patience_s: float = _PATIENCE_S) -> None:
     """
     Publish a note as soon as a recorder listens; return when the recorder has received it.
+
+    Parameters
+    ----------
+    text : str
+        The note.
+    namespace : str
+        That of the graph of the recorder, with a leading slash.
+    patience_s : float
+        How long to wait for a recorder, seconds.
 
     Raises
     ------
     SettingsError
-        If no recorder listens in time, or it does not confirm the note.
+        If the namespace is none, no recorder listens in time, or it does not confirm the note.
 
     """
-    context = Context()
+    check_namespace(namespace)
+    context, topic = Context(), f'{namespace.rstrip("/")}/{NOTE_TOPIC}'
     check_security()
     rclpy.init(args=[], context=context, signal_handler_options=SignalHandlerOptions.NO)
     try:
         with spin_nodes(context) as (executor, nodes):
             with say_security_errors():
-                nodes.append(Node('operator_note', context=context))
+                nodes.append(Node('operator_note', namespace=namespace, context=context))
             publisher = nodes[0].create_publisher(String, NOTE_TOPIC, NOTE)
             executor.add_node(nodes[0])
             deadline_s = time.monotonic() + patience_s
             while not publisher.get_subscription_count():
                 if time.monotonic() > deadline_s:
                     raise SettingsError(
-                        f'nobody listens to {NOTE_TOPIC}: a recorder must be running, on this '
-                        'network and in this ROS_DOMAIN_ID')
+                        f'nobody listens to {topic}: a recorder must be running, on this '
+                        'network, in this ROS_DOMAIN_ID and in this namespace (--namespace /NAME)')
                 executor.spin_once(0.05)
             publisher.publish(encode_text(text))
             if not await_acknowledgement([publisher]):
-                raise SettingsError(f'a subscriber to {NOTE_TOPIC} has not confirmed the note')
+                raise SettingsError(f'a subscriber to {topic} has not confirmed the note')
     finally:
         context.try_shutdown()

@@ -104,15 +104,17 @@ def test_other_settings_change_an_outcome_and_are_named(make_bag, told):
     assert told(bag, '--set', 'norms.sigma_max_deg=0.01')[0] == 0
 
 
-def test_a_bag_of_several_sensors_is_judged_with_all_of_them(told, tmp_path):
+@pytest.mark.parametrize('kept', ['report', 'published'])
+def test_a_bag_of_several_sensors_is_judged_with_all_of_them(told, tmp_path, kept):
+    """The last published report counts where a recorder that was killed attached none."""
     headings = make_three(gyro2=0.9)
     settings = Settings.of(sensors=TABLE, slowest_error_s=60.0)
     verdict = analyze_sensors(headings, settings)
     bags = []
     for name, changes in (('same', {}), ('changed', {'outcome': 'compliant'})):
         bags.append(str(write_bag(tmp_path / name, headings, stored={
-            **describe_origin(settings.to_mapping())}, report=json.dumps(
-                {**verdict.to_dict(), **changes}))))
+            **describe_origin(settings.to_mapping())}, **{kept: json.dumps(
+                {**verdict.to_dict(), **changes})})))
     code, lines, _ = told(*bags, '--check')
     assert code == 1
     assert lines[0].startswith(f'{bags[1]}: COMPLIANT by rule {RULE_VERSION} -> gyro1 COMPLIANT; '

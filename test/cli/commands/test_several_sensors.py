@@ -31,6 +31,7 @@ from ship_of_sensors import (
     write_log,
 )
 
+from heading_intercompare import analyze_sensors, Settings
 from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.cli import main
 from heading_intercompare.core.records import Headings
@@ -271,3 +272,16 @@ def test_the_report_is_an_overview_and_a_protocol_of_each_sensor(trial, tmp_path
     (tmp_path / 'ship-gyro1.html').unlink()
     assert main(['report', str(trial / 'bag'), *given, '-o', str(page)]) == 0
     assert (tmp_path / 'ship-gyro1.html').exists()
+
+
+@pytest.mark.parametrize('kept, words', [
+    ('report', 'attachment: report.json'), ('published', 'last report on sensors/report, ')])
+def test_info_shows_the_verdict_on_several_sensors(tmp_path, capsys, kept, words):
+    """It was "not a verdict that this version can read", and a published one was not found."""
+    headings = make_three(gyro2=0.9)
+    verdict = analyze_sensors(headings, Settings.of(sensors=TABLE, slowest_error_s=60.0))
+    bag = write_bag(tmp_path / 'bag', headings, **{kept: json.dumps(verdict.to_dict())})
+    assert main(['info', str(bag)]) == 0
+    said = capsys.readouterr().out
+    assert words in said and str(verdict).splitlines()[0] in said
+    assert 'gyro2 NON-COMPLIANT' in said.partition(words)[2]

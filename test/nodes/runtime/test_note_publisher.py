@@ -36,22 +36,31 @@ pytestmark = pytest.mark.process
 
 def test_a_note_that_nobody_hears_is_an_error():
     began_s = time.monotonic()
-    with pytest.raises(SettingsError, match='nobody listens to operator/note'):
+    with pytest.raises(SettingsError, match='nobody listens to /operator/note'):
         publish_note('course change', patience_s=0.2)
     assert time.monotonic() - began_s < 4.9
 
 
+def test_a_note_for_a_namespace_that_nobody_hears_says_which():
+    with pytest.raises(SettingsError, match='nobody listens to /ship1/operator/note'):
+        publish_note('course change', '/ship1', patience_s=0.2)
+    with pytest.raises(SettingsError, match="namespace = '/1st'.*must be like /ship1"):
+        publish_note('course change', '/1st')
+
+
 @pytest.mark.slow
-def test_a_note_reaches_the_bag_that_is_recorded(tmp_path):
-    (tmp_path / 'mine.yaml').write_text('/**: {ros__parameters: {variant: C}}\n')
+@pytest.mark.parametrize('place', [[], ['--namespace', 'ship1']])
+def test_a_note_reaches_the_bag_that_is_recorded(tmp_path, place):
+    (tmp_path / 'mine.yaml').write_text('/**: {ros__parameters: {variant: C}}\n'
+                                        'recorder: {ros__parameters: {chunk_bytes: 4096}}\n')
     environment = {**os.environ, 'ROS_DOMAIN_ID': str(DOMAIN),
                    'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
     command = [sys.executable, '-m', 'heading_intercompare']
     recorder = subprocess.Popen(
-        [*command, 'record', '-o', 'bag', '--config', 'mine.yaml', '--note', 'MV Example'],
+        [*command, 'record', *place, '-o', 'bag', '--config', 'mine.yaml', '--note', 'MV Example'],
         env=environment, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
     try:
-        done = subprocess.run([*command, 'note', 'course', 'change'], env=environment,
+        done = subprocess.run([*command, 'note', *place, 'course', 'change'], env=environment,
                               cwd=tmp_path, capture_output=True, text=True, timeout=DEADLINE_S)
         assert (done.returncode, done.stdout) == (0, 'noted: course change\n'), done.stderr
         recorder.send_signal(signal.SIGINT)
@@ -65,5 +74,7 @@ def test_a_note_reaches_the_bag_that_is_recorded(tmp_path):
     assert [note.text for note in read_notes(bag)] == ['MV Example', 'course change']
     assert [(a.name, a.data) for a in bag.attachments()] == [
         ('mine.yaml', (tmp_path / 'mine.yaml').read_bytes())]
+    assert [name for name in bag.topics if name.endswith('note')] == [
+        '/ship1/operator/note' if place else '/operator/note']
     stated = bag.metadata()['heading_intercompare']
     assert stated['settings.variant'] == 'C' and stated['settings.norms.sigma_max_deg'] == 'none'

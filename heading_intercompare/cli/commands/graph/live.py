@@ -33,6 +33,7 @@ from heading_intercompare.cli.commands.analyze import (
 )
 from heading_intercompare.cli.commands.note import add_note_argument, read_notes
 from heading_intercompare.cli.commands.several_sensors import choose_pair
+from heading_intercompare.cli.node_command import add_namespace_argument
 from heading_intercompare.cli.terminal.console import tell
 from heading_intercompare.cli.terminal.live_view import LiveView
 from heading_intercompare.core.decision.coverage import least_duration_words
@@ -56,8 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_settings_arguments(parser)
     parser.add_argument('-o', '--output', metavar='BAG',
                         help='the bag to record (default: heading_<UTC> in this folder)')
-    parser.add_argument('--namespace', metavar='/NAME', default='/',
-                        help='of all nodes and topics: one for each graph in a ROS domain')
+    add_namespace_argument(parser)
     add_note_argument(parser)
     add_web_argument(parser)
     add_verdict_arguments(parser)

@@ -20,7 +20,7 @@ import argparse
 from typing import Any
 
 from heading_intercompare.cli.commands.note import add_note_argument, read_notes
-from heading_intercompare.cli.node_command import run_node
+from heading_intercompare.cli.node_command import add_namespace_argument, run_node
 from heading_intercompare.cli.terminal.live_view import LiveView
 
 __all__ = ['add_arguments', 'run']
@@ -31,6 +31,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('-o', '--output', metavar='BAG', help='the rosbag2 directory to write '
                         '(default: heading_<UTC> in this folder)')
     parser.add_argument('--config', metavar='F', help='ROS parameter file with the settings')
+    add_namespace_argument(parser)
     add_note_argument(parser)
 
 
@@ -43,6 +44,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     with LiveView('heading-intercompare record', 'Ctrl-C ends the recording',
                   arguments.quiet) as shown:
-        return run_node('recorder', 'Recorder', arguments.config, output=arguments.output,
+        return run_node('recorder', 'Recorder', arguments.config,
+                        namespace=arguments.namespace, output=arguments.output,
                         beside=None if arguments.quiet else ('watcher', 'Watcher', watch),
                         note=read_notes(arguments) or None, parameter_file=arguments.config)

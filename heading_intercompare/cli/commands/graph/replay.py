@@ -22,7 +22,7 @@ import re
 import sys
 from typing import Any
 
-from heading_intercompare.cli.node_command import run_node
+from heading_intercompare.cli.node_command import add_namespace_argument, run_node
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.cli.terminal.status_lines import StatusLines
 
@@ -57,6 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         'ts/heading:=gyro/heading; give it after BAG')
     parser.add_argument('--start-paused', action='store_true', help='start paused')
     parser.add_argument('--config', metavar='F', help='ROS parameter file with the settings')
+    add_namespace_argument(parser)
     parser.add_argument_group('while it runs', 'In a terminal, the space bar pauses and resumes. '
                               'The services ~/pause, ~/resume and ~/toggle_paused always work.')
 
@@ -83,7 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
     plain = not (arguments.quiet or sys.stderr.isatty())
     with Progress(name, arguments.quiet) as line, Keyboard() as keyboard:
         return run_node(
-            'replayer', 'Replayer', arguments.config, remap=remap, watch=watch,
-            bag=arguments.bag, rate=arguments.rate, start_s=arguments.start,
-            duration_s=arguments.duration, loop=arguments.loop or None,
+            'replayer', 'Replayer', arguments.config, namespace=arguments.namespace,
+            remap=remap, watch=watch, bag=arguments.bag, rate=arguments.rate,
+            start_s=arguments.start, duration_s=arguments.duration, loop=arguments.loop or None,
             clock=arguments.clock or None, start_paused=arguments.start_paused or None)
