@@ -82,7 +82,8 @@ def run_node(module: str, node: str, config: str | None, *, namespace: str = '/'
 
     check_namespace(namespace)
     # rcl's message for an unreadable file is long and unclear, and rcl ignores other text.
-    own = load_config(config).sections.get(module, {}) if namespace != '/' else {}
+    file = load_config(config)
+    own = file.sections.get(module, {}) if namespace != '/' else {}
     kind = _find(module, node)
     parameters = {name: value for name, value in parameters.items() if value is not None}
     given: dict[str, Any] = {'parameter_overrides': make_overrides({**own, **parameters})}

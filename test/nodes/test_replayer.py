@@ -195,9 +195,10 @@ def test_the_clock_of_the_recording_can_be_published(ros, tmp_path):
     node = ros.ours(Replayer, bag=bag_of(tmp_path / 'bag'), rate=30.0, clock=True)
     listeners(ros)
     ros.spin_until(lambda: node.done)
+    ros.spin_until(lambda: heard and stamp_of(heard[-1].clock) - T0_NS > 27e9)
     shown = [stamp_of(m.clock) for m in heard]
     assert len(shown) > 10 and shown == sorted(shown)
-    assert T0_NS <= shown[0] and shown[-1] - T0_NS == pytest.approx(30e9, rel=0.1)
+    assert T0_NS <= shown[0] and shown[-1] - T0_NS < 33e9
 
 
 def test_without_being_asked_no_clock_is_published(ros, tmp_path):

@@ -86,8 +86,8 @@ class RisingTimes:
     """
     A track at a set of times that rise together from call to call.
 
-    Searching each time anew in a long track costs more than the rest; most move by a reading or
-    two.
+    To search for each time in a long track costs more than the rest, and most times move by a
+    reading or two.
 
     Parameters
     ----------

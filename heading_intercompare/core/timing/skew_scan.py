@@ -102,7 +102,7 @@ class _Differences:
         return _find_variance(self.at(skew_s))
 
     def search(self, skews_s: Reals, every: int) -> Reals:
-        """Return the sample variances of every so many readings at rising skews."""
+        """Return the sample variances at rising skews, of one reading in `every`."""
         t_s, ts_deg = self.t_s[::every], self.ts_deg[::every]
         rs = RisingTimes(self.rs, t_s - skews_s[-1])
         found = [_find_variance(_wrap(ts_deg - rs.at(t_s - skew_s)))
