@@ -66,6 +66,11 @@ class Steering:
     current : Current, optional
         Carries the ship along; the plan is one of headings and of speeds through the water.
 
+    Attributes
+    ----------
+    sail : callable
+        `sail`, or the same compiled.
+
     References
     ----------
     First-order steering T r' + r = K delta (Nomoto 1957) under a rate-limited autopilot that moves

@@ -26,6 +26,8 @@ from heading_intercompare.messages.motion.motion_messages import (
     read_told,
 )
 
+from .topic_names import find_elsewhere
+
 if TYPE_CHECKING:
     from .readable import Readable
 
@@ -84,9 +86,11 @@ def find_motion_topics(bag: Readable, rule: MotionRule) -> dict[str, list[tuple[
 
     """
     wanted: dict[str, list[tuple[str, str]]] = {}
+    others: list[str] = []
     default = motion_topics(MotionRule())
     for what, topic in motion_topics(rule).items():
         if topic == default[what] and bag.find(topic) is None:
+            others += find_elsewhere(bag.topics, topic, bag.namespace)
             continue
         name = bag.resolve(topic)
         kind = bag.topics[name].type_name
@@ -95,6 +99,9 @@ def find_motion_topics(bag: Readable, rule: MotionRule) -> dict[str, list[tuple[
                            f'a ship are {", ".join(MOTION_TYPES[what])}; name another topic with '
                            f'motion.{what}_topic', bag.path)
         wanted.setdefault(name, []).append((what, kind))
+    if others:
+        bag.oddities.append(f'the motion of another graph ({", ".join(others)}) does not count; '
+                            'bag_namespace names another')
     return wanted
 
 

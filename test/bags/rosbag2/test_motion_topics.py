@@ -92,3 +92,15 @@ def test_messages_that_cannot_be_read_are_counted(tmp_path):
             writer.write('ship/velocity', data, int(STAMPS[k]))
     found = read_bag_motion(BagReader(tmp_path / 'bag'), MotionRule())
     assert (len(found.rows), found.unreadable) == (2, 1)
+
+
+def test_the_motion_of_another_graph_is_left_out_and_named(bag):
+    """It was left out without a word."""
+    reader = bag(fix='/ship1/ship/fix', rate='/ship1/ship/rate_of_turn')
+    assert not read_bag_motion(reader, MotionRule()).topics
+    assert reader.oddities == ['the motion of another graph (/ship1/ship/fix, '
+                               '/ship1/ship/rate_of_turn) does not count; bag_namespace names '
+                               'another']
+    again = BagReader(reader.path, '/ship1')
+    assert read_bag_motion(again, MotionRule()).topics.keys() == {'fix', 'rate'}
+    assert again.oddities == []
