@@ -32,6 +32,7 @@ from heading_intercompare.ahrs.plans import EVENTS
 from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.simulator import SimulatedChunk, Simulation, Trial
 from heading_intercompare.bags.rosbag2.provenance import TRUTH_TOPIC
+from heading_intercompare.core.sensors.pair_settings import simulated_topics
 from heading_intercompare.messages.heading_messages import imu_messages
 from heading_intercompare.messages.status_messages import LEVELS, OK
 from heading_intercompare.nodes.ros import qos
@@ -64,7 +65,7 @@ class SensorSimulator(Node):
         super().__init__('sensor_simulator', **OVERRIDES, **kwargs)
         settings, self._scenario, sending, self._own = declare(
             self, PUBLISHED, Scenario, Sending, SimulatorNode)
-        self.health, named = Health(self), {'ts': settings.ts_topic, 'rs': settings.rs_topic}
+        self.health, named = Health(self), simulated_topics(settings, self._scenario.sensors)
         topics = {'truth': TRUTH_TOPIC, **Simulation(self._scenario).scenario.topics, **named}
         self._frames = {role: topic.strip('/').replace('/', '_') for role, topic in topics.items()
                         if resolve_topic(self, topic)}

@@ -80,6 +80,14 @@ def test_a_trial_is_not_begun_before_both_topics_are_heard(ros):
     ros.spin_until(lambda: node.done)
 
 
+def test_of_several_sensors_ts_and_rs_are_those_that_the_scenario_does_not_name(ros):
+    """gyro1 and gnss had no publisher: their headings were on ts/heading and rs/heading."""
+    ros.ours(SensorSimulator, others='gyro2 rate_hz=10', sensors=(
+        'gyro1 sigma_max_deg=0.3; gyro2 sigma_max_deg=0.3; gnss sigma_max_deg=0.1 rs'))
+    assert [ros.plain.count_publishers(f'{name}/heading')
+            for name in ('gyro1', 'gyro2', 'gnss', 'ts', 'rs')] == [1, 1, 1, 0, 0]
+
+
 def test_a_wrong_scenario_ends_the_node_before_it_begins(ros):
     with pytest.raises(SettingsError, match="unknown parameter 'ts.white'; did you mean"):
         ros.ours(SensorSimulator, ts__white=0.1)

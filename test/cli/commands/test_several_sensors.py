@@ -19,6 +19,7 @@ from __future__ import annotations
 import csv
 import json
 import math
+from pathlib import Path
 
 from checksums import with_checksum
 import pytest
@@ -285,3 +286,16 @@ def test_info_shows_the_verdict_on_several_sensors(tmp_path, capsys, kept, words
     said = capsys.readouterr().out
     assert words in said and str(verdict).splitlines()[0] in said
     assert 'gyro2 NON-COMPLIANT' in said.partition(words)[2]
+
+
+def test_the_example_of_four_sensors_judges_the_scenario_of_four_sensors(tmp_path, capsys):
+    """Both were in `config`, and gyro1 and gnss of the one were not in the bag of the other."""
+    config = Path(__file__).resolve().parents[3] / 'config'
+    scenario = (config / 'scenarios' / 'four_sensors.yaml').read_text()
+    (tmp_path / 'short.yaml').write_text(scenario.replace('duration_s: 3600', 'duration_s: 900'))
+    file, bag = str(config / 'four_sensors.yaml'), str(tmp_path / 'four')
+    assert main(['simulate', '--scenario', str(tmp_path / 'short.yaml'), '--config', file,
+                 '-o', bag]) == 0
+    assert 'TS 9000 headings on gyro1/heading' in capsys.readouterr().out
+    assert main(['analyze', bag, '--config', file]) == 0
+    assert capsys.readouterr().out.startswith('VERDICT on 4 sensors: ')
