@@ -177,7 +177,9 @@ def main() -> int:
         if len({cost.total for how, cost in costs.items() if how != 'before'}) > 1:
             print('the readings are NOT the same')
             broken = True
-    print('BROKEN' if broken else 'both promises are kept')
+        if 'before' not in costs:
+            print(f'commit {BEFORE} is not in this repository: nothing to compare with')
+    print('a promise is BROKEN' if broken else 'no promise is broken')
     if arguments.keep:
         history.keep('simulate', figures)
     return int(broken)
