@@ -32,7 +32,7 @@ from heading_intercompare.ahrs.plans import EVENTS
 from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.simulator import SimulatedChunk, Simulation, Trial
 from heading_intercompare.bags.rosbag2.provenance import TRUTH_TOPIC
-from heading_intercompare.core.sensors.pair_settings import simulated_topics
+from heading_intercompare.core.rows.sensor_table import simulated_topics
 from heading_intercompare.messages.heading_messages import imu_messages
 from heading_intercompare.messages.status_messages import LEVELS, OK
 from heading_intercompare.nodes.ros import qos
@@ -65,15 +65,15 @@ class SensorSimulator(Node):
         super().__init__('sensor_simulator', **OVERRIDES, **kwargs)
         settings, self._scenario, sending, self._own = declare(
             self, PUBLISHED, Scenario, Sending, SimulatorNode)
-        self.health, named = Health(self), simulated_topics(settings, self._scenario.sensors)
+        self.health, named = Health(self), simulated_topics(
+            settings.sensors, self._scenario.sensors, settings.ts_topic, settings.rs_topic)
         topics = {'truth': TRUTH_TOPIC, **Simulation(self._scenario).scenario.topics, **named}
         self._frames = {role: topic.strip('/').replace('/', '_') for role, topic in topics.items()
                         if resolve_topic(self, topic)}
         self._publishers_of = {role: self.create_publisher(
             Imu, topic, qos.HEADINGS_OUT, event_callbacks=self.health.of_publisher(topic))
             for role, topic in topics.items()}
-        # Nobody may want to hear a sensor that the settings do not name.
-        judged = places.judging_topics(settings)
+        judged = places.judging_topics(settings)  # Nobody may hear one that they do not name.
         self._audience = Audience(
             self, [self._publishers_of[role] for role in topics if topics[role] in judged],
             sending.subscribers, self.health, places.further_subscribers(settings), judged=judged)

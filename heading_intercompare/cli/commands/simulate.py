@@ -48,7 +48,7 @@ from heading_intercompare.bags.rosbag2.provenance import (
 from heading_intercompare.cli.terminal.console import say_lines
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.records import Headings
-from heading_intercompare.core.sensors.pair_settings import simulated_topics
+from heading_intercompare.core.rows.sensor_table import simulated_topics
 from heading_intercompare.core.settings import Settings, SettingsError
 from heading_intercompare.messages.heading_messages import encode_imu, IMU
 from heading_intercompare.messages.motion.motion_messages import encode_motion, PUBLISHED_TYPES
@@ -108,7 +108,8 @@ def run(arguments: argparse.Namespace) -> int:
     scenario = simulation.scenario
     source = source._replace(scenario=scenario)
     moved = motion_topics(settings.motion) if scenario.motion_hz > 0.0 else {}
-    topics = {**simulated_topics(settings, scenario.sensors), 'truth': TRUTH_TOPIC,
+    topics = {**simulated_topics(settings.sensors, scenario.sensors, settings.ts_topic,
+                                 settings.rs_topic), 'truth': TRUTH_TOPIC,
               **{name: f'{name}/heading' for name in scenario.sensors
                  if name not in ('ts', 'rs')}, **moved}
     if len({topic.lstrip('/') for topic in topics.values()}) < len(topics):

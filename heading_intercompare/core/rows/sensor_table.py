@@ -17,14 +17,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, Collection
 
 from heading_intercompare.core.declared_settings import Checked, setting, SettingsError
 
 from .settings_rows import read_rows
 
 __all__ = ['describe_driver', 'find_reference', 'find_tested', 'list_tested', 'read_sensors',
-           'Sensor', 'SENSOR_CLASS_NAMES']
+           'Sensor', 'SENSOR_CLASS_NAMES', 'simulated_topics']
 
 SENSOR_CLASS_NAMES = ('gyrocompass', 'ins', 'ins_aided', 'gnss_compass')
 """The classes of sensors; each has a slowest error, see `core/decision/coverage`."""
@@ -149,6 +149,28 @@ def find_tested(sensors: tuple[Sensor, ...], name: str) -> tuple[Sensor, Sensor]
             return one, reference
     raise SettingsError(f'sensor = {name!r}: must be one of '
                         f'{", ".join(one.name for one in tested)}')
+
+
+def simulated_topics(table: str | None, others: Collection[str], ts_topic: str,
+                     rs_topic: str) -> dict[str, str]:
+    """
+    Return the topics of the sensors that a simulated trial calls ts and rs.
+
+    Parameters
+    ----------
+    table : str or None
+        The setting `sensors`. If it has two sensors that the trial does not name, these are meant:
+        the tested one, and the reference or the second one.
+    others : collection of str
+        Names of the sensors of the trial.
+    ts_topic, rs_topic : str
+        What to return otherwise.
+
+    """
+    free = sorted((one for one in read_sensors(table) if one.name not in others),
+                  key=lambda one: one.is_reference)
+    topics = [one.heading_topic for one in free] if len(free) == 2 else [ts_topic, rs_topic]
+    return dict(zip(('ts', 'rs'), topics))
 
 
 def describe_driver(sensor: Sensor) -> dict[str, Any]:

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import combinations
-from typing import Collection
 
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.norm_presets import sigma_max_deg
@@ -26,7 +25,7 @@ from heading_intercompare.core.rows.sensor_table import find_tested, read_sensor
 from heading_intercompare.core.settings import Risk, Settings, SettingsError
 
 __all__ = ['check_norms', 'check_sensors', 'risk_of', 'settings_of_others', 'settings_of_pair',
-           'settings_of_tested', 'simulated_topics']
+           'settings_of_tested']
 
 
 def settings_of_pair(settings: Settings, ts: Sensor, rs: Sensor) -> Settings:
@@ -108,26 +107,6 @@ def check_norms(settings: Settings) -> None:
         check_sensors(settings)
     else:
         Limits.of(settings.norms, settings.model)
-
-
-def simulated_topics(settings: Settings, others: Collection[str]) -> dict[str, str]:
-    """
-    Return the topics of the sensors that a simulated trial calls ts and rs.
-
-    Parameters
-    ----------
-    settings : Settings
-        Names the topics. If its table has two sensors that the trial does not name, these are
-        meant: the tested one, and the reference or the second one.
-    others : collection of str
-        Names of the sensors of the trial.
-
-    """
-    free = sorted((one for one in read_sensors(settings.sensors) if one.name not in others),
-                  key=lambda one: one.is_reference)
-    topics = ([one.heading_topic for one in free] if len(free) == 2
-              else [settings.ts_topic, settings.rs_topic])
-    return dict(zip(('ts', 'rs'), topics))
 
 
 def settings_of_others(settings: Settings) -> dict[tuple[str, str], Settings]:
