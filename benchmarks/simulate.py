@@ -81,7 +81,7 @@ def measure(duration_s: float, rate_hz: float, model: str) -> tuple[float, float
 
 #: What a process does: make the trial after a short one, which compiles.
 TRIAL = """\
-import inspect, resource, sys, time
+import resource, sys, time
 import numpy as np
 from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.simulator import Simulation

@@ -227,8 +227,8 @@ def _read_report(reader: BagReader) -> tuple[Mapping[str, Any] | None, list[str]
     """Return the last report in a bag, or None and what is wrong with it."""
     texts: list[str | bytes] = [attached.data for attached in reader.attachments()
                                 if attached.name == _REPORT]
-    published = None if texts else find_report(reader)
-    texts += [] if published is None else [published.text]
+    if not texts and (published := find_report(reader)) is not None:
+        texts = [published.text]
     if not texts:
         return None, []
     try:

@@ -21,6 +21,7 @@ from importlib import import_module
 from typing import Any, Callable, Mapping
 
 from heading_intercompare.app.config import load_config
+from heading_intercompare.bags.rosbag2.topic_names import clean_namespace
 
 __all__ = ['add_namespace_argument', 'run_node']
 
@@ -34,7 +35,7 @@ def add_namespace_argument(parser: argparse.ArgumentParser) -> None:
 
 
 def _read_namespace(text: str) -> str:
-    return f'/{text.strip().strip("/")}'
+    return clean_namespace(text) or '/'
 
 
 def run_node(module: str, node: str, config: str | None, *, namespace: str = '/',

@@ -169,11 +169,6 @@ class ShipTruth:
         """Return the velocity over ground to the east and north, without the sea, (n,), m/s."""
         return self.course.read_velocity(np.asarray(t_s, dtype=np.float64))
 
-    def roll_pitch_rad(self, t_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return roll (starboard down) and pitch (bow up), each of shape (n,), radians."""
-        roll, pitch = self._sea.read(np.asarray(t_s, np.float64), ('roll', 0), ('pitch', 0))
-        return roll, pitch
-
     def block(self, index: int) -> ShipBlock:
         """Return the ship on the grid of the control loop, over the minute number `index`."""
         if self._block is None or self._block[0] != index:

@@ -22,7 +22,7 @@ another recorder the setting `bag_namespace` names it.
 
 from __future__ import annotations
 
-from typing import Iterable, Mapping, Protocol
+from typing import Collection, Mapping, Protocol
 
 from .provenance import NAMESPACE, RECORD
 
@@ -57,13 +57,13 @@ def read_namespace(metadata: Mapping[str, Mapping[str, str]]) -> str:
     return clean_namespace(metadata.get(RECORD, {}).get(NAMESPACE, ''))
 
 
-def find_topic(present: Iterable[str], topic: str, namespace: str = '') -> str | None:
+def find_topic(present: Collection[str], topic: str, namespace: str = '') -> str | None:
     """
     Return the name that a topic has in a recording; None if it is not there.
 
     Parameters
     ----------
-    present : iterable of str
+    present : collection of str
         The topics of the recording, with or without a leading slash.
     topic : str
         Its name in the settings: absolute with a leading slash, or within the namespace.
@@ -79,14 +79,13 @@ def find_topic(present: Iterable[str], topic: str, namespace: str = '') -> str |
 
     """
     full = topic if topic.startswith('/') else f'{namespace}/{topic}'
-    present = {*present}
     return next((name for name in (full, full.removeprefix('/')) if name in present), None)
 
 
-def find_elsewhere(present: Iterable[str], topic: str, namespace: str = '') -> list[str]:
+def find_elsewhere(present: Collection[str], topic: str, namespace: str = '') -> list[str]:
     """Return the topics that would be meant in other namespaces; see `find_topic`."""
-    own = find_topic(present := sorted(present), topic, namespace)
-    return [name for name in present if name != own and not topic.startswith('/')
+    own = find_topic(present, topic, namespace)
+    return [name for name in sorted(present) if name != own and not topic.startswith('/')
             and f'/{name}'.endswith(f'/{topic}')]
 
 

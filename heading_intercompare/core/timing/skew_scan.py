@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cache
 import math
 from typing import Callable
 
@@ -179,7 +179,7 @@ def scan_skew(ts: Headings, rs: Headings, range_s: float = 2.0, step_s: float = 
     grid = np.arange(-last, last + 1)
     skews_s: Reals = grid.astype(np.float64) * step_s
     searched = difference.search(skews_s, every)
-    variance = lru_cache(maxsize=None)(lambda k: difference.variance(k * step_s))
+    variance = cache(lambda k: difference.variance(k * step_s))
     best = _descend(variance, last, int(grid[np.argmin(searched)]))
     skew_s = _find_lowest(variance, best, last, step_s)
     zero = _spread(difference.at(0.0))
@@ -192,7 +192,7 @@ def scan_skew(ts: Headings, rs: Headings, range_s: float = 2.0, step_s: float = 
     return Scan(n, last * step_s, step_s, skew_s, u_s, bias_s, at_edge,
                 not at_edge and u_s is not None and bias_s is not None
                 and u_s + bias_s <= 0.1 * last * step_s,
-                *here, *zero, tuple((grid[shown] * step_s).tolist()),
+                *here, *zero, tuple(skews_s[shown].tolist()),
                 tuple(np.sqrt(searched[shown]).tolist()))
 
 

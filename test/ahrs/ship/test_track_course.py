@@ -92,7 +92,7 @@ def test_a_recorded_roll_replaces_the_simulated_one_and_yaw_is_not_added():
     still = ShipTruth([], 0.0, track=make_track())
     t_s = np.linspace(10.0, 290.0, 301)
     assert ship.heading_rad(t_s).tolist() == still.heading_rad(t_s).tolist()
-    read, pitch = ship.roll_pitch_rad(t_s)
+    _, _, read, pitch = ship.read_attitude(t_s)
     assert read == pytest.approx(np.radians(5.0) * np.sin(2.0 * math.pi * t_s / 12.0), abs=1e-3)
     assert np.degrees(np.std(pitch)) > 0.5
     block = ship.block(2)
