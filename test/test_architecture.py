@@ -132,7 +132,7 @@ TESTS_OF_SEVERAL = {
     'bags/rosbag2/test_third_parties', 'bags/test_fuzz', 'cli/test_bag_commands',
     'cli/test_catalogue', 'cli/test_former_files', 'cli/test_origin', 'cli/test_outputs',
     'cli/test_real_logs', 'cli/test_usage', 'cli/test_without_extras',
-    'core/test_pipeline_over_days', 'core/pairing/test_lost_readings',
+    'core/test_long_runs', 'core/test_pipeline_over_days', 'core/pairing/test_lost_readings',
     'drivers/test_floods', 'messages/test_against_rclpy',
     'nodes/test_alarms_on_the_graph', 'nodes/test_displays', 'nodes/test_foreign_players',
     'nodes/test_graph_processes',

@@ -109,6 +109,21 @@ def _decompress(head: _Head, data: memoryview, zstd: zstandard.ZstdDecompressor)
     return found
 
 
+def _decompress_into(into: memoryview, head: _Head, data: memoryview,
+                     zstd: zstandard.ZstdDecompressor) -> bool:
+    """Decompress records without a copy if that is sure to work; tell whether it did."""
+    if head.compression != 'zstd':
+        return False
+    try:
+        # A frame that does not say its size would need memory for its window.
+        if zstandard.frame_content_size(data) != head.size:
+            return False
+        with zstd.stream_reader(data) as frame:
+            return frame.readinto(into) == head.size
+    except (zstandard.ZstdError, MemoryError):
+        return False
+
+
 def _check(head: _Head, data: bytes | memoryview) -> None:
     if head.crc and crc32(data) != head.crc:
         raise BagError('chunk damaged: its checksum does not match')
@@ -329,14 +344,13 @@ class Gathering:
         """Take a chunk; BagError if it is damaged, and the chunks taken before stay usable."""
         head = begun.head
         file.seek(begun.start)
+        into = self._reserve(head.size)
         if head.compression:
-            records = _decompress(head, self._read(file, head.length), self._zstd)
-            into = self._reserve(head.size)
-            into[:] = records
-        else:
-            into = self._reserve(head.size)
-            if file.readinto(into) < head.size:
-                raise BagError('chunk damaged: it ends early')
+            packed = self._read(file, head.length)
+            if not _decompress_into(into, head, packed, self._zstd):
+                into[:] = _decompress(head, packed, self._zstd)
+        elif file.readinto(into) < head.size:
+            raise BagError('chunk damaged: it ends early')
         _check(head, into)
         if not self:
             self._offset = begun.at - HEAD.size

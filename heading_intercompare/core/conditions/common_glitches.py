@@ -24,6 +24,7 @@ from numpy.typing import ArrayLike
 
 from heading_intercompare.core.angles import unwrap_deg
 from heading_intercompare.core.records import Reals
+from heading_intercompare.core.statistics.blocking import pick_stretches
 from heading_intercompare.core.statistics.resolution import find_resolution
 
 __all__ = ['CommonGlitches', 'find_common_glitches']
@@ -118,7 +119,7 @@ def find_common_glitches(stamp_ns: ArrayLike, x_deg: ArrayLike,
     stamps = np.asarray(stamp_ns)
     if stamps.size < _LEAST:
         return CommonGlitches('not_testable')
-    rs = unwrap_deg(rs_deg)
+    rs = np.asarray(rs_deg, dtype=np.float64)
     step_s = float(np.median(np.diff(stamps[:_LOOKED_AT]))) / 1e9
     if not step_s > 0.0:
         return CommonGlitches('not_testable')
@@ -126,7 +127,7 @@ def find_common_glitches(stamp_ns: ArrayLike, x_deg: ArrayLike,
     if where.size < _FEWEST:
         return CommonGlitches('not_testable', int(where.size))
     # Compares with earlier readings only, because a filter returns slowly.
-    jump = np.diff(rs + unwrap_deg(x_deg), 2, prepend=(0.0, 0.0))
+    jump = np.diff(unwrap_deg(rs) + unwrap_deg(x_deg), 2, prepend=(0.0, 0.0))
     jump[:2] = 0.0
     least = _FOLLOWS * float(np.quantile(np.abs(jump[::max(1, jump.size // _LOOKED_AT)]),
                                          _QUANTILE))
@@ -174,45 +175,54 @@ def _share(large: np.ndarray, at: np.ndarray, reach: int) -> np.ndarray:
     return share
 
 
-def _subtract_medians(heading: np.ndarray) -> np.ndarray:
-    """Return each reading minus the median of seven, itself in the middle."""
-    off = np.empty_like(heading)
-    for lo in range(0, heading.size, _PIECE):
-        hi = min(lo + _PIECE, heading.size)
-        part = heading[max(0, lo - _BESIDE):hi + _BESIDE]
-        beyond = max(0, _BESIDE - lo), max(0, hi + _BESIDE - heading.size)
-        if any(beyond):
-            part = np.pad(part, beyond, mode='edge')
-        rows = [part[k:part.size - 2 * _BESIDE + k] for k in range(2 * _BESIDE + 1)]
-        for a, b in _MEDIAN_OF_SEVEN:
-            rows[a], rows[b] = np.minimum(rows[a], rows[b]), np.maximum(rows[a], rows[b])
-        np.subtract(heading[lo:hi], rows[_BESIDE], out=off[lo:hi])
+def _subtract_medians(heading: np.ndarray, lo: int, hi: int) -> np.ndarray:
+    """Return the readings in a range, each minus the median of seven, itself in the middle."""
+    part = unwrap_deg(heading[max(0, lo - _BESIDE):hi + _BESIDE])
+    beyond = max(0, _BESIDE - lo), max(0, hi + _BESIDE - heading.size)
+    if any(beyond):
+        part = np.pad(part, beyond, mode='edge')
+    rows = [part[k:part.size - 2 * _BESIDE + k] for k in range(2 * _BESIDE + 1)]
+    for a, b in _MEDIAN_OF_SEVEN:
+        rows[a], rows[b] = np.minimum(rows[a], rows[b]), np.maximum(rows[a], rows[b])
+    off: Reals = part[_BESIDE:part.size - _BESIDE] - rows[_BESIDE]
     return off
+
+
+def _find_far(heading: np.ndarray, least_deg: float) -> tuple[np.ndarray, np.ndarray]:
+    """Return the readings that lie far from the median of seven, and how far, degrees."""
+    where, how_far = [], []
+    for lo in range(0, heading.size, _PIECE):
+        off = _subtract_medians(heading, lo, min(lo + _PIECE, heading.size))
+        far = np.flatnonzero((off > least_deg) | (off < -least_deg))
+        where.append(lo + far)
+        how_far.append(off[far])
+    return np.concatenate(where), np.concatenate(how_far)
 
 
 def _glitches(stamps: np.ndarray, rs: np.ndarray,
               step_s: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the index of the first reading of each glitch of the RS, and its size, degrees."""
-    off = _subtract_medians(rs)
-    outer = float(np.quantile(np.abs(off[::max(1, off.size // _LOOKED_AT)]), _QUANTILE))
-    beyond = outer / math.log(10.0) * (math.log(0.1 * off.size) + _SURPLUS)
+    some = np.concatenate([_subtract_medians(rs, part.start, part.stop)
+                           for part in pick_stretches(rs.size)])
+    outer = float(np.quantile(np.abs(some[::max(1, some.size // _LOOKED_AT)]), _QUANTILE))
+    beyond = outer / math.log(10.0) * (math.log(0.1 * rs.size) + _SURPLUS)
     least = max(outer + beyond, _GRAIN * (find_resolution(rs).step_deg or 0.0),
                 0.5 * _SHIP_DEG_S2 * step_s ** 2)
-    far = np.flatnonzero((off > 0.5 * least) | (off < -0.5 * least))
+    far, how_far = _find_far(rs, 0.5 * least)
     if not far.size:
-        return far, off[far]
+        return far, how_far
     begins = np.flatnonzero(np.diff(far, prepend=-2) > 1)
     ends = np.append(begins[1:], far.size)
-    high = np.maximum.reduceat(np.abs(off[far]), begins) > least
+    high = np.maximum.reduceat(np.abs(how_far), begins) > least
     uneven = np.concatenate(([0], np.cumsum(
         np.abs(np.diff(stamps) / 1e9 - step_s) > _EVEN * step_s)))
     found, last_ns = [], None
     for lo, hi in zip(begins[high].tolist(), ends[high].tolist()):
-        own = far[lo:hi]
-        peak = int(own[np.argmax(np.abs(off[own]))])
-        size = abs(float(off[peak]))
-        around = np.arange(max(0, int(own[0]) - 2), min(off.size, int(own[-1]) + 3))
-        own = around[np.abs(off[around]) > _FLANK * size]
+        peak = float(how_far[lo + np.argmax(np.abs(how_far[lo:hi]))])
+        size = abs(peak)
+        before, after = max(0, int(far[lo]) - 2), min(rs.size, int(far[hi - 1]) + 3)
+        own = before + np.flatnonzero(
+            np.abs(_subtract_medians(rs, before, after)) > _FLANK * size)
         first, last = int(own[0]), int(own[-1])
         # Half of the time out and back, from the reading before to the reading after.
         lasts = 0.5 * (last - first + 2) * step_s
@@ -223,7 +233,7 @@ def _glitches(stamps: np.ndarray, rs: np.ndarray,
                 or uneven[first - _BESIDE - 1] != uneven[last + _BESIDE]:
             continue
         if last_ns is None or int(stamps[first]) - last_ns > _APART_S * 1e9:
-            found.append((first, float(off[peak])))
+            found.append((first, peak))
             last_ns = int(stamps[first])
         if len(found) == _MOST:
             break

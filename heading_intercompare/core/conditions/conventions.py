@@ -23,7 +23,13 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from heading_intercompare.core.angles import circular_mean, wrap180
-from heading_intercompare.core.statistics.blocking import block_size, student_95, sum_covariance
+from heading_intercompare.core.statistics.blocking import (
+    block_means,
+    block_size,
+    samples_per_average,
+    student_95,
+    sum_covariance,
+)
 from heading_intercompare.core.timing.skew_instrument import Tracks
 
 from .turn_direction import find_turn_direction
@@ -219,16 +225,20 @@ def estimate_mean_difference(x_deg: ArrayLike) -> MeanDifference:
     centre, length = circular_mean(x[::max(1, -(-x.size // _LOOKED_AT))])
     if not math.isfinite(centre):
         return MeanDifference(x.size, None, length)
-    off, beyond = np.empty(x.size), 0
+    size, beyond, total = samples_per_average(x.size), 0, 0.0
+    means = np.empty(x.size // size)
     for lo in range(0, x.size, _PIECE):
         part = x[lo:lo + _PIECE] - centre
         beyond += _count_beyond_half(part)
-        off[lo:lo + _PIECE] = wrap180(part)
+        part = wrap180(part)
+        total += float(part.sum())
+        few = block_means(part, size)
+        means[lo // size:lo // size + few.size] = few
     share = min(beyond, x.size - beyond) / x.size
-    mean = float(wrap180(centre + off.mean()))
+    mean = float(wrap180(centre + total / x.size))
     if not block_size(x.size, 16):
         return MeanDifference(x.size, mean, length, seam_share=share)
-    covariance, dof = sum_covariance(off)
-    u = math.sqrt(float(covariance)) / x.size
+    covariance, dof = sum_covariance(means)
+    u = math.sqrt(float(covariance)) / means.size
     half = student_95(dof) * u
     return MeanDifference(x.size, mean, length, u, (mean - half, mean + half), share)

@@ -86,14 +86,16 @@ def find_same_source(x_deg: ArrayLike, rs_deg: ArrayLike, ts: Resolution, rs: Re
     rounding = math.sqrt(ts.variance_deg2 + rs.variance_deg2)
     if x.size < 2:
         return SameSource(None, None, rounding)
-    x = x - x[0]
-    std = math.sqrt(Moments.of(x).m2_deg2 / (x.size - 1))
+    first = float(x[0])
+    moments = sum((Moments.of(x[lo:lo + _PIECE] - first) for lo in range(0, x.size, _PIECE)),
+                  start=Moments())
+    std = math.sqrt(moments.m2_deg2 / (x.size - 1))
     heading = np.asarray(rs_deg, dtype=np.float64)
     ts_changes = rs_changes = 0
     for lo in range(0, x.size - 1, _PIECE):
         part = slice(lo, lo + _PIECE + 1)
         rs_changes += _count_nonzero(np.diff(heading[part]))
-        ts_changes += _count_nonzero(np.diff(x[part] + heading[part]))
+        ts_changes += _count_nonzero(np.diff(x[part] - first + heading[part]))
     changes = min(ts_changes, rs_changes)
     if changes < _LEAST_CHANGES:
         return SameSource(None, std, rounding)

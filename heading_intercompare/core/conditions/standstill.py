@@ -248,11 +248,13 @@ def _kind(stamps: np.ndarray, longest_s: float, step: float | None, other: np.nd
 def _stretches(stamps: np.ndarray,
                heading: np.ndarray) -> tuple[np.ndarray, np.ndarray, float | None]:
     """Return first and last index of every run of equal readings, and the usual hold, s."""
-    steps = np.diff(heading)
-    np.abs(steps, out=steps)
-    same = steps <= _EQUAL_DEG
-    if steps.max() >= 360.0 - _EQUAL_DEG:
-        same |= steps >= 360.0 - _EQUAL_DEG
+    same = np.empty(heading.size - 1, bool)
+    for lo in range(0, same.size, _LOOKED_AT):
+        steps = np.diff(heading[lo:lo + _LOOKED_AT + 1])
+        np.abs(steps, out=steps)
+        part = np.less_equal(steps, _EQUAL_DEG, out=same[lo:lo + _LOOKED_AT])
+        if steps.max() >= 360.0 - _EQUAL_DEG:
+            part |= steps >= 360.0 - _EQUAL_DEG
     changes = np.flatnonzero(~same[:_LOOKED_AT])
     hold = float(np.median(np.diff(stamps[changes]))) / 1e9 if changes.size > 1 else None
     repeats = np.flatnonzero(same)

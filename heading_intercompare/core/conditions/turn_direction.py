@@ -130,7 +130,7 @@ def _put_on_even_times(tracks: Tracks) -> tuple[np.ndarray, np.ndarray, float, f
     half = 0.5 * min(span, grid_s * _MOST)
     middle = 0.5 * float(rs.t_s[0] + rs.t_s[-1])
     t = np.arange(middle - half, middle + half + 1e-9, grid_s, dtype=np.float64)
-    return ts.at(t), rs.at(t), grid_s, float(np.median(np.diff(rs.t_s)))
+    return ts.at(t), rs.at(t), grid_s, rs.step_s
 
 
 def _interpolation_share(step_s: float) -> float:

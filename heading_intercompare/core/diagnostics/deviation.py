@@ -166,7 +166,8 @@ def _pieces(n: int) -> Iterator[slice]:
         yield slice(lo, min(n, lo + _PIECE))
 
 
-def fit_deviation(x_deg: ArrayLike, rs_deg: ArrayLike) -> HeadingDependence:
+def fit_deviation(x_deg: ArrayLike, rs_deg: ArrayLike, *, averaged: int = 1,
+                  within_deg2: float = 0.0) -> HeadingDependence:
     """
     Fit the deviation coefficients of a run.
 
@@ -174,6 +175,10 @@ def fit_deviation(x_deg: ArrayLike, rs_deg: ArrayLike) -> HeadingDependence:
     ----------
     x_deg, rs_deg : array_like, shape (n,)
         Differences and headings of the RS, in sample order, finite, degrees.
+    averaged : int
+        Number of samples that each of these averages.
+    within_deg2 : float
+        Mean square of those samples about their averages, square degrees.
 
     Returns
     -------
@@ -203,7 +208,7 @@ def fit_deviation(x_deg: ArrayLike, rs_deg: ArrayLike) -> HeadingDependence:
     n = x.size
     arc = largest_empty_arc(psi)
     if n < _LEAST_SAMPLES:
-        return HeadingDependence(n, 'insufficient_data', arc, None)
+        return HeadingDependence(averaged * n, 'insufficient_data', arc, None)
     size = block_size(n, 16)
     first = float(x[0])
     gram, right = np.zeros((_TERMS, _TERMS)), np.zeros(_TERMS)
@@ -213,7 +218,7 @@ def fit_deviation(x_deg: ArrayLike, rs_deg: ArrayLike) -> HeadingDependence:
         right += basis @ (x[part] - first)
     condition = float(np.linalg.cond(gram / n))
     if not condition <= _WORST_CONDITION:
-        return HeadingDependence(n, 'headings_too_narrow', arc,
+        return HeadingDependence(averaged * n, 'headings_too_narrow', arc,
                                  condition if math.isfinite(condition) else None)
     beta = np.linalg.solve(gram, right)
     ends = unwrap_deg(psi)[::max(1, block_size(n, _LEAST_SAMPLES))]
@@ -239,17 +244,18 @@ def fit_deviation(x_deg: ArrayLike, rs_deg: ArrayLike) -> HeadingDependence:
     scatter = np.cov(means, rowvar=False) * ((means.shape[0] - 1) / dof)
     widening = _widening(left, turns)
     if widening is None:
-        return HeadingDependence(n, 'errors_outlast_the_turns', arc, condition)
+        return HeadingDependence(averaged * n, 'errors_outlast_the_turns', arc, condition)
     covariance = widening * (inverse @ (n * size * scatter) @ inverse)
     covariance = 0.5 * (covariance + covariance.T)
     f, p = _joint(beta[1:], covariance[1:, 1:], dof)
     around = beta[1:] @ _basis(np.arange(0.0, 360.0, 0.5))[1:]
     beta[0] += first
+    rss = averaged * (rss + n * within_deg2)
     return HeadingDependence(
-        n, '', arc, condition, tuple(beta.tolist()),
+        averaged * n, '', arc, condition, tuple(beta.tolist()),
         tuple(np.sqrt(np.maximum(np.diag(covariance), 0.0)).tolist()),
         tuple(tuple(row) for row in covariance.tolist()), float(np.abs(around).max()), f, p,
-        math.sqrt(rss / (n - _TERMS)))
+        math.sqrt(rss / (averaged * n - _TERMS)))
 
 
 def deviation_at(found: HeadingDependence, heading_deg: ArrayLike) -> tuple[Reals, Reals]:

@@ -22,6 +22,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
+from heading_intercompare.core.records import Reals
 from heading_intercompare.core.statistics.moments import Moments
 
 __all__ = ['estimate_reference_noise', 'ReferenceNoise']
@@ -67,7 +68,9 @@ class ReferenceNoise:
 
 
 def estimate_reference_noise(ts_deg: ArrayLike, rs_deg: ArrayLike, *,
-                             skew_variance_deg2: float = 0.0) -> ReferenceNoise:
+                             skew_variance_deg2: float = 0.0,
+                             averages: tuple[int, Reals, Reals] | None = None,
+                             ) -> ReferenceNoise:
     """
     Bound the noise of the RS from below, by the readings of both sensors.
 
@@ -78,6 +81,10 @@ def estimate_reference_noise(ts_deg: ArrayLike, rs_deg: ArrayLike, *,
     skew_variance_deg2 : float
         Largest variance that a time skew may add to x, square degrees. Half of it may look like
         noise of the RS, and is subtracted from the bound.
+    averages : int, ndarray, ndarray, optional
+        For a long record: a power of two, and TS and RS averaged over that many samples, from
+        which the octaves from there on are taken. `ts_deg` and `rs_deg` may then be stretches of
+        the record, whose lengths are multiples of it.
 
     Returns
     -------
@@ -103,6 +110,8 @@ def estimate_reference_noise(ts_deg: ArrayLike, rs_deg: ArrayLike, *,
     rows = []
     size = 1
     while rs.size // 2 >= _LEAST_PAIRS:
+        if averages is not None and size == averages[0]:
+            _, ts, rs = averages
         whole, own, (ts, rs) = _split_octave(ts, rs)
         variance = own.mean_deg
         u = math.sqrt((own.variance_deg2 or 0.0) / own.n)

@@ -41,6 +41,7 @@ from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.guarded import Guarded
 from heading_intercompare.core.settings import Detectors, Settings
 from heading_intercompare.core.statistics.autocorrelation import SeriesCorrelation
+from heading_intercompare.core.statistics.blocking import pick_stretches, samples_per_average
 from heading_intercompare.core.statistics.drift import Detrended
 from heading_intercompare.core.statistics.ergodicity import Homogeneity
 from heading_intercompare.core.statistics.moments import Moments
@@ -73,6 +74,9 @@ from .run_findings import (
 )
 
 __all__ = ['diagnose', 'Diagnostics', 'Signs', 'with_runs']
+
+#: Few enough that intermediate results stay in the cache.
+_PIECE = 1 << 14
 
 MOVING_AVERAGE_S = 1.0
 """Span of the moving average that is subtracted from headings, seconds."""
@@ -165,10 +169,11 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
 
     Notes
     -----
-    Long records are not thinned, but averaged or examined in parts. The skew is estimated on
-    averages over up to 0.1 s, trends on 16 to 127 block means, the noise of each sensor on a
-    million readings spread over the run, resolutions on the first 100000 readings. Everything
-    else uses all differences.
+    Long records are not thinned, but averaged or examined in parts. Of more than 262144 pairs,
+    what is slow is found on averages: skew and dependence on the heading over up to a quarter of
+    a second, drift over the blocks of `Averages`. The noise of each sensor is found in 16
+    stretches of 16384 readings spread over the run, the resolution in the first 100000. Whatever
+    may happen at any time, an outlier or a glitch, is looked for everywhere.
 
     References
     ----------
@@ -193,15 +198,18 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
                                       limits, factor, interpolates_ts, correlation, estimate,
                                       tracks, series)
     told(0.9)
-    allan = describe_allan(x_deg, stamps.typical_s, _noise_of_rs(x_deg, rs_deg, estimate, range_s))
-    variance = Moments.of(x_deg).variance_deg2
-    block = describe_skew(estimate, variance, limits, scan)
-    result = Diagnostics(block, drift, fit_deviation(x_deg, rs_deg), normal,
+    allan = describe_allan(x_deg, stamps.typical_s,
+                           _noise_of_rs(x_deg, rs_deg, estimate, range_s, tracks))
+    moments = Moments.of(x_deg)
+    block = describe_skew(estimate, moments.variance_deg2, limits, scan)
+    deviation = _fit_deviation(x_deg, rs_deg, tracks, moments.m2_deg2)
+    result = Diagnostics(block, drift, deviation, normal,
                          examine_stationarity(residual, stamps.typical_s or 0.0), correlation,
                          allan, (),
                          (), signs)
     resolved = assumptions.is_resolved(rest.found)
-    rest_found = examine_stationarity(rest.polynomial.residual_deg, stamps.typical_s or 0.0)
+    rest_found = examine_stationarity(rest.polynomial.residual_deg,
+                                      rest.averages.size * (stamps.typical_s or 0.0))
     return replace(result, warnings=tuple(_warnings(result, range_s)),
                    assumptions=_assumptions(result, n, settings, guarded, limits, rest_found,
                                             resolved, is_whole))
@@ -213,9 +221,12 @@ def _examine_headings(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarra
                       correlation: Correlation, estimate: Skew, tracks: Tracks | None,
                       series: SeriesCorrelation) -> tuple[Signs, Normality]:
     """Examine the headings of both sensors; those of the TS follow from the differences."""
-    ts_deg = x_deg + rs_deg
-    ts_deg += settings.installation_offset_deg
-    ts_deg = wrap360(ts_deg)
+    source = find_one_source(stamp_ns, x_deg, rs_deg, factor=factor,
+                             interpolates_ts=interpolates_ts, share=detectors.same_source_share)
+    ts_deg = np.empty_like(x_deg)
+    for lo in range(0, x_deg.size, _PIECE):
+        part = slice(lo, lo + _PIECE)
+        ts_deg[part] = wrap360(x_deg[part] + rs_deg[part] + settings.installation_offset_deg)
     both = (ts_deg, rs_deg) if interpolates_ts else (rs_deg, ts_deg)
     steps = find_resolution(ts_deg), find_resolution(rs_deg)
     # Read minutes apart, sound sensors seem to turn against each other.
@@ -226,9 +237,7 @@ def _examine_headings(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarra
     signs = Signs(
         find_convention(x_there, rs_there, detectors.convention_tolerance_deg, stamp_ns=at_ns,
                         range_s=settings.alignment.skew_range_s, tracks=there),
-        estimate_mean_difference(x_deg),
-        find_one_source(stamp_ns, x_deg, rs_deg, factor=factor, interpolates_ts=interpolates_ts,
-                        share=detectors.same_source_share),
+        estimate_mean_difference(x_deg), source,
         find_frozen(stamp_ns, ts_deg, rs_deg, least_s=detectors.frozen_s,
                     moved_deg=detectors.frozen_moved_deg, sigma_deg=limits.sigma_ref_max_deg),
         find_frozen(stamp_ns, rs_deg, ts_deg, least_s=detectors.frozen_s,
@@ -248,14 +257,33 @@ def _examine_headings(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarra
                                     tau=series.narrow.tau_1)
 
 
-def _noise_of_rs(x_deg: np.ndarray, rs_deg: np.ndarray, estimate: Skew,
-                 range_s: float) -> ReferenceNoise:
+def _noise_of_rs(x_deg: np.ndarray, rs_deg: np.ndarray, estimate: Skew, range_s: float,
+                 tracks: Tracks | None) -> ReferenceNoise:
     added = estimate.largest_variance_deg2(range_s)
-    rs_line = unwrap_deg(rs_deg)
-    ts_line = unwrap_deg(x_deg)
+    parts = pick_stretches(x_deg.size)
+    averages = None
+    if len(parts) > 1 and tracks is not None:
+        averages = x_deg.size // len(tracks.rs), tracks.ts.heading_deg, tracks.rs.heading_deg
+    else:
+        parts = [slice(None)]
+    # Octaves never straddle two stretches, so the steps between these do not matter.
+    rs_line = unwrap_deg(np.concatenate([rs_deg[part] for part in parts]))
+    ts_line = unwrap_deg(np.concatenate([x_deg[part] for part in parts]))
     ts_line += rs_line
-    return estimate_reference_noise(ts_line, rs_line,
+    return estimate_reference_noise(ts_line, rs_line, averages=averages,
                                     skew_variance_deg2=math.inf if added is None else added)
+
+
+def _fit_deviation(x_deg: np.ndarray, rs_deg: np.ndarray, tracks: Tracks | None,
+                   m2_deg2: float) -> HeadingDependence:
+    """Fit the deviation to the pairs, or to the averages of a long run."""
+    if tracks is None or samples_per_average(x_deg.size) == 1:
+        return fit_deviation(x_deg, rs_deg)
+    size = x_deg.size // len(tracks.rs)
+    x = tracks.ts.heading_deg - tracks.rs.heading_deg
+    within_deg2 = max(0.0, m2_deg2 / x_deg.size - float(np.var(x)))
+    return fit_deviation(x, wrap360(tracks.rs.heading_deg), averaged=size,
+                         within_deg2=within_deg2)
 
 
 def _assumptions(found: Diagnostics, n: int, settings: Settings, guarded: Guarded,

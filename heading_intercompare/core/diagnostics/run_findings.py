@@ -27,6 +27,7 @@ from heading_intercompare.core.statistics.autocorrelation import (
     compute_allan_deviation,
     SeriesCorrelation,
 )
+from heading_intercompare.core.statistics.blocking import Averages
 from heading_intercompare.core.statistics.drift import (
     Detrended,
     drift_left_deg2,
@@ -35,7 +36,6 @@ from heading_intercompare.core.statistics.drift import (
     select_order,
     Slope,
 )
-from heading_intercompare.core.statistics.moments import sum_products
 from heading_intercompare.core.statistics.warm_up import fit_warm_up, mser5, WarmUp
 from heading_intercompare.core.timing.skew_scan import Scan
 from heading_intercompare.core.timing.stamp_steps import StampSteps
@@ -215,18 +215,17 @@ def describe_drift(stamp_ns: np.ndarray, x_deg: np.ndarray,
     """
     n = x_deg.size
     span_h = (int(stamp_ns[-1]) - int(stamp_ns[0])) / 3.6e12 if n else 0.0
-    order = select_order(stamp_ns, x_deg)
-    rest = Detrended.of(stamp_ns, x_deg, order.order if order else 0)
+    averages = Averages.of(stamp_ns, x_deg)
+    order = select_order(averages.stamp_ns, averages.x_deg)
+    rest = Detrended.of(averages, order.order if order else 0)
     fit = rest.polynomial
-    line = rest if fit.order == 1 else Detrended.of(stamp_ns, x_deg, 1)
-    std = None
-    if order is not None:
-        rss = sum_products(fit.residual_deg, fit.residual_deg)
-        std = math.sqrt(rss / (n - 1 - order.order))
+    line = rest if fit.order == 1 else Detrended.of(averages, 1)
+    std = None if order is None else math.sqrt(rest.rss_deg2 / (n - 1 - order.order))
     return Drift(order, fit.coefficients_deg if order else None,
                  drift_left_deg2(rest if fit.order > 1 else line), std, span_h,
-                 fit_slope(stamp_ns, x_deg, line), fit_warm_up(stamp_ns, x_deg, tolerance_deg),
-                 mser5(stamp_ns, x_deg)), rest
+                 fit_slope(stamp_ns, x_deg, line),
+                 fit_warm_up(averages.stamp_ns, averages.x_deg, tolerance_deg),
+                 mser5(averages.stamp_ns, averages.x_deg)), rest
 
 
 def left_in_deg2(stamp_ns: np.ndarray, x_deg: np.ndarray) -> float:
@@ -246,8 +245,9 @@ def left_in_deg2(stamp_ns: np.ndarray, x_deg: np.ndarray) -> float:
         Square degrees: `Drift.left_deg2` of `describe_drift`, or 0 if that is None.
 
     """
-    order = select_order(stamp_ns, x_deg)
-    rest = Detrended.of(stamp_ns, x_deg, max(1, order.order if order else 0))
+    averages = Averages.of(stamp_ns, x_deg)
+    order = select_order(averages.stamp_ns, averages.x_deg)
+    rest = Detrended.of(averages, max(1, order.order if order else 0))
     return drift_left_deg2(rest) or 0.0
 
 

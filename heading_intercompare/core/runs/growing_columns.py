@@ -28,6 +28,7 @@ Page = Callable[[], np.ndarray]
 Keep = Callable[[np.ndarray], Page]
 
 _PAGE = 65536
+_GROWTH = 4
 #: Number of smallest, and of largest, values of each page that stay in memory.
 _TAIL = _PAGE // 64
 
@@ -41,8 +42,9 @@ class Column:
     dtype : type
         Type of the values.
     keep : Keep, optional
-        Stores full pages. Without it there are no pages and all values stay in memory, at 8 to
-        16 bytes each. The capacity doubles, so n values cost O(n) copies in all.
+        Stores full pages. Without it there are no pages and all values stay in memory. The
+        capacity grows fourfold, so n values cost at most n/3 copies in all; the operating system
+        gives memory only to what is filled.
     on_page : callable, optional
         Called with each full page.
 
@@ -88,7 +90,7 @@ class Column:
         """Make room for more values."""
         need = self._n_open + size
         if need > len(self._open):
-            grown = np.empty(max(need, 2 * len(self._open)), self._open.dtype)
+            grown = np.empty(max(need, _GROWTH * len(self._open)), self._open.dtype)
             grown[:self._n_open] = self.newest
             self._open = grown
 

@@ -25,6 +25,7 @@ import scipy
 
 from heading_intercompare.core.records import Reals
 
+from .blocking import average, samples_per_average
 from .moments import sum_products
 
 __all__ = ['allan_dof', 'AllanDeviation', 'autocorrelate', 'compute_allan_deviation',
@@ -32,11 +33,13 @@ __all__ = ['allan_dof', 'AllanDeviation', 'autocorrelate', 'compute_allan_deviat
            'SeriesCorrelation', 'sokal_times']
 
 _SEGMENT = 1 << 17
-#: Length of a segment over the largest lag: the samples beside its ends are transformed twice.
+#: Length of a segment over the largest lag, the samples beside its ends are transformed twice;
+#: and of averages over the distance of their starts.
 _LONG = 4
 _PIECE = 1 << 13
 _SOKAL_LAGS = 5000
 _GROWTH = 8
+_MANY_TERMS = 1 << 17
 _WINDOW = 10.0
 
 
@@ -156,7 +159,11 @@ class CorrelationTimes:
 
 
 class _Lags:
-    """The autocorrelation of a series, computed as far as it is needed."""
+    """
+    The autocorrelation of a series, computed as far as it is needed.
+
+    Beyond the first 5000 lags, that of a long series follows from averages over a few samples.
+    """
 
     def __init__(self, x: ArrayLike) -> None:
         self._e = _centre(x)
@@ -166,8 +173,20 @@ class _Lags:
     def up_to(self, m: int) -> np.ndarray:
         """Return r_0 to r_m; m < n."""
         if m >= self._r.size:
-            self._r = _correlation(self._e, m)
+            size = samples_per_average(self.n)
+            near = m if size == 1 else min(m, _SOKAL_LAGS)
+            if near >= self._r.size:
+                self._r = _correlation(self._e, near)
+            if m > near:
+                self._r = np.concatenate((self._r[:near + 1], self._far(near + 1, m, size)))
         return self._r[:m + 1]
+
+    def _far(self, first: int, last: int, size: int) -> Reals:
+        """Return the correlations at lags that are long compared with `size` samples."""
+        means = _centre(average(self._e, size))
+        power = sum_products(means, means) * size / sum_products(self._e, self._e)
+        coarse = _correlation(means, min(last // size + 1, means.size - 1)) * power
+        return np.interp(np.arange(first, last + 1), size * np.arange(coarse.size), coarse)
 
     def sum_up_to_window(self, limit: int,
                          closed: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray],
@@ -341,7 +360,7 @@ class AllanDeviation:
     deviation : ndarray, shape (k,)
         Root of half the mean squared difference of consecutive averages, in the unit of x.
     terms : ndarray of int, shape (k,)
-        Number of squared differences in that mean.
+        Number of such squared differences, all of them.
 
     """
 
@@ -351,8 +370,8 @@ class AllanDeviation:
     terms: np.ndarray
 
 
-def _square_steps(sums: np.ndarray, lag: int) -> float:
-    """Return the sum of squared second differences, in pieces that stay in the cache."""
+def _mean_square_step(sums: np.ndarray, lag: int) -> float:
+    """Return the mean squared second difference, in pieces that stay in the cache."""
     total, count = 0.0, sums.size - 2 * lag
     steps = np.empty(_PIECE)
     for lo in range(0, count, _PIECE):
@@ -362,7 +381,16 @@ def _square_steps(sums: np.ndarray, lag: int) -> float:
         step -= middle
         step += sums[lo:hi]
         total += float(step @ step)
-    return total
+    return total / count
+
+
+def _starts_apart(lag: int, terms: int) -> int:
+    """Return how far apart averages may start: they overlap by 3/4 or more, and enough remain."""
+    every = 1
+    while (lag % (2 * every) == 0 and lag >= 2 * every * _LONG
+           and terms >= 2 * every * _MANY_TERMS):
+        every *= 2
+    return every
 
 
 def compute_allan_deviation(x: ArrayLike, rate_hz: float, tau_s: ArrayLike | None = None, *,
@@ -389,6 +417,12 @@ def compute_allan_deviation(x: ArrayLike, rate_hz: float, tau_s: ArrayLike | Non
     AllanDeviation
         Only at averaging times from 1 to n/2 samples, ascending, without duplicates.
 
+    Notes
+    -----
+    In a record of more than 262144 samples, averages over 8, 16, 32, ... samples start at every
+    2nd, 4th, 8th, ... sample as long as at least 131072 differences remain: they still overlap by
+    three quarters, which leaves hardly more scatter.
+
     Raises
     ------
     ValueError
@@ -402,19 +436,24 @@ def compute_allan_deviation(x: ArrayLike, rate_hz: float, tau_s: ArrayLike | Non
     """
     if not 0.0 < rate_hz < np.inf:
         raise ValueError(f'rate_hz = {rate_hz!r}: must be a number greater than 0')
-    x = _centre(x)
+    x = np.asarray(x, dtype=np.float64).reshape(-1)
     if m is None:
         m = (1 << np.arange(max(0, x.size.bit_length() - 1)) if tau_s is None
              else np.rint(np.asarray(tau_s, dtype=np.float64) * rate_hz))
     m = np.unique(np.asarray(m).reshape(-1).astype(np.int64))
     m = m[(m >= 1) & (m <= x.size // 2)]
-    sums = np.concatenate(([0.0], np.cumsum(x)))
-    deviation, terms = np.empty(m.size), np.empty(m.size, dtype=np.int64)
-    for at, span in enumerate(m.tolist()):
-        lag, within = (span, sums) if overlapping else (1, sums[::span])
-        terms[at] = within.size - 2 * lag
-        deviation[at] = np.sqrt(0.5 * _square_steps(within, lag) / terms[at]) / span
-    return AllanDeviation(m, m / rate_hz, deviation, terms)
+    sums = np.zeros(x.size + 1)
+    if x.size:
+        sums[1:] = x
+        sums[1:] -= x[0]
+        sums[1:] -= sums[1:].mean()
+    np.cumsum(sums, out=sums)
+    terms = x.size + 1 - 2 * m if overlapping else x.size // m - 1
+    squares = []
+    for span, count in zip(m.tolist(), terms.tolist()):
+        every = _starts_apart(span, count) if overlapping else span
+        squares.append(_mean_square_step(sums[::every], span // every))
+    return AllanDeviation(m, m / rate_hz, np.sqrt(0.5 * np.array(squares)) / m, terms)
 
 
 def allan_dof(m: ArrayLike, terms: ArrayLike) -> np.ndarray:

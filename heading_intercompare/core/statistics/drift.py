@@ -28,7 +28,7 @@ import scipy
 from heading_intercompare.core.records import Reals
 
 from .autocorrelation import sokal_times
-from .blocking import block_means, block_size, student_95
+from .blocking import Averages, block_means, block_size, student_95
 from .cells import Cells
 from .moments import Moments, sum_products
 from .variance_uncertainty import estimate_spread, MEAN_DOF, Spread
@@ -252,21 +252,32 @@ class Detrended:
 
     Attributes
     ----------
+    averages : Averages
+        The differences, which a long record averages over short blocks.
     polynomial : Polynomial
-        The polynomial and the residuals.
+        The polynomial that fits these, and their residuals.
     found : Spread or None
-        Spread of the residuals; None for fewer than 128 differences.
+        Spread of the differences about the polynomial; None for fewer than 128.
 
     """
 
+    averages: Averages
     polynomial: Polynomial
     found: Spread | None
 
     @classmethod
-    def of(cls, stamp_ns: ArrayLike, x_deg: ArrayLike, order: int) -> 'Detrended':
+    def of(cls, averages: Averages, order: int) -> 'Detrended':
         """Subtract a polynomial from differences, as `remove_polynomial` does."""
-        fit = remove_polynomial(stamp_ns, x_deg, order)
-        return cls(fit, estimate_spread(Cells.of(fit.residual_deg, stamp_ns), fit.order))
+        fit = remove_polynomial(averages.stamp_ns, averages.x_deg, order)
+        values = averages.with_noise(Cells.of(fit.residual_deg, averages.stamp_ns).values())
+        return cls(averages, fit, None if values is None else estimate_spread(values, fit.order))
+
+    @property
+    def rss_deg2(self) -> float:
+        """Sum of the squared residuals of all differences, square degrees."""
+        residual, size = self.polynomial.residual_deg, self.averages.size
+        return (size * sum_products(residual, residual)
+                + self.averages.n * self.averages.within_deg2)
 
 
 def drift_left_deg2(rest: Detrended) -> float | None:
@@ -363,23 +374,25 @@ def fit_slope(stamp_ns: ArrayLike, x_deg: ArrayLike,
     the variance v of the mean by S.1. Correlation time with the window of Sokal 1997.
 
     """
-    stamps, x = np.asarray(stamp_ns), np.asarray(x_deg, dtype=np.float64)
-    n = x.size
+    averages = Averages.of(stamp_ns, x_deg) if line is None else line.averages
+    stamps, x, n = averages.stamp_ns, averages.x_deg, averages.n
     if n < 2 or stamps[-1] == stamps[0]:
         return None
     span_h = float((stamps[-1] - stamps[0]) / 3.6e12)
     if n < 3:
         b = float(x[1] - x[0]) / span_h
         return Slope(b, float(x[0]), None, None, None, 1.0, None)
-    line = Detrended.of(stamps, x, 1) if line is None else line
+    line = Detrended.of(averages, 1) if line is None else line
     level, tilt = line.polynomial.coefficients_deg
     b = 2.0 * tilt / span_h
-    residual = line.polynomial.residual_deg
+    residual, rss = line.polynomial.residual_deg, line.rss_deg2
     tau = sokal_times(residual).tau_1
-    rss = sum_products(residual, residual)
-    times_h = (Moments.of((stamps[piece] - stamps[0]) / 3.6e12) for piece in _pieces(n))
+    if averages.size > 1 and rss > 0.0:
+        # The variance of the mean is the same: v tau / n.
+        tau *= averages.size ** 2 * sum_products(residual, residual) / rss
+    times_h = (Moments.of((stamps[piece] - stamps[0]) / 3.6e12) for piece in _pieces(x.size))
     moved = sum(times_h, start=Moments())
-    naive = math.sqrt(rss / (n - 2) / moved.m2_deg2)
+    naive = math.sqrt(rss / (n - 2) / (averages.size * moved.m2_deg2))
     u, dof = naive * math.sqrt(max(1.0, tau)), n - 2
     if line.found is not None:
         u, dof = math.sqrt(12.0 * line.found.mean_variance_deg2) / span_h, MEAN_DOF

@@ -142,4 +142,5 @@ class Moments:
 
 def count_outside(x_deg: np.ndarray, center_deg: float, limit_deg: float) -> int:
     """Count the values farther than the limit from the centre, strictly; GK (*), (**)."""
-    return int(np.count_nonzero(np.abs(x_deg - center_deg) > limit_deg))
+    return sum(int(np.count_nonzero(np.abs(x_deg[lo:lo + _PIECE] - center_deg) > limit_deg))
+               for lo in range(0, len(x_deg), _PIECE))

@@ -26,6 +26,7 @@ import scipy
 from heading_intercompare.core.angles import unwrap_deg, wrap180
 
 from .autocorrelation import effective_size, sokal_times
+from .blocking import pick_stretches
 from .resolution import find_resolution, Resolution
 
 __all__ = ['AndersonDarling', 'apply_anderson_darling', 'examine_normality', 'measure_shape',
@@ -34,8 +35,6 @@ __all__ = ['AndersonDarling', 'apply_anderson_darling', 'examine_normality', 'me
 #: Few enough that BLAS stays in one thread.
 _PIECE = 1 << 13
 _LEAST = 8
-_MOST = 1 << 20
-_STRETCH = 1 << 16
 
 
 @dataclass(frozen=True, slots=True)
@@ -319,8 +318,7 @@ def examine_normality(x_deg: ArrayLike, ts_deg: ArrayLike, rs_deg: ArrayLike, *,
 
     Notes
     -----
-    Of more than a million headings, only 16 stretches of 65536 each, spread over the run, are
-    used.
+    Of more than 262144 headings, only 16 stretches of 16384 each, spread over the run, are used.
 
     References
     ----------
@@ -341,10 +339,7 @@ def examine_normality(x_deg: ArrayLike, ts_deg: ArrayLike, rs_deg: ArrayLike, *,
 
 
 def _examine_sensor(heading_deg: np.ndarray, width: int) -> tuple[Shape, Shape, Resolution]:
-    starts = range(0, 1) if heading_deg.size <= _MOST else np.linspace(
-        0, heading_deg.size - _STRETCH, _MOST // _STRETCH).astype(int)
-    stretch = heading_deg.size if len(starts) == 1 else _STRETCH
-    parts = [heading_deg[lo:lo + stretch] for lo in starts]
+    parts = [heading_deg[stretch] for stretch in pick_stretches(heading_deg.size)]
     first = np.concatenate([symmetric_difference(h) for h in parts])
     average = np.concatenate([moving_average_residual(h, width) for h in parts])
     return (measure_shape(first, effective_size(first)),

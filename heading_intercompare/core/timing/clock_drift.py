@@ -23,7 +23,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 import scipy
 
-from heading_intercompare.core.records import Headings, Integers, Reals
+from heading_intercompare.core.records import Integers, Reals
 from heading_intercompare.core.statistics.blocking import student_95
 
 from .heading_track import Track
@@ -234,9 +234,7 @@ def _move_back(found: ClockDrift, by_s: float, stamps: Integers, moved: Integers
 
 def _cut(track: Track, lo: int, hi: int) -> Track:
     """Return a part of a track."""
-    part = Track(Headings.empty())
-    part.t_s, part.heading_deg = track.t_s[lo:hi], track.heading_deg[lo:hi]
-    return part
+    return Track.of(track.t_s[lo:hi], track.heading_deg[lo:hi])
 
 
 def _extrapolate(found: list[SkewOfPart], at_s: float, near_s: float) -> float:

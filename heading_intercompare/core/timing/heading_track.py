@@ -16,12 +16,14 @@
 
 from __future__ import annotations
 
+from functools import cached_property
 import math
 
 import numpy as np
 
 from heading_intercompare.core.angles import unwrap_deg
 from heading_intercompare.core.records import Headings, Reals
+from heading_intercompare.core.statistics.blocking import pick_stretches
 
 __all__ = ['RisingTimes', 'Track']
 
@@ -47,13 +49,35 @@ class Track:
     """
 
     def __init__(self, headings: Headings, origin_ns: int = 0) -> None:
-        headings = headings[np.isfinite(headings.heading_deg)]
+        finite = np.isfinite(headings.heading_deg)
+        if not finite.all():
+            headings = headings[finite]
         stamps = headings.stamp_ns
         if stamps.size > 1 and not (stamps[1:] > stamps[:-1]).all():
             newest = np.maximum.accumulate(stamps)
             headings = headings[np.concatenate(([True], stamps[1:] > newest[:-1]))]
         self.t_s: Reals = (headings.stamp_ns - origin_ns) / 1e9
         self.heading_deg: Reals = unwrap_deg(headings.heading_deg)
+        self._gaps: dict[float, np.ndarray] = {}
+
+    @classmethod
+    def of(cls, t_s: Reals, heading_deg: Reals) -> 'Track':
+        """Return a track of unwrapped headings at increasing times, without a copy."""
+        track = cls(Headings.empty())
+        track.t_s, track.heading_deg = t_s, heading_deg
+        return track
+
+    @cached_property
+    def step_s(self) -> float:
+        """Median step from reading to reading, seconds; at least two readings."""
+        return float(np.median(np.concatenate([np.diff(self.t_s[part])
+                                               for part in pick_stretches(len(self))])))
+
+    def _find_gaps(self, max_gap_s: float) -> np.ndarray:
+        """Return the readings before a longer silence."""
+        if max_gap_s not in self._gaps:
+            self._gaps[max_gap_s] = np.flatnonzero(np.diff(self.t_s) > max_gap_s)
+        return self._gaps[max_gap_s]
 
     def __len__(self) -> int:
         return len(self.t_s)
@@ -73,7 +97,7 @@ class Track:
         # Half a nanosecond, the unit of stamps, absorbs the rounding of seconds.
         from_s, to_s = from_s + _ROUNDING_S, to_s - _ROUNDING_S
         good: np.ndarray = (from_s >= self.t_s[0]) & (to_s <= self.t_s[-1])
-        gaps = np.flatnonzero(np.diff(self.t_s) > max_gap_s)
+        gaps = self._find_gaps(max_gap_s)
         if gaps.size:
             # Equal counts of gaps ended before the span and begun by its end: none within.
             ended = np.searchsorted(self.t_s[gaps + 1], from_s, side='right')

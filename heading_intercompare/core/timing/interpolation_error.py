@@ -118,7 +118,7 @@ def estimate_interpolation_error(stamp_ns: ArrayLike, interpolated_deg: ArrayLik
     ``docs/diagnostics.md``.
 
     """
-    f = np.asarray(factor, dtype=np.float64)
+    f = np.asarray(factor)
     if not f.size or f.min() >= 1.0 - 1e-12:
         return InterpolationError('none' if f.size else 'not_testable',
                                   variance_deg2=0.0 if f.size else None,
@@ -129,7 +129,7 @@ def estimate_interpolation_error(stamp_ns: ArrayLike, interpolated_deg: ArrayLik
                   for h in (interpolated_deg, other_deg))
     if stamps.size < _LEAST or stamps[-1] == stamps[0]:
         return InterpolationError('not_testable')
-    w = 0.5 - 0.5 * np.sqrt(np.clip(2.0 * f[part] - 1.0, 0.0, 1.0))
+    w = 0.5 - 0.5 * np.sqrt(np.clip(2.0 * f[part].astype(np.float64) - 1.0, 0.0, 1.0))
     step = float(np.median(np.diff(stamps))) / 1e9
     each = readings_per_pair(stamps, own)
     if interval_s is not None:

@@ -23,8 +23,13 @@ from typing import NamedTuple
 import numpy as np
 
 from heading_intercompare.core.angles import unwrap_deg
-from heading_intercompare.core.records import Headings
-from heading_intercompare.core.statistics.blocking import block_means, block_size, sum_covariance
+from heading_intercompare.core.records import Reals
+from heading_intercompare.core.statistics.blocking import (
+    average,
+    block_means,
+    block_size,
+    sum_covariance,
+)
 
 from .heading_track import Track
 
@@ -33,6 +38,11 @@ __all__ = ['common_tracks', 'Fit', 'HALF_SPAN_S', 'Instrument', 'LEAST_PAIRS', '
 
 _BLOCK_S = 0.1
 """Longest block that pairs are averaged over, seconds."""
+
+_LONGER_BLOCK_S, _MANY = 0.25, 1 << 18
+"""Longest block as long as there are more averages than the second number."""
+
+_PIECE = 1 << 14
 
 HALF_SPAN_S = 0.5
 """Rates span this time before a pair and the same time after it, seconds."""
@@ -64,7 +74,7 @@ def common_tracks(stamps: np.ndarray, x: np.ndarray, rs_deg: np.ndarray,
     x, rs_deg : ndarray, shape (n,)
         Differences and RS headings, finite, degrees.
     block_s : float
-        Longest block, seconds.
+        Longest block, seconds. More than 262144 averages make it longer, up to 0.25 s.
 
     Returns
     -------
@@ -76,15 +86,26 @@ def common_tracks(stamps: np.ndarray, x: np.ndarray, rs_deg: np.ndarray,
     size = block_size(math.floor(block_s / step), 1) if step < block_s else 1
     if size > block_size(x.size, 64):
         size = 1
+    while x.size // size > _MANY and 2 * size * step <= _LONGER_BLOCK_S:
+        size *= 2
+    ts, rs = _average_angle(x, size), _average_angle(rs_deg, size)
+    ts += rs
+    t_s = average(stamps, size) / 1e9
+    return Tracks(Track.of(t_s, ts), Track.of(t_s, rs))
 
-    def average(values: np.ndarray) -> np.ndarray:
-        return block_means(values, size) if size > 1 else values
 
-    ts, rs = Track(Headings.empty()), Track(Headings.empty())
-    ts.heading_deg, rs.heading_deg = average(unwrap_deg(x)), average(unwrap_deg(rs_deg))
-    ts.heading_deg += rs.heading_deg
-    ts.t_s = rs.t_s = average((stamps - int(stamps[0])) / 1e9)
-    return Tracks(ts, rs)
+def _average_angle(angle_deg: np.ndarray, size: int) -> Reals:
+    """Return the means of blocks of an angle, unwrapped, degrees."""
+    if size == 1:
+        return unwrap_deg(angle_deg)
+    means: Reals = np.empty(angle_deg.size // size)
+    rows, last_deg = _PIECE // size, float(angle_deg[0])
+    for lo in range(0, means.size, rows):
+        part = unwrap_deg(angle_deg[lo * size:min(lo + rows, means.size) * size])
+        part += 360.0 * round((last_deg - float(part[0])) / 360.0)
+        means[lo:lo + rows] = block_means(part, size)
+        last_deg = float(part[-1])
+    return means
 
 
 @dataclass(frozen=True, slots=True)

@@ -32,7 +32,7 @@ from .skew_instrument import LEAST_STRENGTH
 
 __all__ = ['Scan', 'scan_skew']
 
-_SEARCHED = 20_000
+_COMPARED, _SEARCHED = 1 << 18, 20_000
 _CURVE = 50
 
 
@@ -44,7 +44,7 @@ class Scan:
     Attributes
     ----------
     n : int
-        TS readings compared, the same at every skew.
+        TS readings compared, the same at every skew: up to 262144.
     range_s, step_s : float
         Largest skew tried, in either direction, and the step of the grid.
     skew_s : float
@@ -86,12 +86,14 @@ class Scan:
 
 
 class _Differences:
-    """TS minus shifted RS over a fixed set of TS readings."""
+    """TS minus shifted RS over a fixed set of TS readings, evenly spread over a long record."""
 
     def __init__(self, ts: Track, rs: Track, range_s: float, max_gap_s: float) -> None:
-        inside = rs.covers(ts.t_s - range_s, ts.t_s + range_s, max_gap_s)
-        self.rs = rs
-        self.t_s, self.ts_deg = ts.t_s[inside], ts.heading_deg[inside]
+        at = np.arange(0, len(ts), max(1, -(-len(ts) // _COMPARED)))
+        t_s = ts.t_s[at]
+        self._at = at[rs.covers(t_s - range_s, t_s + range_s, max_gap_s)]
+        self._ts, self.rs = ts, rs
+        self.t_s, self.ts_deg = ts.t_s[self._at], ts.heading_deg[self._at]
 
     def at(self, skew_s: float) -> Reals:
         """Return the wrapped differences at a skew."""
@@ -108,6 +110,14 @@ class _Differences:
         found = [_find_variance(_wrap(ts_deg - rs.at(t_s - skew_s)))
                  for skew_s in skews_s[::-1].tolist()]
         return np.array(found[::-1])
+
+    def ts_rate(self) -> Reals:
+        """Return the rates of the TS from the reading before to the one after, deg/s."""
+        at = np.clip(self._at, 1, len(self._ts) - 2)
+        t_s, heading_deg = self._ts.t_s, self._ts.heading_deg
+        rate: Reals = heading_deg[at + 1] - heading_deg[at - 1]
+        rate /= t_s[at + 1] - t_s[at - 1]
+        return rate
 
 
 def _wrap(x: Reals) -> Reals:
@@ -151,9 +161,9 @@ def scan_skew(ts: Headings, rs: Headings, range_s: float = 2.0, step_s: float = 
     -----
     x_i(L) = TS(t_i) - RS(t_i - L), wrapped, with the unwrapped RS interpolated linearly. Only
     readings i inside the RS record at both ends of the range are used. L_0 is the grid point of
-    least variance v, and ``L* = L_0 - step (v_+ - v_-) / (2 (v_+ - 2 v_0 + v_-))``. With more than
-    20000 readings, L_0 is first searched on an even subset of at most that number, then moved to
-    the nearest minimum over all.
+    least variance v, and ``L* = L_0 - step (v_+ - v_-) / (2 (v_+ - 2 v_0 + v_-))``. Of more than
+    262144 TS readings, an even subset of at most that number is used. With more than 20000, L_0
+    is first searched on at most that many of them, then moved to the nearest minimum over all.
 
     Interpolating halfway between two RS readings averages their noise. If TS and RS report in
     step, this draws the minimum away from the readings. `bias_s` bounds that: half the RS
@@ -225,8 +235,8 @@ def _uncertainty(difference: _Differences, skew_s: float, step_s: float,
     """Return the standard uncertainty, and the largest shift by interpolation; changes `x`."""
     if x.size < 64:
         return None, None
-    t, ts_deg = difference.t_s, difference.ts_deg
-    h = min(step_s, 0.5 * float(np.median(np.diff(difference.rs.t_s))))
+    t = difference.t_s
+    h = min(step_s, 0.5 * difference.rs.step_s)
     t = np.clip(t - skew_s, difference.rs.t_s[0] + h, difference.rs.t_s[-1] - h)
     rate = difference.rs.rate(t, h)
     rate -= rate.mean()
@@ -234,10 +244,7 @@ def _uncertainty(difference: _Differences, skew_s: float, step_s: float,
     if power <= 0.0:
         return None, None
     # The neighbours of a TS reading give its rate without the noise of the reading itself.
-    common = np.empty_like(rate)
-    common[1:-1] = ts_deg[2:] - ts_deg[:-2]
-    common[1:-1] /= difference.t_s[2:] - difference.t_s[:-2]
-    common[0], common[-1] = common[1], common[-2]
+    common = difference.ts_rate()
     common -= common.mean()
     common *= rate
     covariance, _ = sum_covariance(common)
@@ -249,5 +256,4 @@ def _uncertainty(difference: _Differences, skew_s: float, step_s: float,
     x -= x.mean()
     x *= rate
     covariance, _ = sum_covariance(x)
-    interval = float(np.median(np.diff(difference.rs.t_s)))
-    return math.sqrt(float(covariance)) / power, 0.5 * interval * noise
+    return math.sqrt(float(covariance)) / power, 0.5 * difference.rs.step_s * noise

@@ -22,7 +22,6 @@ from typing import NamedTuple, Sequence
 
 import numpy as np
 
-from heading_intercompare.core.records import Headings
 from heading_intercompare.core.statistics.blocking import block_means, block_size
 
 from .cubic_spline import CubicSpline
@@ -57,14 +56,11 @@ def coarsen(track: Track, block_s: float) -> Track:
     """Average a track over blocks of at most `block_s`; return it unchanged if it is as coarse."""
     if len(track) < 2:
         return track
-    step = float(np.median(np.diff(track.t_s)))
+    step = track.step_s
     size = block_size(math.floor(block_s / step), 1) if 0.0 < step < block_s else 1
     if size < 2 or len(track) < 64 * size:
         return track
-    mean = Track(Headings.empty())
-    mean.t_s, mean.heading_deg = (block_means(track.t_s, size),
-                                  block_means(track.heading_deg, size))
-    return mean
+    return Track.of(block_means(track.t_s, size), block_means(track.heading_deg, size))
 
 
 @dataclass(frozen=True, slots=True)
@@ -158,9 +154,8 @@ def compute_correlogram(ts: Track, rs: Track, reach_s: float = REACH_S,
 
 def has_turned(rs: Track, max_gap_s: float = 3.0) -> bool:
     """Tell whether the rates of a sensor show motion, that is, correlate with later ones."""
-    step = float(np.median(np.diff(rs.t_s)))
     # Rates that share a reading, even an interpolated one, correlate by its noise.
-    shared_s = 2.0 * (_HALF_SPAN_STEPS * _GRID_S + step)
+    shared_s = 2.0 * (_HALF_SPAN_STEPS * _GRID_S + rs.step_s)
     found = compute_correlogram(rs, rs, shared_s + 20.0, max_gap_s)
     return float(np.abs(found.value[found.lag_s > shared_s]).max()) > _MOVED
 
@@ -229,8 +224,7 @@ class _Glance:
         every = -(-len(ts) // _GLANCED)
         self.t_s, self.ts_deg = ts.t_s[::every], ts.heading_deg[::every]
         self.from_s, self.to_s = rs.t_s[0], rs.t_s[-1]
-        slow = float(np.median(np.diff(rs.t_s))) > _SLOW_S
-        self.rs_at = CubicSpline(rs.t_s, rs.heading_deg) if slow else rs.at
+        self.rs_at = (CubicSpline(rs.t_s, rs.heading_deg) if rs.step_s > _SLOW_S else rs.at)
 
     def __call__(self, skew_s: float) -> float:
         """Return the scatter, degrees; infinite outside the RS record."""

@@ -18,11 +18,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import math
+from typing import Iterable, Iterator
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from heading_intercompare.core.pairing.direction import typical_step_ns
+from heading_intercompare.core.statistics.blocking import pick_stretches
 
 __all__ = ['measure_stamp_steps', 'StampSteps']
 
@@ -50,7 +52,8 @@ class StampSteps:
     n : int
         Number of stamps.
     typical_s : float or None
-        Median step, seconds; None for n < 2.
+        Median step, of a long record in the stretches of `pick_stretches`, seconds; None for
+        n < 2.
     nominal_s : float or None
         Step whose multiples the stamps follow, seconds: the step of the sensor, even if many of
         its readings are missing. None for n < 2, and if the steps have no common measure.
@@ -76,9 +79,14 @@ class StampSteps:
     longest_s: float | None = None
 
 
-def _nominal_ns(steps: np.ndarray) -> float | None:
+def _cut_steps(stamps: np.ndarray) -> Iterator[np.ndarray]:
+    """Yield the steps piece by piece."""
+    for lo in range(0, stamps.size - 1, _LOOKED_AT):
+        yield np.diff(stamps[lo:lo + _LOOKED_AT + 1])
+
+
+def _nominal_ns(some: np.ndarray) -> float | None:
     """Return the step whose multiples the stamps follow, nanoseconds; None if there is none."""
-    some = steps[:_LOOKED_AT]
     pauses = np.sort(some)
     bridged = np.cumsum(pauses)
     by_time = pauses[np.searchsorted(bridged, np.array(_QUANTILES) * bridged[-1])]
@@ -123,15 +131,16 @@ def _coherence(stamps: np.ndarray, step: float) -> float:
     return float(np.abs(np.exp(2j * np.pi * phase).mean(axis=1)).mean())
 
 
-def _lost_share(steps: np.ndarray, nominal: float | None, silence_steps: float) -> float:
+def _lost_share(pieces: Iterable[np.ndarray], nominal: float | None,
+                silence_steps: float) -> float:
     """Return the share of the readings that the steps skip."""
     if nominal is None:
+        steps = np.concatenate(list(pieces))
         usual = _usual_ns(steps)
         silent = steps[steps > silence_steps * usual]
         return float((silent - usual).sum()) / float(steps.sum())
     missing = places = 0.0
-    for lo in range(0, steps.size, _LOOKED_AT):
-        part = steps[lo:lo + _LOOKED_AT]
+    for part in pieces:
         if _TOGETHER * nominal < part.min() and part.max() < _ALL_ONE * nominal:
             # Each reading came, and no two of them together.
             places += part.size
@@ -193,19 +202,30 @@ def measure_stamp_steps(stamp_ns: ArrayLike, silence_steps: float = 10.0) -> Sta
     (1, 1.5, 1)
 
     """
-    steps = np.diff(np.asarray(stamp_ns, dtype=np.int64))
-    if not steps.size:
-        return StampSteps(n=int(np.size(stamp_ns)))
-    typical = float(np.median(steps))
-    least = int(steps.min())
-    onward = steps if least > 0 else steps[steps > 0]
-    nominal = _nominal_ns(onward) if onward.size else None
-    long = steps.astype(np.float64) > silence_steps * typical
+    stamps = np.asarray(stamp_ns, dtype=np.int64)
+    if stamps.size < 2:
+        return StampSteps(n=stamps.size)
+    typical = float(np.median(np.concatenate([np.diff(stamps[part])
+                                              for part in pick_stretches(stamps.size)])))
+    backward = equal = silences = 0
+    least, most = math.inf, -math.inf
+    for steps in _cut_steps(stamps):
+        low, high = int(steps.min()), int(steps.max())
+        least, most = min(least, low), max(most, high)
+        if low <= 0:
+            backward += int(np.count_nonzero(steps < 0))
+            equal += int(np.count_nonzero(steps == 0))
+        if high > silence_steps * typical > 0.0:
+            silences += int(np.count_nonzero(steps > silence_steps * typical))
+    onward = stamps
+    if least <= 0:
+        steps = np.diff(stamps)
+        onward = np.append(0, np.cumsum(steps[steps > 0]))
+    nominal = _nominal_ns(np.diff(onward[:_LOOKED_AT + 1])) if onward.size > 1 else None
     return StampSteps(
-        n=steps.size + 1, typical_s=typical / 1e9,
+        n=stamps.size, typical_s=typical / 1e9,
         nominal_s=None if nominal is None else nominal / 1e9,
-        lost_share=_lost_share(onward, nominal, silence_steps) if onward.size else 0.0,
-        backward=int(np.count_nonzero(steps < 0)),
-        equal=int(np.count_nonzero(steps == 0)),
-        silences=int(np.count_nonzero(long)) if typical > 0.0 else 0,
-        longest_back_s=-least / 1e9 if least < 0 else None, longest_s=int(steps.max()) / 1e9)
+        lost_share=(_lost_share(_cut_steps(onward), nominal, silence_steps)
+                    if onward.size > 1 else 0.0),
+        backward=backward, equal=equal, silences=silences,
+        longest_back_s=-least / 1e9 if least < 0 else None, longest_s=most / 1e9)

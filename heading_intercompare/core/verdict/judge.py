@@ -392,10 +392,9 @@ def look_at(run: RunSeries, look: Look, looks: int, settings: Settings,
 
 
 def _apply_gk(data: PreparedRun, limits: Limits, settings: Settings) -> Printed:
-    deviation = data.deviations(settings.variant)
     return apply_gk(data.moments.n, data.moments.mean_deg if data.moments.n else None,
                     data.variance_deg2,
-                    lambda limit: int(np.count_nonzero(deviation > limit)), limits, settings)
+                    lambda limit: data.count_outside(settings.variant, limit), limits, settings)
 
 
 def _warnings(data: PreparedRun, limits: Limits, guarded: Guarded,

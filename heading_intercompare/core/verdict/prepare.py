@@ -27,7 +27,7 @@ from heading_intercompare.core.records import Integers, Reals
 from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.statistics.drift import remove_polynomial, select_order
-from heading_intercompare.core.statistics.moments import Moments
+from heading_intercompare.core.statistics.moments import count_outside, Moments
 from heading_intercompare.core.statistics.warm_up import fit_warm_up
 from heading_intercompare.core.time_rules.exclusions import Exclusion, find_excluded
 
@@ -74,14 +74,12 @@ class PreparedRun:
     variance_deg2: float | None
     taken_out_s: float = 0.0
 
-    def deviations(self, variant: str) -> Reals:
-        """Return the values to count: ``|x|`` in variant A, otherwise the absolute residuals."""
-        about = self.x_deg
-        if variant != 'A':
-            about = self.x_deg - self.moments.mean_deg if self.residual_deg is None \
-                else self.residual_deg
-        size: Reals = np.abs(about)
-        return size
+    def count_outside(self, variant: str, limit_deg: float) -> int:
+        """Count what exceeds a limit: ``|x|`` in variant A, otherwise the absolute residuals."""
+        if variant != 'A' and self.residual_deg is not None:
+            return count_outside(self.residual_deg, 0.0, limit_deg)
+        return count_outside(self.x_deg, 0.0 if variant == 'A' else self.moments.mean_deg,
+                             limit_deg)
 
     @classmethod
     def of(cls, stamp_ns: Integers, x_deg: Reals, rs_deg: Reals,

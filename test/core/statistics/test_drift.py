@@ -22,7 +22,7 @@ import numpy as np
 from numpy.polynomial import legendre
 import pytest
 
-from heading_intercompare.core.statistics.blocking import block_means
+from heading_intercompare.core.statistics.blocking import Averages, block_means
 from heading_intercompare.core.statistics.drift import (
     average_blocks,
     Detrended,
@@ -164,20 +164,20 @@ def test_the_drift_left_in_by_hand():
     Without noise v of the residuals is 0; the bound is the variance of the line itself.
     """
     line = np.linspace(-1.0, 1.0, 2000)
-    found = drift_left_deg2(Detrended.of(stamps(2000), line, 1))
+    found = drift_left_deg2(Detrended.of(Averages.of(stamps(2000), line), 1))
     assert found == pytest.approx(1.0 / 3.0, rel=1e-3)
     bowl = 1.5 * line ** 2 - 0.5
-    assert drift_left_deg2(Detrended.of(stamps(2000), line + bowl, 2)) == \
+    assert drift_left_deg2(Detrended.of(Averages.of(stamps(2000), line + bowl), 2)) == \
         pytest.approx(1.0 / 3.0 + 1.0 / 5.0, rel=1e-2)
 
 
 def test_the_drift_left_in_is_seldom_above_its_bound(rng):
     """White errors and a line of variance 1/12, 200 times: a bound of 95 %, six errors."""
     line = np.linspace(-0.5, 0.5, 1000)
-    found = [drift_left_deg2(Detrended.of(stamps(1000), line + rng.standard_normal(1000), 1))
-             for _ in range(200)]
+    found = [drift_left_deg2(Detrended.of(Averages.of(stamps(1000), x), 1))
+             for x in line + rng.standard_normal((200, 1000))]
     assert np.mean(np.array(found) < 1.0 / 12.0) < 0.05 + 6.0 * math.sqrt(0.05 * 0.95 / 200)
-    assert drift_left_deg2(Detrended.of(stamps(127), line[:127], 1)) is None
+    assert drift_left_deg2(Detrended.of(Averages.of(stamps(127), line[:127]), 1)) is None
 
 
 # --- slope ---

@@ -22,7 +22,7 @@ import numpy as np
 import pytest
 from scipy import special, stats
 
-from heading_intercompare.core.statistics import normality as module
+from heading_intercompare.core.statistics import blocking
 from heading_intercompare.core.statistics.autocorrelation import effective_size
 from heading_intercompare.core.statistics.normality import (
     apply_anderson_darling,
@@ -190,8 +190,8 @@ def test_a_run_of_normal_noise(rng):
 def test_long_headings_are_looked_at_in_stretches(rng, monkeypatch):
     heading = rng.standard_normal(40_000)
     whole = examine_normality(heading, heading, heading, n_effective=1.0)
-    monkeypatch.setattr(module, '_MOST', 16_000)
-    monkeypatch.setattr(module, '_STRETCH', 1000)
+    monkeypatch.setattr(blocking, '_MOST', 16_000)
+    monkeypatch.setattr(blocking, '_STRETCH', 1000)
     parts = examine_normality(heading, heading, heading, n_effective=1.0)
     assert parts.difference == whole.difference
     assert parts.ts_first_difference.n == 16 * 998

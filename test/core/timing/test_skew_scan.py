@@ -138,6 +138,18 @@ def test_long_streams_are_searched_on_some_and_settled_on_all(yaw, rng, monkeypa
     assert scan_skew(ts, rs, 0.5).skew_s == every.skew_s
 
 
+def test_of_a_long_stream_an_even_subset_is_compared(yaw, rng, monkeypatch):
+    """The uncertainty grows with the noise that is left, here to the root of ten."""
+    ts, rs = headings(yaw, 30_000, late_s=0.2, noise=0.1, rng=rng), headings(yaw, 30_000)
+    whole = scan_skew(ts, rs)
+    monkeypatch.setattr(skew_scan, '_COMPARED', 3000)
+    part = scan_skew(ts, rs)
+    assert (whole.n > 29_000, part.n) == (True, 2996)
+    assert part.skew_s == pytest.approx(0.2, abs=5.0 * part.u_s)
+    assert part.u_s / whole.u_s == pytest.approx(math.sqrt(10.0), rel=0.4)
+    assert part.bias_s == pytest.approx(whole.bias_s, abs=0.002)
+
+
 def test_a_ship_that_does_not_turn_determines_no_skew(rng):
     stamps = np.arange(3000) * 10 ** 8
     ts, rs = (Headings.as_sent(stamps, 90.0 + s * rng.standard_normal(3000)) for s in (0.1, 0.05))

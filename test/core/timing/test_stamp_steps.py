@@ -40,6 +40,21 @@ def test_clock_steps_of_a_replayed_log_are_seen(shared_data):
     assert found.longest_s == pytest.approx(3600.0, abs=2.0)
 
 
+def test_the_steps_of_a_long_record_are_all_counted(rng):
+    """Two silences, three steps back and an equal stamp, in pieces of 40000 and at their seams."""
+    steps = 10 ** 7 + rng.integers(-10 ** 4, 10 ** 4, 400_000)
+    steps[[39_999, 40_000, 123_456]] = -5 * 10 ** 6
+    steps[[80_000, 399_999]] = 3 * 10 ** 9
+    steps[7] = 0
+    found = measure_stamp_steps(10 ** 18 + np.cumsum(steps))
+    # The first step lies before the first stamp.
+    assert (found.n, found.backward, found.equal, found.silences) == (400_000, 3, 1, 2)
+    assert (found.longest_back_s, found.longest_s) == (0.005, 3.0)
+    assert found.typical_s == pytest.approx(0.01, rel=1e-4)
+    assert found.nominal_s == pytest.approx(0.01, rel=1e-3)
+    assert found.lost_share == pytest.approx(598.0 / 400_600.0, rel=0.02)
+
+
 @pytest.mark.parametrize('n', [0, 1])
 def test_too_few_stamps_have_no_steps(n):
     found = measure_stamp_steps(np.arange(n))

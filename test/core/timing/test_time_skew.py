@@ -21,7 +21,10 @@ import math
 import numpy as np
 import pytest
 
+from heading_intercompare.core.angles import unwrap_deg, wrap180
 from heading_intercompare.core.records import Headings
+from heading_intercompare.core.statistics.blocking import block_means
+from heading_intercompare.core.timing import skew_instrument
 from heading_intercompare.core.timing.heading_track import Track
 from heading_intercompare.core.timing.time_skew import estimate_skew, regress_skew
 
@@ -253,3 +256,20 @@ def test_a_ship_that_moves_is_told_from_one_that_does_not(yaw, rng):
     still = estimate_skew(stamps(n), noise[0] - noise[1], 90.0 + noise[1])
     assert (moved.kind, still.kind) == ('no_fit', 'not_turned')
     assert 'the ship moved' in moved.why_not(2.0) and 'did not turn' in still.why_not(2.0)
+
+
+@pytest.mark.parametrize('most, block_s', [(1 << 18, 0.08), (4000, 0.16), (100, 0.16)])
+def test_more_averages_than_enough_make_longer_ones(rng, monkeypatch, most, block_s):
+    """At 100 Hz a block of 0.1 s holds 8 pairs, one of a quarter of a second 16."""
+    monkeypatch.setattr(skew_instrument, '_MANY', most)
+    n = 70_001
+    stamps = 10 ** 18 + 10 ** 7 * np.arange(n)
+    rs = np.cumsum(rng.normal(0.0, 3.0, n)) + 359.0
+    x = rng.normal(0.0, 0.1, n)
+    ts_track, rs_track = skew_instrument.common_tracks(stamps, wrap180(x), rs % 360.0)
+    size = round(block_s * 100.0)
+    expected = block_means(unwrap_deg(rs % 360.0), size)
+    assert rs_track.heading_deg == pytest.approx(expected, rel=1e-12)
+    assert ts_track.heading_deg - rs_track.heading_deg == pytest.approx(
+        block_means(x, size), abs=1e-9)
+    assert rs_track.step_s == pytest.approx(block_s) and ts_track.t_s is rs_track.t_s

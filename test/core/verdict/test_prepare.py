@@ -44,8 +44,8 @@ def test_the_variance_by_hand():
     """1, 2, 6: (4 + 1 + 9) / 2 = 7."""
     found = taken([1.0, 2.0, 6.0])
     assert found.variance_deg2 == pytest.approx(7.0) and found.coefficients_deg == ()
-    assert found.deviations('B') == pytest.approx([2.0, 1.0, 3.0])
-    assert found.deviations('A') == pytest.approx([1.0, 2.0, 6.0])
+    assert [found.count_outside('B', limit) for limit in (0.9, 1.1, 2.1, 3.1)] == [3, 2, 1, 0]
+    assert [found.count_outside('A', limit) for limit in (0.9, 1.1, 2.1, 6.1)] == [3, 2, 1, 0]
 
 
 def test_a_line_costs_a_degree_of_freedom():
