@@ -49,6 +49,7 @@ from heading_intercompare.core.offline import judge_aligned
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
 from heading_intercompare.core.pipeline import Compliance, Intercomparison
 from heading_intercompare.core.records import Headings, Losses, Motion, Pairs
+from heading_intercompare.core.runs.growing_columns import GrowingHeadings
 from heading_intercompare.core.settings import leave_out_added, Settings, SettingsError
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.judge import RunResult
@@ -301,9 +302,9 @@ def _analyze_bag(readers: Sequence[Readable], name: str, settings: Settings,
     if of_antennas := settings.antennas.fore_topic is not None:
         del conventions[rs]
     # Aligning a run needs all readings a second time; otherwise they are dropped chunk by chunk.
-    kept: dict[str, list[Headings]] = {}
+    kept: dict[str, GrowingHeadings] = {}
     if settings.alignment.skew == 'apply':
-        kept = {ts: [], rs: []}
+        kept = {ts: GrowingHeadings(), rs: GrowingHeadings()}
     n, whole = 0, _count_headings(readers, conventions)
     lost: list[tuple[LedgerKey, Losses]] = []
 
@@ -334,8 +335,8 @@ def _analyze_bag(readers: Sequence[Readable], name: str, settings: Settings,
         for chunk in _join_chunks(reader.headings(conventions, helpers, told.take)):
             if of_antennas:
                 chunk, baseline = {**chunk, rs: baseline or Headings.empty()}, None
-            for topic, chunks in kept.items():
-                chunks.append(chunk[topic])
+            for topic, readings in kept.items():
+                readings.append(chunk[topic])
             n += sum(len(h) for h in chunk.values())
             hand_out(comparison.update(ts=chunk[ts], rs=chunk[rs]))
             progress(f'{n:,} of {whole:,} headings' if n <= whole else f'{n:,} headings')
@@ -350,9 +351,8 @@ def _analyze_bag(readers: Sequence[Readable], name: str, settings: Settings,
     hand_out(comparison.finish())
     results = comparison.results()
     if kept:
-        results = judge_aligned(Headings.concatenate(kept.pop(ts)),
-                                Headings.concatenate(kept.pop(rs)),
-                                results, settings, source=name, lost=lost, motion=motion)
+        results = judge_aligned(kept[ts].headings, kept[rs].headings, results, settings,
+                                source=name, lost=lost, motion=motion)
     return Found(results, comparison.compliance.take_earlier(), comparison.ledger, Input(name),
                  tuple(problems), tuple(marks), motion=motion, remarks=tuple(remarks))
 

@@ -16,7 +16,6 @@
 
 from __future__ import annotations
 
-from importlib.metadata import version
 from socket import gethostname
 from threading import Lock
 from typing import Any
@@ -24,11 +23,6 @@ from typing import Any
 from heading_intercompare.core.version import VERSION
 
 from .job import Job, Judged
-
-try:
-    from threadpoolctl import threadpool_limits
-except ModuleNotFoundError:
-    threadpool_limits = None
 
 # `cluster` asks workers for VERSION of this module by name, to see that they can load it.
 __all__ = ['describe_libraries', 'judge_there', 'VERSION']
@@ -49,8 +43,8 @@ class _OneThread:
 
     def __enter__(self) -> None:
         with self._lock:
-            if not self._tasks and threadpool_limits is not None:
-                self._limits = threadpool_limits(1)
+            if not self._tasks:
+                self._limits = _limit_threads()
             self._tasks += 1
 
     def __exit__(self, *exc: object) -> None:
@@ -58,6 +52,16 @@ class _OneThread:
             self._tasks -= 1
             if not self._tasks and self._limits is not None:
                 self._limits.restore_original_limits()
+
+
+def _limit_threads() -> Any:
+    """Limit linear algebra to one thread; return what restores it, None without threadpoolctl."""
+    try:
+        # Only workers need it, and it takes some time to load.
+        from threadpoolctl import threadpool_limits
+    except ModuleNotFoundError:
+        return None
+    return threadpool_limits(1)
 
 
 _ONE_THREAD = _OneThread()
@@ -92,4 +96,6 @@ def judge_there(job: Job, path: str, place: str, libraries: str) -> Judged:
 
 def describe_libraries() -> str:
     """Return the versions of the libraries on which the last bits of figures depend."""
+    # Takes some time to load, and only tasks elsewhere ask for it.
+    from importlib.metadata import version
     return ' and '.join(f'{name} {version(name)}' for name in ('numpy', 'scipy'))

@@ -150,7 +150,7 @@ def _find_gaps(found: Sequence[Found],
                numbers: Sequence[Numbering]) -> Iterator[tuple[int, str, Losses]]:
     """Yield what the numbers of a block lack: the index of the topic, one of `LOST_AS`, gaps."""
     for each in found:
-        for place in np.unique(each.place).tolist():
+        for place in np.flatnonzero(np.bincount(each.place)).tolist():
             mine = np.flatnonzero(each.place == place)
             losses = numbers[place].take(each.sequence[mine], each.headings.stamp_ns[mine])
             for lost_as, some in (('lost.before_start', numbers[place].take_before()),

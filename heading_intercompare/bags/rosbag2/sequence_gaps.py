@@ -125,6 +125,9 @@ class Numbering:
             numbers, stamps = numbers[1:], stamps[1:]
         before = self._newest[-1]
         steps = np.diff(np.append(np.uint32(before.number), numbers)).view(np.int32)
+        if len(self._newest) == 1 and len(steps) and (steps == 1).all():
+            self._newest[-1] = _Message(int(numbers[-1]), int(stamps[-1]))
+            return _NOTHING
         if len(self._newest) > 1 or (steps < 1).any():
             for number, stamp in zip(numbers.tolist(), stamps.tolist()):
                 self._take(_Message(number, stamp))

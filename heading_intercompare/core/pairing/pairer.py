@@ -36,6 +36,9 @@ from .stamp_jumps import NEVER
 
 __all__ = ['pair', 'Pairer']
 
+_Rows = np.ndarray | slice
+#: Which stamps have a bracket, the readings before and after each, and where between them.
+_Brackets = tuple[_Rows, _Rows, _Rows, np.ndarray]
 #: The judging node may lag behind the ledger, so this keeps more than a verdict covers.
 _SPANS_KEPT = 2
 
@@ -202,7 +205,7 @@ class Pairer:
                     stream.release(int(np.searchsorted(stream.stamp_ns, choice.start_ns)))
         return True
 
-    def _interpolate(self, end: bool) -> tuple[int, np.ndarray, Pairs]:
+    def _interpolate(self, end: bool) -> tuple[int, _Rows, Pairs]:
         """Return the number of decided readings, the indices of those in pairs, and the pairs."""
         at, of = self._at, self._of
         ready, n = len(at), len(of)
@@ -213,6 +216,36 @@ class Pairer:
         if ready == 0 or n == 0:
             return ready, np.empty(0, np.int64), Pairs.empty()
         t = at.stamp_ns[:ready]
+        found = self._find_alternating(of, t) or self._find_brackets(of, t)
+        which, left, right, w = found
+        if isinstance(which, np.ndarray):
+            t = t[which]
+        step = wrap180(of.heading_deg[right] - of.heading_deg[left])
+        of_deg = wrap360(of.heading_deg[left] + w * step)
+        at_deg, lag_ns = at.heading_deg[:ready][which], np.zeros(t.shape, np.int64)
+        factor, one = (1.0 - w) ** 2 + w ** 2, np.ones(t.shape)
+        if at is self._ts:
+            return ready, which, Pairs(t, at_deg, of_deg, lag_ns, factor, one)
+        return ready, which, Pairs(t, of_deg, at_deg, lag_ns, one, factor)
+
+    def _find_alternating(self, of: Stream, t: np.ndarray) -> _Brackets | None:
+        """Return the brackets of stamps if one lies between each two readings; else None."""
+        first = int(np.searchsorted(of.stamp_ns, t[0], side='right')) - 1
+        left, right = slice(first, first + t.size), slice(first + 1, first + 1 + t.size)
+        if first < 0 or right.stop > len(of):
+            return None
+        before, after = of.stamp_ns[left], of.stamp_ns[right]
+        gap = after - before
+        if not ((before < t).all() and (t < after).all()) or (
+                gap.max() > self._max_gap_ns or of.broken[right].any()):
+            return None
+        for ends in (left, right):
+            np.maximum(of.role[ends], BRACKET, out=of.role[ends])
+        return slice(t.size), left, right, (t - before) / gap
+
+    def _find_brackets(self, of: Stream, t: np.ndarray) -> _Brackets:
+        """Return the brackets of those stamps that have one, and note the use of the readings."""
+        n = len(of)
         left = np.searchsorted(of.stamp_ns, t, side='right') - 1
         right = np.minimum(left + 1, n - 1)
         gap = of.stamp_ns[right] - of.stamp_ns[left]
@@ -223,19 +256,13 @@ class Pairer:
         if which.size < usable.size:
             left, right, gap, node, t = (c[which] for c in (left, right, gap, node, t))
         w = np.where(node, 0.0, (t - of.stamp_ns[left]) / np.where(gap > 0, gap, 1))
-        step = wrap180(of.heading_deg[right] - of.heading_deg[left])
-        of_deg = wrap360(of.heading_deg[left] + w * step)
         met = left[node]
         bracket = np.zeros(n, np.uint8)
         for ends in (left, right):
             bracket[ends[~node] if met.size else ends] = BRACKET
         np.maximum(of.role, bracket, out=of.role)
         of.role[met] = PAIRED
-        at_deg, lag_ns = at.heading_deg[which], np.zeros(t.shape, np.int64)
-        factor, one = (1.0 - w) ** 2 + w ** 2, np.ones(t.shape)
-        if at is self._ts:
-            return ready, which, Pairs(t, at_deg, of_deg, lag_ns, factor, one)
-        return ready, which, Pairs(t, of_deg, at_deg, lag_ns, one, factor)
+        return which, left, right, w
 
     def _nearest(self, end: bool) -> tuple[int, np.ndarray, Pairs]:
         """Return the number of decided TS readings, the indices of those paired, and the pairs."""
@@ -258,7 +285,7 @@ class Pairer:
                          lag[which])
         return ready, which, pairs
 
-    def _settle(self, ready: int, which: np.ndarray, pairs: Pairs) -> Pairs:
+    def _settle(self, ready: int, which: _Rows, pairs: Pairs) -> Pairs:
         """Record the decided readings; cut the ledger where pairs begin and where they pause."""
         if ready == 0:
             return pairs

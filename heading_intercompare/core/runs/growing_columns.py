@@ -20,7 +20,9 @@ from typing import Any, Callable
 
 import numpy as np
 
-__all__ = ['Column', 'Keep', 'Page', 'Tails']
+from heading_intercompare.core.records import Headings
+
+__all__ = ['Column', 'GrowingHeadings', 'Keep', 'Page', 'Tails']
 
 #: Returns a stored page, shape (n,), read-only.
 Page = Callable[[], np.ndarray]
@@ -122,6 +124,27 @@ class Column:
         whole[len(self._pages) * _PAGE:] = self.newest
         whole.flags.writeable = False
         return whole
+
+
+class GrowingHeadings:
+    """
+    Readings that grow by chunks and stay in memory, 16 bytes each.
+
+    Chunks in a list would take as much, and twice that once they are joined.
+    """
+
+    def __init__(self) -> None:
+        self._stamp_ns, self._heading_deg = Column(np.int64), Column(np.float64)
+
+    def append(self, headings: Headings) -> None:
+        """Append a chunk."""
+        self._stamp_ns.append(headings.stamp_ns)
+        self._heading_deg.append(headings.heading_deg)
+
+    @property
+    def headings(self) -> Headings:
+        """Return the readings so far, valid until the next append."""
+        return Headings(self._stamp_ns.values, self._heading_deg.values)
 
 
 class Tails:

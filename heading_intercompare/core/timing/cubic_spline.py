@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy
 
 from heading_intercompare.core.records import Reals
 
@@ -51,18 +50,22 @@ class CubicSpline:
         wide = step.reshape(-1, *[1] * (values.ndim - 1))
         slope = np.diff(values, axis=0) / wide
         first, last = t_s[2] - t_s[0], t_s[-1] - t_s[-3]
-        # One diagonal of the equations of the derivatives at the times in each row.
-        bands = np.zeros((3, t_s.size))
-        bands[0, 1], bands[0, 2:] = first, step[:-1]
-        bands[1, 0], bands[1, 1:-1], bands[1, -1] = step[1], 2.0 * (step[:-1] + step[1:]), step[-2]
-        bands[2, -2], bands[2, :-2] = last, step[1:]
-        right = np.empty_like(values)
-        right[0] = ((step[0] + 2.0 * first) * step[1] * slope[0] + step[0] ** 2 * slope[1]) / first
-        right[1:-1] = 3.0 * (wide[1:] * slope[:-1] + wide[:-1] * slope[1:])
-        right[-1] = ((step[-1] + 2.0 * last) * step[-2] * slope[-1]
-                     + step[-1] ** 2 * slope[-2]) / last
-        rate = scipy.linalg.solve_banded((1, 1), bands, right, overwrite_ab=True,
-                                         overwrite_b=True, check_finite=False)
+        # The equations of the derivatives at the times; those at both ends are put into the next.
+        begin = ((step[0] + 2.0 * first) * step[1] * slope[0] + step[0] ** 2 * slope[1]) / first
+        end = ((step[-1] + 2.0 * last) * step[-2] * slope[-1] + step[-1] ** 2 * slope[-2]) / last
+        middle = 2.0 * (step[:-1] + step[1:])
+        middle[0] -= first
+        middle[-1] -= last
+        right = 3.0 * (wide[1:] * slope[:-1] + wide[:-1] * slope[1:])
+        right[0] -= begin
+        right[-1] -= end
+        before, after = step[1:].copy(), step[:-1].copy()
+        before[0] = after[-1] = 0.0
+        rate = np.empty_like(values)
+        rate[1:-1] = _solve(before.reshape(wide[1:].shape), middle.reshape(wide[1:].shape),
+                            after.reshape(wide[1:].shape), right)
+        rate[0] = (begin - first * rate[1]) / step[1]
+        rate[-1] = (end - last * rate[-2]) / step[-2]
         bend = (rate[:-1] + rate[1:] - 2.0 * slope) / wide
         self._t_s = t_s
         self._terms = values[:-1], rate[:-1], (slope - rate[:-1]) / wide - bend, bend / wide
@@ -74,3 +77,34 @@ class CubicSpline:
         since = (t_s - self._t_s[at]).reshape(-1, *[1] * (value.ndim - 1))
         result: Reals = ((cube * since + square) * since + rate) * since + value
         return result
+
+
+def _solve(before: Reals, middle: Reals, after: Reals, right: Reals) -> Reals:
+    """
+    Solve tridiagonal equations in which the middle of each outweighs its neighbours.
+
+    By cyclic reduction (Hockney 1965): each second unknown is put into its neighbours, again and
+    again, and then found from them.
+    """
+    n = len(middle)
+    if n == 1:
+        return right / middle
+    # The unknowns with odd numbers are kept, and those before and after them put into them.
+    kept, first, second = slice(1, None, 2), slice(0, n - n % 2, 2), slice(2, None, 2)
+    lower = before[kept] / middle[first]
+    new_middle = middle[kept] - lower * after[first]
+    new_right = right[kept] - lower * right[first]
+    new_before, new_after = -lower * before[first], np.zeros_like(new_middle)
+    # The last one kept may have none after it.
+    inner = slice(0, (n - 1) // 2)
+    upper = after[kept][inner] / middle[second]
+    new_middle[inner] -= upper * before[second]
+    new_right[inner] -= upper * right[second]
+    new_after[inner] = -upper * after[second]
+    known = _solve(new_before, new_middle, new_after, new_right)
+    rest = right[::2].copy()
+    rest[1:] -= before[second] * known[inner]
+    rest[:n // 2] -= after[first] * known
+    found = np.empty_like(right)
+    found[kept], found[::2] = known, rest / middle[::2]
+    return found

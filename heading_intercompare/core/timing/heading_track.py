@@ -25,9 +25,22 @@ from heading_intercompare.core.angles import unwrap_deg
 from heading_intercompare.core.records import Headings, Reals
 from heading_intercompare.core.statistics.blocking import pick_stretches
 
-__all__ = ['RisingTimes', 'Track']
+__all__ = ['RisingTimes', 'select_usable', 'Track']
 
 _ROUNDING_S = 5e-10
+_PIECE = 1 << 14
+
+
+def select_usable(headings: Headings) -> Headings:
+    """Return the readings that are finite and whose stamps increase."""
+    finite = np.isfinite(headings.heading_deg)
+    if not finite.all():
+        headings = headings[finite]
+    stamps = headings.stamp_ns
+    if stamps.size > 1 and not (stamps[1:] > stamps[:-1]).all():
+        newest = np.maximum.accumulate(stamps)
+        headings = headings[np.concatenate(([True], stamps[1:] > newest[:-1]))]
+    return headings
 
 
 class Track:
@@ -49,14 +62,12 @@ class Track:
     """
 
     def __init__(self, headings: Headings, origin_ns: int = 0) -> None:
-        finite = np.isfinite(headings.heading_deg)
-        if not finite.all():
-            headings = headings[finite]
-        stamps = headings.stamp_ns
-        if stamps.size > 1 and not (stamps[1:] > stamps[:-1]).all():
-            newest = np.maximum.accumulate(stamps)
-            headings = headings[np.concatenate(([True], stamps[1:] > newest[:-1]))]
-        self.t_s: Reals = (headings.stamp_ns - origin_ns) / 1e9
+        headings = select_usable(headings)
+        self.t_s: Reals = np.empty(len(headings))
+        # Pieces need no memory for a whole column between.
+        for lo in range(0, len(headings), _PIECE):
+            part = slice(lo, lo + _PIECE)
+            np.divide(headings.stamp_ns[part] - origin_ns, 1e9, out=self.t_s[part])
         self.heading_deg: Reals = unwrap_deg(headings.heading_deg)
         self._gaps: dict[float, np.ndarray] = {}
 
@@ -76,7 +87,8 @@ class Track:
     def _find_gaps(self, max_gap_s: float) -> np.ndarray:
         """Return the readings before a longer silence."""
         if max_gap_s not in self._gaps:
-            self._gaps[max_gap_s] = np.flatnonzero(np.diff(self.t_s) > max_gap_s)
+            self._gaps[max_gap_s] = np.flatnonzero(np.diff(self.t_s) > max_gap_s) \
+                if max_gap_s < math.inf else np.empty(0, np.int64)
         return self._gaps[max_gap_s]
 
     def __len__(self) -> int:

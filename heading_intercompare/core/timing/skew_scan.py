@@ -27,12 +27,12 @@ from heading_intercompare.core.angles import wrap180
 from heading_intercompare.core.records import Headings, Reals
 from heading_intercompare.core.statistics.blocking import sum_covariance
 
-from .heading_track import RisingTimes, Track
+from .heading_track import RisingTimes, select_usable, Track
 from .skew_instrument import LEAST_STRENGTH
 
 __all__ = ['Scan', 'scan_skew']
 
-_COMPARED, _SEARCHED = 1 << 18, 20_000
+_COMPARED, _SEARCHED = 1 << 18, 1 << 13
 _CURVE = 50
 
 
@@ -88,12 +88,19 @@ class Scan:
 class _Differences:
     """TS minus shifted RS over a fixed set of TS readings, evenly spread over a long record."""
 
-    def __init__(self, ts: Track, rs: Track, range_s: float, max_gap_s: float) -> None:
-        at = np.arange(0, len(ts), max(1, -(-len(ts) // _COMPARED)))
-        t_s = ts.t_s[at]
+    def __init__(self, ts: Headings, rs: Track, origin_ns: int, range_s: float,
+                 max_gap_s: float) -> None:
+        ts = select_usable(ts)
+        every = max(1, -(-len(ts) // _COMPARED))
+        at = np.arange(0, len(ts), every)
+        if every > 3:
+            # Of the others only those beside them are needed, for the rates.
+            at = np.arange(1, len(ts) - 1, every)
+            ts, at = ts[np.add.outer(at, (-1, 0, 1)).reshape(-1)], 1 + 3 * np.arange(at.size)
+        self._ts, self.rs = Track(ts, origin_ns), rs
+        t_s = self._ts.t_s[at]
         self._at = at[rs.covers(t_s - range_s, t_s + range_s, max_gap_s)]
-        self._ts, self.rs = ts, rs
-        self.t_s, self.ts_deg = ts.t_s[self._at], ts.heading_deg[self._at]
+        self.t_s, self.ts_deg = self._ts.t_s[self._at], self._ts.heading_deg[self._at]
 
     def at(self, skew_s: float) -> Reals:
         """Return the wrapped differences at a skew."""
@@ -181,7 +188,7 @@ def scan_skew(ts: Headings, rs: Headings, range_s: float = 2.0, step_s: float = 
         return None
     last = round(range_s / step_s)
     origin = int(rs.stamp_ns[0])
-    difference = _Differences(Track(ts, origin), Track(rs, origin), last * step_s, max_gap_s)
+    difference = _Differences(ts, Track(rs, origin), origin, last * step_s, max_gap_s)
     n = difference.t_s.size
     if n < 3:
         return None

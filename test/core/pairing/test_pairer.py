@@ -182,6 +182,37 @@ def test_a_constant_added_to_both_headings_leaves_the_differences(method, ts, rs
     assert np.abs(wrap180(x.x_deg - plain.x_deg)).max(initial=0.0) < 1e-12
 
 
+@pytest.mark.parametrize('broken', ['nothing', 'gap', 'same stamp', 'missing TS', 'missing RS'])
+@pytest.mark.parametrize('method', ['interpolate', 'interpolate_ts'])
+def test_streams_that_alternate_are_paired_as_any_others(rng, monkeypatch, method, broken):
+    """To the bit, with the same ledger, whatever is wrong in one of ten chunks."""
+    n = 1000
+    ts_ns = S + 10 ** 7 * np.arange(n) + rng.integers(0, 10 ** 6, n)
+    rs_ns = ts_ns + rng.integers(2 * 10 ** 6, 8 * 10 ** 6, n)
+    if broken == 'gap':
+        ts_ns[550:] += 30 * S
+        rs_ns[550:] += 30 * S
+    if broken == 'same stamp':
+        rs_ns[549] = ts_ns[550]
+    ts, rs = (Headings.as_sent(t, rng.uniform(0.0, 360.0, n)) for t in (ts_ns, rs_ns))
+    if broken.startswith('missing'):
+        kept = np.arange(n) != 550
+        ts, rs = (ts[kept], rs) if broken == 'missing TS' else (ts, rs[kept])
+    settings = rules(method, max_gap_s=1.5)
+
+    def paired():
+        pairer = Pairer(settings)
+        found = [pairer.update(ts[lo:lo + 100], rs[lo:lo + 100]) for lo in range(0, n, 100)]
+        return Pairs.concatenate([*found, pairer.flush()]), pairer.ledger.segments
+
+    fast, segments = paired()
+    used = []
+    monkeypatch.setattr(Pairer, '_find_alternating', lambda *of: used.append(of))
+    slow, expected = paired()
+    assert used and fast == slow and segments == expected
+    assert len(fast) > 990
+
+
 def test_interpolation_across_north_by_hand():
     """RS 350° at 1 s and 20° at 2 s: a third of the way is 350 + 30/3 = 360 = 0°."""
     pairs, _ = pair(headings((S + S // 3, 1.0)), headings((S, 350.0), (2 * S, 20.0)))

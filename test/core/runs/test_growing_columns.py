@@ -19,7 +19,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heading_intercompare.core.runs.growing_columns import Column, Tails
+from heading_intercompare.core.records import Headings
+from heading_intercompare.core.runs.growing_columns import Column, GrowingHeadings, Tails
 from heading_intercompare.core.statistics.moments import count_outside
 
 PAGE = 65536
@@ -76,3 +77,13 @@ def test_limits_beyond_the_tails_need_no_page(rng):
     column.append(rng.standard_normal(PAGE))
     column.page = None
     assert 0 < tails.count_outside(column, 0.0, 3.0) < PAGE // 100
+
+
+def test_readings_that_grow_by_chunks_are_those_joined(rng):
+    chunks = [Headings.as_sent(rng.integers(1, 10 ** 18, n), rng.uniform(0.0, 360.0, n))
+              for n in (0, 1, 5000, 0, 70_000, 3)]
+    growing = GrowingHeadings()
+    assert len(growing.headings) == 0
+    for chunk in chunks:
+        growing.append(chunk)
+    assert growing.headings == Headings.concatenate(chunks)

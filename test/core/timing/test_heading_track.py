@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare import Headings
-from heading_intercompare.core.timing.heading_track import RisingTimes, Track
+from heading_intercompare.core.timing.heading_track import RisingTimes, select_usable, Track
 
 
 def track_of(t_s, heading_deg):
@@ -46,3 +46,23 @@ def test_rising_times_give_what_a_search_gives(rng, step_s):
     for k in steps:
         at_s = np.minimum(first_s + k * step_s, t_s[-1])
         assert rising.at(at_s).tolist() == pytest.approx(track.at(at_s).tolist(), rel=1e-15)
+
+
+def test_a_long_track_knows_its_times_step_and_gaps(rng):
+    """In pieces of 16384 readings, beyond a million seconds from the origin."""
+    stamp_ns = 10 ** 18 + np.cumsum(rng.integers(9_000_000, 11_000_000, 50_000))
+    stamp_ns[30_000:] += 5 * 10 ** 9
+    track = Track(Headings.as_sent(stamp_ns, np.zeros(50_000)), 999 * 10 ** 15)
+    assert (track.t_s == (stamp_ns - 999 * 10 ** 15) / 1e9).all()
+    assert track.step_s == pytest.approx(np.median(np.diff(stamp_ns)) / 1e9)
+    middle_s = 0.5 * (track.t_s[29_999] + track.t_s[30_000])
+    for max_gap_s, covered in ((4.0, False), (6.0, True), (np.inf, True), (4.0, False)):
+        assert track.covers(np.array([middle_s - 3.0]), np.array([middle_s + 3.0]),
+                            max_gap_s).tolist() == [covered]
+
+
+def test_only_finite_readings_with_increasing_stamps_are_usable():
+    headings = Headings.as_sent([1, 2, 2, 5, 4, 6, 7], [1.0, np.nan, 3.0, 4.0, 5.0, 6.0, np.inf])
+    assert select_usable(headings).stamp_ns.tolist() == [1, 2, 5, 6]
+    sound = headings[[0, 3, 5]]
+    assert select_usable(sound) is sound
