@@ -33,7 +33,7 @@ __all__ = ['CommonNoise', 'find_common_noise']
 
 _SEGMENT_S = 128.0
 _MOST_SEGMENTS = 160
-_MOST_SAMPLES = 1 << 19
+_MOST_SAMPLES = 1 << 18
 _LEAST_SEGMENTS = 6
 _LEAST_LENGTH = 64
 _GROUPS = 24
