@@ -22,7 +22,7 @@ from typing import Callable, Iterator, Sequence
 
 import numpy as np
 
-from heading_intercompare.core.angles import unwrap_deg, wrap360
+from heading_intercompare.core.angles import unwrap_deg, wrap180, wrap360
 from heading_intercompare.core.conditions.conventions import (
     Convention,
     estimate_mean_difference,
@@ -202,7 +202,8 @@ def diagnose(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray, settin
                            _noise_of_rs(x_deg, rs_deg, estimate, range_s, tracks))
     moments = Moments.of(x_deg)
     block = describe_skew(estimate, moments.variance_deg2, limits, scan)
-    deviation = _fit_deviation(x_deg, rs_deg, tracks, moments.m2_deg2)
+    deviation = _fit_deviation(x_deg, rs_deg, tracks, moments.m2_deg2,
+                               settings.wrap_center_deg)
     result = Diagnostics(block, drift, deviation, normal,
                          examine_stationarity(residual, stamps.typical_s or 0.0), correlation,
                          allan, (),
@@ -274,13 +275,14 @@ def _noise_of_rs(x_deg: np.ndarray, rs_deg: np.ndarray, estimate: Skew, range_s:
                                     skew_variance_deg2=math.inf if added is None else added)
 
 
-def _fit_deviation(x_deg: np.ndarray, rs_deg: np.ndarray, tracks: Tracks | None,
-                   m2_deg2: float) -> HeadingDependence:
+def _fit_deviation(x_deg: np.ndarray, rs_deg: np.ndarray, tracks: Tracks | None, m2_deg2: float,
+                   center_deg: float) -> HeadingDependence:
     """Fit the deviation to the pairs, or to the averages of a long run."""
     if tracks is None or samples_per_average(x_deg.size) == 1:
         return fit_deviation(x_deg, rs_deg)
     size = x_deg.size // len(tracks.rs)
-    x = tracks.ts.heading_deg - tracks.rs.heading_deg
+    # The tracks go on where a TS that turns against the RS is a whole turn behind.
+    x = wrap180(tracks.ts.heading_deg - tracks.rs.heading_deg - center_deg) + center_deg
     within_deg2 = max(0.0, m2_deg2 / x_deg.size - float(np.var(x)))
     return fit_deviation(x, wrap360(tracks.rs.heading_deg), averaged=size,
                          within_deg2=within_deg2)

@@ -25,7 +25,6 @@ import scipy
 
 from heading_intercompare.core.records import Reals
 
-from .blocking import average, samples_per_average
 from .moments import sum_products
 
 __all__ = ['allan_dof', 'AllanDeviation', 'autocorrelate', 'compute_allan_deviation',
@@ -33,7 +32,7 @@ __all__ = ['allan_dof', 'AllanDeviation', 'autocorrelate', 'compute_allan_deviat
            'SeriesCorrelation', 'sokal_times']
 
 _SEGMENT = 1 << 17
-#: Length of a segment over the largest lag, the samples beside its ends are transformed twice;
+#: Length of a segment over the largest lag (the samples beside its ends are transformed twice),
 #: and of averages over the distance of their starts.
 _LONG = 4
 _PIECE = 1 << 13
@@ -159,11 +158,7 @@ class CorrelationTimes:
 
 
 class _Lags:
-    """
-    The autocorrelation of a series, computed as far as it is needed.
-
-    Beyond the first 5000 lags, that of a long series follows from averages over a few samples.
-    """
+    """The autocorrelation of a series, computed as far as it is needed."""
 
     def __init__(self, x: ArrayLike) -> None:
         self._e = _centre(x)
@@ -173,20 +168,8 @@ class _Lags:
     def up_to(self, m: int) -> np.ndarray:
         """Return r_0 to r_m; m < n."""
         if m >= self._r.size:
-            size = samples_per_average(self.n)
-            near = m if size == 1 else min(m, _SOKAL_LAGS)
-            if near >= self._r.size:
-                self._r = _correlation(self._e, near)
-            if m > near:
-                self._r = np.concatenate((self._r[:near + 1], self._far(near + 1, m, size)))
+            self._r = _correlation(self._e, m)
         return self._r[:m + 1]
-
-    def _far(self, first: int, last: int, size: int) -> Reals:
-        """Return the correlations at lags that are long compared with `size` samples."""
-        means = _centre(average(self._e, size))
-        power = sum_products(means, means) * size / sum_products(self._e, self._e)
-        coarse = _correlation(means, min(last // size + 1, means.size - 1)) * power
-        return np.interp(np.arange(first, last + 1), size * np.arange(coarse.size), coarse)
 
     def sum_up_to_window(self, limit: int,
                          closed: Callable[[np.ndarray, np.ndarray, np.ndarray], np.ndarray],
