@@ -40,8 +40,7 @@ OUTLIER, GLITCH = 188_500, 92_000
 AVERAGED, OTHER_READINGS = 2e-3, 0.25
 
 
-@pytest.fixture(scope='module')
-def pairs():
+def made_up(fault=None):
     """Return 50 min at 100 Hz of a ship that yaws and turns four times, with many errors."""
     rng = np.random.default_rng(16)
     stamp_ns = 10 ** 18 + STEP_NS * np.arange(N) + rng.integers(0, 10 ** 5, N)
@@ -53,11 +52,34 @@ def pairs():
     ts = (true_deg - late_s * np.gradient(true_deg, t) + slow + rng.normal(0.0, 0.05, N)
           + 0.3 * np.sin(np.radians(true_deg)) + 0.4 * t / t[-1])
     rs = true_deg + rng.normal(0.0, 0.05, N)
-    ts[OUTLIER] += 8.0
-    rs[GLITCH:GLITCH + 2] += 5.0
+    if fault is not None:
+        ts, rs = FAULTS[fault](rng, t, ts, rs)
+    else:
+        ts[OUTLIER] += 8.0
+        rs[GLITCH:GLITCH + 2] += 5.0
     keep = np.ones(N, bool)
     keep[120_000:123_000] = False
     return Pairs.of(stamp_ns[keep], wrap360(ts[keep]), wrap360(rs[keep]))
+
+
+def freeze(rng, t, ts, rs):
+    """Stop the TS for three minutes."""
+    ts[200_000:218_000] = ts[200_000]
+    return ts, rs
+
+
+FAULTS = {
+    'frozen': freeze,
+    'vibration': lambda rng, t, ts, rs: (ts + 0.5 * np.sin(2.0 * np.pi * 31.0 * t), rs),
+    'mirrored': lambda rng, t, ts, rs: (90.0 - ts, rs),
+    'half a turn off': lambda rng, t, ts, rs: (ts + 180.0, rs),
+    'copy': lambda rng, t, ts, rs: (rs + rng.normal(0.0, 0.002, t.size), rs),
+    'rounded': lambda rng, t, ts, rs: (np.rint(ts), np.rint(10.0 * rs) / 10.0),
+    'warm-up': lambda rng, t, ts, rs: (ts + 3.0 * np.exp(-t / 200.0), rs),
+    'late': lambda rng, t, ts, rs: (np.interp(t - 0.7, t, ts), rs),
+    'clocks drift': lambda rng, t, ts, rs: (np.interp(0.9995 * t, t, ts), rs),
+    'step': lambda rng, t, ts, rs: (ts + 1.5 * (t > 1700.0), rs),
+}
 
 
 def judge(pairs):
@@ -68,14 +90,18 @@ def judge(pairs):
     return run
 
 
-@pytest.fixture(scope='module')
-def both(pairs):
+def judge_both_ways(pairs):
     """Return the run judged as a long one, and with all diagnostics on all pairs."""
     averaged = judge(pairs)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(blocking, '_MOST', 1 << 40)
         patch.setattr(skew_instrument, '_MANY', 1 << 40)
         return averaged, judge(pairs)
+
+
+@pytest.fixture(scope='module')
+def both():
+    return judge_both_ways(made_up())
 
 
 def leaves(value, path=''):
@@ -131,3 +157,17 @@ def test_rare_things_are_found_wherever_they_are(both):
     (outliers,) = [f for f in averaged.validity if f.condition == 'outliers']
     assert '2 isolated' in outliers.evidence
     assert averaged.correlation.stamps.silences == 1
+
+
+@pytest.mark.parametrize('fault', FAULTS)
+def test_a_fault_is_found_either_way(fault):
+    """A vibration, which averages do not show, leaves few independent differences."""
+    def describe(run):
+        return (run.outcome, run.skew.estimate.kind, run.drift.order.order,
+                [(found.condition, found.effect) for found in run.validity],
+                [(one.id, one.state) for one in run.assumptions])
+
+    averaged, expected = judge_both_ways(made_up(fault))
+    assert describe(averaged) == describe(expected)
+    assert averaged.correlation.n_effective_variance == pytest.approx(
+        expected.correlation.n_effective_variance, rel=1e-9)
