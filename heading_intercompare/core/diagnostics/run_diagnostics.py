@@ -281,7 +281,7 @@ def _fit_deviation(x_deg: np.ndarray, rs_deg: np.ndarray, tracks: Tracks | None,
     if tracks is None or samples_per_average(x_deg.size) == 1:
         return fit_deviation(x_deg, rs_deg)
     size = x_deg.size // len(tracks.rs)
-    # The tracks go on where a TS that turns against the RS is a whole turn behind.
+    # The tracks of a TS that turns against the RS move apart without end.
     x = wrap180(tracks.ts.heading_deg - tracks.rs.heading_deg - center_deg) + center_deg
     within_deg2 = max(0.0, m2_deg2 / x_deg.size - float(np.var(x)))
     return fit_deviation(x, wrap360(tracks.rs.heading_deg), averaged=size,

@@ -368,6 +368,10 @@ def fit_slope(stamp_ns: ArrayLike, x_deg: ArrayLike,
     Slope or None
         None for n < 2.
 
+    Notes
+    -----
+    A long record is averaged over the blocks of `Averages`.
+
     References
     ----------
     Ordinary least squares. The variance of the slope is 12 v over the square of the span, with

@@ -99,7 +99,7 @@ def _average_angle(angle_deg: np.ndarray, size: int) -> Reals:
     if size == 1:
         return unwrap_deg(angle_deg)
     means: Reals = np.empty(angle_deg.size // size)
-    rows, last_deg = _PIECE // size, float(angle_deg[0])
+    rows, last_deg = max(1, _PIECE // size), float(angle_deg[0])
     for lo in range(0, means.size, rows):
         part = unwrap_deg(angle_deg[lo * size:min(lo + rows, means.size) * size])
         part += 360.0 * round((last_deg - float(part[0])) / 360.0)

@@ -169,8 +169,8 @@ def scan_skew(ts: Headings, rs: Headings, range_s: float = 2.0, step_s: float = 
     x_i(L) = TS(t_i) - RS(t_i - L), wrapped, with the unwrapped RS interpolated linearly. Only
     readings i inside the RS record at both ends of the range are used. L_0 is the grid point of
     least variance v, and ``L* = L_0 - step (v_+ - v_-) / (2 (v_+ - 2 v_0 + v_-))``. Of more than
-    262144 TS readings, an even subset of at most that number is used. With more than 20000, L_0
-    is first searched on at most that many of them, then moved to the nearest minimum over all.
+    262144 TS readings, an even subset of at most that number is used. With more than 8192, L_0 is
+    first searched on at most that many of them, then moved to the nearest minimum over all.
 
     Interpolating halfway between two RS readings averages their noise. If TS and RS report in
     step, this draws the minimum away from the readings. `bias_s` bounds that: half the RS
