@@ -37,9 +37,13 @@ _FOREVER = {'sec': 9223372036, 'nsec': 854775807}
 _DEPTH = 1000
 #: Upper bounds of the queue depth and of the bytes in a file name.
 _DEPTHS, _NAME_BYTES = 10**9, 255
-#: A longer metadata.yaml is rejected, and longer QoS profiles of a topic are ignored. A hundred
-#: thousand files or a thousand publishers need less.
+#: A metadata.yaml that is longer without its topics is rejected, and longer QoS profiles of a
+#: topic are ignored. A hundred thousand files or a thousand publishers need less.
 _MOST_BYTES, _MOST_QOS_BYTES = 2**24, 2**18
+#: The same with its topics: some ninety thousand of them.
+_MOST_WITH_TOPICS = 2**26
+_TOPICS = re.compile(rb'^  topics_with_message_count:\n', re.MULTILINE)
+_NEXT_ENTRY = re.compile(rb'^ {0,2}[^ \n-]', re.MULTILINE)
 _PLAIN = re.compile(r'[A-Za-z/][\w./-]*')
 _WHOLE = 'rosbag2_bagfile_information'
 _WORDS = ('true', 'false', 'yes', 'no', 'on', 'off', 'null', 'y', 'n')
@@ -240,10 +244,14 @@ def list_parts(path: Path) -> list[str]:
     if not path.is_file():
         return []
     with path.open('rb') as file:
-        data = file.read(_MOST_BYTES + 1)
+        data = file.read(_MOST_WITH_TOPICS + 1)
     try:
+        if len(data) > _MOST_WITH_TOPICS:
+            raise YamlError(f'longer than {_MOST_WITH_TOPICS} bytes')
         if len(data) > _MOST_BYTES:
-            raise YamlError(f'longer than {_MOST_BYTES} bytes')
+            data = _leave_out_topics(data)
+        if len(data) > _MOST_BYTES:
+            raise YamlError(f'longer than {_MOST_BYTES} bytes without its topics')
         parts = _parts_in(load_yaml(data.decode(), _MOST_BYTES))
     except UnicodeDecodeError as error:
         line = data.count(b'\n', 0, error.start) + 1
@@ -251,6 +259,16 @@ def list_parts(path: Path) -> list[str]:
     except YamlError as error:
         raise _make_error(path, error) from error
     return list(filter(_is_file_name, (Path(part).name for part in parts)))
+
+
+def _leave_out_topics(data: bytes) -> bytes:
+    """Return metadata without the topics, whose lines stay empty: they are not read from there."""
+    begin = _TOPICS.search(data)
+    if begin is None:
+        return data
+    after = _NEXT_ENTRY.search(data, begin.end())
+    end = len(data) if after is None else after.start()
+    return data[:begin.start()] + b'\n' * data.count(b'\n', begin.start(), end) + data[end:]
 
 
 def _parts_in(metadata: Any) -> list[str]:

@@ -203,7 +203,7 @@ def test_a_large_file_is_refused_and_not_read_to_its_end(tmp_path):
     path = listing(tmp_path, '[a_0.mcap]\n')
     with path.open('r+b') as file:
         file.truncate(3 * 2**30)
-    with pytest.raises(BagError, match='longer than 16777216 bytes'):
+    with pytest.raises(BagError, match='longer than 67108864 bytes'):
         list_parts(path)
 
 
@@ -224,6 +224,21 @@ def test_many_names_take_a_time_that_grows_with_their_number(tmp_path, lines):
 def test_the_bound_is_one_of_bytes_not_of_letters(tmp_path):
     with pytest.raises(BagError, match='longer than 16777216 bytes'):
         list_parts(listing(tmp_path, f'[a_0.mcap]\n#{"ä" * 2**23}'))
+
+
+@pytest.mark.parametrize('behind', ['compression_mode: ""\n  ', ''])
+def test_more_topics_than_fit_leave_the_files_readable(tmp_path, behind):
+    """As `recover` writes them of a bag with 60000 topics; a fault after them has its line."""
+    row = '    - topic_metadata:\n        name: /{}\n      message_count: 1\n\n'
+    rows = ''.join(row.format('x' * 900) for _ in range(20_000))
+    text = ('rosbag2_bagfile_information:\n  version: 9\n  topics_with_message_count:\n'
+            f'{rows}  {behind}relative_file_paths:\n    - a_0.mcap\n    - a_1.mcap\n')
+    path = tmp_path / 'metadata.yaml'
+    path.write_text(text)
+    assert len(text) > 2**24 and list_parts(path) == ['a_0.mcap', 'a_1.mcap']
+    path.write_text(f'{text}  files: [\n')
+    with pytest.raises(BagError, match=f'line {text.count(chr(10)) + 1}: '):
+        list_parts(path)
 
 
 def test_metadata_of_any_version_are_read(tmp_path):
