@@ -216,8 +216,7 @@ class Pairer:
         if ready == 0 or n == 0:
             return ready, np.empty(0, np.int64), Pairs.empty()
         t = at.stamp_ns[:ready]
-        found = self._find_alternating(of, t) or self._find_brackets(of, t)
-        which, left, right, w = found
+        which, left, right, w = self._find_alternating(of, t) or self._find_brackets(of, t)
         if isinstance(which, np.ndarray):
             t = t[which]
         step = wrap180(of.heading_deg[right] - of.heading_deg[left])

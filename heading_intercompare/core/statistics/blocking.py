@@ -88,6 +88,8 @@ def block_means(values: ArrayLike, size: int) -> np.ndarray:
     """
     values = np.asarray(values, dtype=np.float64)
     count = values.shape[0] // size
+    if size == 1:
+        return values.copy()
     if values.ndim == 1 and 1 < size <= _SHORT and not size & (size - 1):
         return _halve(values[:count * size], size)
     means: Reals = values[:count * size].reshape(count, size, *values.shape[1:]).mean(axis=1)

@@ -23,13 +23,7 @@ from typing import NamedTuple
 import numpy as np
 
 from heading_intercompare.core.angles import unwrap_deg
-from heading_intercompare.core.records import Reals
-from heading_intercompare.core.statistics.blocking import (
-    average,
-    block_means,
-    block_size,
-    sum_covariance,
-)
+from heading_intercompare.core.statistics.blocking import average, block_size, sum_covariance
 
 from .heading_track import Track
 
@@ -41,8 +35,6 @@ _BLOCK_S = 0.1
 
 _LONGER_BLOCK_S, _MANY = 0.25, 1 << 18
 """Longest block as long as there are more averages than the second number."""
-
-_PIECE = 1 << 14
 
 HALF_SPAN_S = 0.5
 """Rates span this time before a pair and the same time after it, seconds."""
@@ -88,24 +80,10 @@ def common_tracks(stamps: np.ndarray, x: np.ndarray, rs_deg: np.ndarray,
         size = 1
     while x.size // size > _MANY and 2 * size * step <= _LONGER_BLOCK_S:
         size *= 2
-    ts, rs = _average_angle(x, size), _average_angle(rs_deg, size)
+    ts, rs = (average(unwrap_deg(angle), size) for angle in (x, rs_deg))
     ts += rs
     t_s = average(stamps, size) / 1e9
     return Tracks(Track.of(t_s, ts), Track.of(t_s, rs))
-
-
-def _average_angle(angle_deg: np.ndarray, size: int) -> Reals:
-    """Return the means of blocks of an angle, unwrapped, degrees."""
-    if size == 1:
-        return unwrap_deg(angle_deg)
-    means: Reals = np.empty(angle_deg.size // size)
-    rows, last_deg = max(1, _PIECE // size), float(angle_deg[0])
-    for lo in range(0, means.size, rows):
-        part = unwrap_deg(angle_deg[lo * size:min(lo + rows, means.size) * size])
-        part += 360.0 * round((last_deg - float(part[0])) / 360.0)
-        means[lo:lo + rows] = block_means(part, size)
-        last_deg = float(part[-1])
-    return means
 
 
 @dataclass(frozen=True, slots=True)
