@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-Generate files from the sources: parameter file, settings.md, JSON Schema, list of modules, doors.
+Generate from the sources: parameter file, settings, JSON Schema, conditions, modules, doors.
 
 Run it after adding or changing a setting, a module or a name in a door: ``make docs``. The tests
 compare the files with its output.
@@ -30,6 +30,7 @@ from typing import Any, Iterator, Mapping, NamedTuple, Sequence
 from heading_intercompare.ahrs.settings import Scenario, Sensor
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.core.settings import list_settings, Setting, Settings
+from heading_intercompare.core.verdict.validity import CONDITIONS
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.nodes.settings import (
     ComplianceNode,
@@ -50,6 +51,7 @@ ROOT = Path(__file__).resolve().parent.parent
 YAML = ROOT / 'config' / 'heading_intercompare.yaml'
 ARCHITECTURE = ROOT / 'docs' / 'ARCHITECTURE.md'
 TABLES = ROOT / 'docs' / 'settings.md'
+REFUSALS = ROOT / 'docs' / 'refusals.md'
 SCHEMA = ROOT / 'schema' / 'verdict.schema.json'
 DOORS = sorted((ROOT / 'heading_intercompare').rglob('__init__.py'))
 
@@ -279,12 +281,28 @@ def _module_rows() -> Iterator[str]:
                f'| {_cell(summary)} | {", ".join(f"`{n}`" for n in public) or "–"} |')
 
 
+def _fill(text: str, place: str, table: str) -> str:
+    """Return a page with a table between ``<!-- place -->`` and ``<!-- end of place -->``."""
+    head, mark, rest = text.partition(f'<!-- {place} -->\n')
+    return head + mark + table + rest[rest.index(f'<!-- end of {place} -->'):]
+
+
 def architecture(text: str) -> str:
     """Return docs/ARCHITECTURE.md with an updated list of modules."""
-    head, mark, rest = text.partition('<!-- modules -->\n')
     rows = '\n'.join(_module_rows())
-    table = f'| module | is for | public names |\n|---|---|---|\n{rows}\n'
-    return head + mark + table + rest[rest.index('<!-- end of modules -->'):]
+    return _fill(text, 'modules', f'| module | is for | public names |\n|---|---|---|\n{rows}\n')
+
+
+def refusals(text: str) -> str:
+    """Return docs/refusals.md with what each condition says of itself."""
+    void, doubtful = '', ''
+    for condition in CONDITIONS:
+        if condition.void:
+            void += f'| `{condition.name}` | {condition.void_when} | {condition.void_why} |\n'
+        if condition.doubtful_when:
+            doubtful += f'| `{condition.name}` | {condition.doubtful_when} |\n'
+    text = _fill(text, 'void', f'| condition | void when | why |\n|---|---|---|\n{void}')
+    return _fill(text, 'doubtful', f'| condition | doubtful when |\n|---|---|\n{doubtful}')
 
 
 def _offer(module: str, names: Sequence[str]) -> str:
@@ -313,7 +331,9 @@ if __name__ == '__main__':
     TABLES.write_text(tables(), 'utf-8')
     SCHEMA.write_text(schema(), 'utf-8')
     ARCHITECTURE.write_text(architecture(ARCHITECTURE.read_text('utf-8')), 'utf-8')
+    REFUSALS.write_text(refusals(REFUSALS.read_text('utf-8')), 'utf-8')
     for path in DOORS:
         path.write_text(door(path.read_text('utf-8')), 'utf-8')
-    print('wrote', *(str(p.relative_to(ROOT)) for p in (YAML, TABLES, SCHEMA, ARCHITECTURE)),
+    print('wrote', *(str(p.relative_to(ROOT)) for p in (
+        YAML, TABLES, SCHEMA, ARCHITECTURE, REFUSALS)),
           'and the doors')

@@ -31,8 +31,8 @@ from heading_intercompare.core.settings import (
     Settings,
     SettingsError,
 )
+from heading_intercompare.core.validity.condition import is_doubtful
 from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
-from heading_intercompare.core.verdict.validity import is_doubtful
 from heading_intercompare.core.verdict.verdict_document import Verdict, VerdictError
 
 from .analysis import judge_bags

@@ -25,6 +25,7 @@ from heading_intercompare.core.decision.guarded import Evidence
 from heading_intercompare.core.json_keys import leave_out_none
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
 from heading_intercompare.core.runs.run_cutter import CutterState
+from heading_intercompare.core.validity.condition import Finding
 from heading_intercompare.core.verdict.judge import RunResult
 from heading_intercompare.core.verdict.typed_reader import make_plain, read_plain
 from heading_intercompare.core.verdict.verdict_document import RunVerdict
@@ -47,6 +48,7 @@ class KeptRun:
     stabilization_s: float | str
     set_backs: tuple[SetBack, ...]
     cut_ns: int
+    judged: tuple[Finding, ...]
     whole: 'KeptRun | None' = leave_out_none()
 
     @classmethod

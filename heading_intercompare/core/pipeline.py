@@ -323,7 +323,7 @@ class Compliance:
                       for r in (result.verdict for result in results)]
         n = self._leave_earlier()
         rows = [*zip(results, shares, inside, set_backs)]
-        self._earlier += [r.with_pairing(share, within).with_set_backs(steps)
+        self._earlier += [r.with_pairing(share, within, (), steps)
                           for r, share, within, steps in rows[:n]]
         notes = []
         if self._n_short:
@@ -331,7 +331,7 @@ class Compliance:
         if self._n_earlier:
             notes.append(f'earlier_runs: {self._n_earlier} runs before the newest runs.keep = '
                          f'{self.settings.runs.keep} cuts are not part of this verdict')
-        return [r.with_pairing(share, within, notes if at == 0 else ()).with_set_backs(steps)
+        return [r.with_pairing(share, within, notes if at == 0 else (), steps)
                 for at, (r, share, within, steps) in enumerate(rows[n:])]
 
     def _leave_earlier(self) -> int:

@@ -23,7 +23,7 @@ from typing import Iterable, Sequence
 import numpy as np
 
 from heading_intercompare.core.utc_text import utc
-from heading_intercompare.core.verdict.validity import VOID
+from heading_intercompare.core.validity.condition import VOID
 
 from .control_chart import Chart, make_chart
 from .run_row import RunKey, RunRow

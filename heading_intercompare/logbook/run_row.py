@@ -20,7 +20,7 @@ from dataclasses import dataclass, fields
 import math
 from typing import Callable, Iterable, NamedTuple
 
-from heading_intercompare.core.verdict.validity import DOUBTFUL, VOID
+from heading_intercompare.core.validity.condition import DOUBTFUL, VOID
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 
 __all__ = ['make_rows', 'RunKey', 'RunRow']

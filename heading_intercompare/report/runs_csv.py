@@ -22,7 +22,7 @@ from pathlib import Path
 from typing import Callable, Iterable, Iterator, Mapping, Sequence
 
 from heading_intercompare.core.utc_text import utc
-from heading_intercompare.core.verdict.validity import DOUBTFUL, VOID
+from heading_intercompare.core.validity.condition import DOUBTFUL, VOID
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 
 __all__ = ['COLUMNS', 'write_runs', 'write_sensor_runs']

@@ -21,7 +21,7 @@ from typing import Callable, Mapping, Sequence
 
 from heading_intercompare.core.sensors.sensors_table import matrix_of, SHOWN, split_words
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
-from heading_intercompare.core.verdict.validity import VOID
+from heading_intercompare.core.validity.condition import VOID
 from heading_intercompare.core.verdict.vocabulary import OUTCOME_WORDS
 
 from . import check_form, json, write

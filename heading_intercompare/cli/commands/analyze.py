@@ -37,7 +37,7 @@ from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import from_mapping
-from heading_intercompare.core.verdict.validity import is_doubtful
+from heading_intercompare.core.validity.condition import is_doubtful
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.drivers.settings import DriverSettings, SENTENCES, STAMP_FORMATS
 from heading_intercompare.logbook.logbook_file import Logbook

@@ -23,7 +23,7 @@ from typing import Iterable, Sequence
 
 from heading_intercompare.core.decision.coverage import span_words
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.verdict.validity import DOUBTFUL, HOLDS, NOT_TESTABLE, VOID
+from heading_intercompare.core.validity.condition import DOUBTFUL, HOLDS, NOT_TESTABLE, VOID
 from heading_intercompare.core.verdict.verdict_document import Input, RunVerdict, Verdict
 from heading_intercompare.core.verdict.verdict_table import describe_together, head_lines
 from heading_intercompare.core.verdict.vocabulary import OUTCOME_WORDS

@@ -21,7 +21,9 @@ from heading_intercompare._doors import door
 __getattr__, __dir__, __all__ = door(__name__, {
     'assumptions': ('Assumption',),
     'deviation': ('HeadingDependence',),
-    'run_diagnostics': ('diagnose', 'Diagnostics', 'SETTLED_SHARE', 'with_runs'),
+    'prepare': ('prepare_run', 'PreparedRun', 'SETTLED_SHARE'),
+    'run_columns': ('RunColumns',),
+    'run_diagnostics': ('diagnose', 'Diagnostics', 'with_runs'),
     'run_findings': ('Allan', 'Correlation', 'describe_drift', 'Drift', 'left_in_deg2', 'RunSkew'),
 })
 
@@ -29,10 +31,15 @@ if TYPE_CHECKING:
     # The same names for type checkers, by ``make docs``.
     from .assumptions import Assumption as Assumption
     from .deviation import HeadingDependence as HeadingDependence
+    from .prepare import (
+        prepare_run as prepare_run,
+        PreparedRun as PreparedRun,
+        SETTLED_SHARE as SETTLED_SHARE,
+    )
+    from .run_columns import RunColumns as RunColumns
     from .run_diagnostics import (
         diagnose as diagnose,
         Diagnostics as Diagnostics,
-        SETTLED_SHARE as SETTLED_SHARE,
         with_runs as with_runs,
     )
     from .run_findings import (

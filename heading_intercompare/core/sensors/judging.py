@@ -25,9 +25,9 @@ from heading_intercompare.core.decision.guarded import decide_variance, variance
 from heading_intercompare.core.outcome import Outcome, worst
 from heading_intercompare.core.rows.sensor_table import find_reference, Sensor
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.validity.condition import DOUBTFUL, gravest, HOLDS, VOID
 from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
 from heading_intercompare.core.verdict.judge import RunResult
-from heading_intercompare.core.verdict.validity import DOUBTFUL, gravest, HOLDS, VOID
 from heading_intercompare.core.verdict.verdict_document import Input, RunVerdict, Verdict
 
 from .pair_figures import describe_pair, PairFigures

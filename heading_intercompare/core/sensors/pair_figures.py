@@ -26,7 +26,7 @@ from heading_intercompare.core.statistics.variance_uncertainty import (
     Spread,
     upper_bound,
 )
-from heading_intercompare.core.verdict.validity import DOUBTFUL, gravest, VOID
+from heading_intercompare.core.validity.condition import DOUBTFUL, gravest, VOID
 from heading_intercompare.core.verdict.verdict_document import RunVerdict
 
 __all__ = ['describe_pair', 'PairFigures']

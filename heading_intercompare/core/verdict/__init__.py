@@ -24,7 +24,6 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'headline': ('OUTCOME_WORDS',),
     'judge': ('compare_runs', 'conclude_campaign', 'judge_run', 'look_at', 'RunResult'),
     'typed_reader': ('make_plain',),
-    'validity': ('DOUBTFUL', 'VOID'),
     'verdict_document': ('Input', 'OperatorNote', 'RunVerdict', 'SCHEMA', 'SCHEMA_VERSION',
                          'Verdict', 'VerdictError'),
     'verdict_table': ('summary_text', 'verdict_html', 'verdict_text'),
@@ -43,7 +42,6 @@ if TYPE_CHECKING:
         RunResult as RunResult,
     )
     from .typed_reader import make_plain as make_plain
-    from .validity import DOUBTFUL as DOUBTFUL, VOID as VOID
     from .verdict_document import (
         Input as Input,
         OperatorNote as OperatorNote,

@@ -26,9 +26,18 @@ from heading_intercompare.core.decision.needed_length import describe_need, desc
 from heading_intercompare.core.decision.sequential import find_rejection, LookVerdict
 from heading_intercompare.core.decision.taken_out import TakenOut
 from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.record_conditions.exclusions import EXCLUSIONS
+from heading_intercompare.core.validity.condition import (
+    DOUBTFUL,
+    Finding,
+    gravest,
+    HOLDS,
+    VOID,
+    worst_effect,
+)
 
 from .headline import OUTCOME_WORDS
-from .validity import DOUBTFUL, Finding, gravest, HOLDS, VOID, VOID_REASONS, worst_effect
+from .validity import PERMANENT, VOID_REASONS
 
 if TYPE_CHECKING:
     from heading_intercompare.core.decision.coverage import Coverage
@@ -49,11 +58,6 @@ ALL_REASONS = {
 """Reasons for the outcome of a run: code and words."""
 
 _BADNESS = {Outcome.COMPLIANT: 0, Outcome.INDETERMINATE: 1, Outcome.NON_COMPLIANT: 2}
-
-
-#: Void for a permanent reason: the set-up of the sensors.
-_ALWAYS_VOID = {f'void.{condition}' for condition in (
-    'same_source', 'convention', 'mean_difference', 'clocks', 'interpolation', 'motion')}
 
 
 def conclude(guarded: Guarded, printed: Printed) -> tuple[Outcome, str]:
@@ -94,7 +98,7 @@ def with_looks(outcome: Outcome, reason: str,
     not outlast later data against it. But a permanent reason that makes the comparison void also
     made it void at the look, even if it did not show yet.
     """
-    if reason in _ALWAYS_VOID:
+    if reason in PERMANENT:
         return outcome, reason
     if outcome is not Outcome.NON_COMPLIANT and find_rejection(looks) is not None:
         return Outcome.NON_COMPLIANT, 'rejected_at_a_look'
@@ -195,9 +199,9 @@ def find_taken_out(outcome: Outcome, effect: str, taken_out: TakenOut) -> Findin
         said += f', {whole.validity_effect.upper()}'
     is_graver = gravest((effect, whole.validity_effect)) != effect
     if whole.outcome is outcome and not is_graver:
-        return Finding('exclusions', HOLDS, f'{share}, {said} also with nothing taken out',
+        return EXCLUSIONS.find(HOLDS, f'{share}, {said} also with nothing taken out',
                        evidence)
     is_worse = is_graver if whole.outcome is outcome else _BADNESS[whole.outcome] > _BADNESS[
         outcome]
     words = 'and worse with nothing taken out' if is_worse else 'with nothing taken out'
-    return Finding('exclusions', DOUBTFUL, f'{share}, {words}: {said}', evidence)
+    return EXCLUSIONS.find(DOUBTFUL, f'{share}, {words}: {said}', evidence)

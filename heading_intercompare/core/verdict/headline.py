@@ -21,8 +21,7 @@ from typing import Sequence
 from heading_intercompare.core.decision.coverage import Coverage, span_words
 from heading_intercompare.core.decision.sequential import find_rejection, LookVerdict
 from heading_intercompare.core.outcome import Outcome
-
-from .validity import DOUBTFUL, Finding, VOID
+from heading_intercompare.core.validity.condition import DOUBTFUL, Finding, VOID
 
 __all__ = ['add_looks', 'compose_headline', 'OUTCOME_WORDS']
 

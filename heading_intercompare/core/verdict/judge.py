@@ -34,20 +34,23 @@ from heading_intercompare.core.decision.gk import apply_gk, Printed
 from heading_intercompare.core.decision.guarded import decide, Evidence, gather_evidence, Guarded
 from heading_intercompare.core.decision.sequential import Look, LookVerdict, risk_at_the_end
 from heading_intercompare.core.decision.taken_out import AsRecorded, Stretch, TakenOut
-from heading_intercompare.core.diagnostics.run_diagnostics import (
-    diagnose,
+from heading_intercompare.core.diagnostics.prepare import (
+    HIGHEST_ORDER_REMOVED,
+    prepare_run,
+    PreparedRun,
     SETTLED_SHARE,
-    with_runs,
 )
+from heading_intercompare.core.diagnostics.run_columns import RunColumns
+from heading_intercompare.core.diagnostics.run_diagnostics import diagnose, with_runs
 from heading_intercompare.core.diagnostics.run_findings import describe_drift, left_in_deg2
 from heading_intercompare.core.motion.motion_check import check_motion
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.pairing.ledger import LedgerSegment
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
+from heading_intercompare.core.record_conditions.losses import warn_of_alone, warn_of_rejected
 from heading_intercompare.core.records import Integers, Motion, Reals
 from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.settings import Risk, Settings
-from heading_intercompare.core.statistics.autocorrelation import SeriesCorrelation
 from heading_intercompare.core.statistics.cells import Cells
 from heading_intercompare.core.statistics.ergodicity import (
     examine_homogeneity,
@@ -59,6 +62,8 @@ from heading_intercompare.core.time_rules.exclusions import (
     find_excluded,
     read_exclusions,
 )
+from heading_intercompare.core.validity.condition import Finding, VOID
+from heading_intercompare.core.validity.examined import Examined, RunAccount
 
 from .conclusion import (
     conclude,
@@ -69,9 +74,7 @@ from .conclusion import (
     with_looks,
 )
 from .headline import add_looks, compose_headline
-from .losses import find_losses, warn_of_alone, warn_of_rejected
-from .prepare import HIGHEST_ORDER_REMOVED, prepare_run, PreparedRun
-from .validity import add_set_backs, examine, Examined, Finding, VOID
+from .validity import examine, settle
 from .verdict_document import Campaign, PairingFigures, RunVerdict
 
 __all__ = ['compare_runs', 'conclude_campaign', 'judge_run', 'look_at', 'RunResult']
@@ -85,7 +88,25 @@ class RunResult:
     """
     A judged run, with everything needed to decide again on it among several runs.
 
-    `whole` is the same run with nothing taken out by hand; None if nothing is.
+    Attributes
+    ----------
+    verdict : RunVerdict
+    evidence : Evidence
+    limits : Limits
+    printed : Printed
+    alone : tuple of (Outcome, str)
+        Outcome and reason before any finding.
+    settings : Settings
+    stabilization_s : float or str
+    judged : tuple of Finding
+        Findings on its pairs, before the account of its readings is known.
+    set_backs : tuple of SetBack
+        Clocks that were set back within the run.
+    whole : RunResult or None
+        The same run with nothing taken out by hand; None if nothing is.
+    share, inside : LedgerSegment or None
+        Ledger of its readings, and of those between its first and last pair.
+
     """
 
     verdict: RunVerdict
@@ -95,13 +116,17 @@ class RunResult:
     alone: tuple[Outcome, str]
     settings: Settings
     stabilization_s: float | str
+    judged: tuple[Finding, ...] = ()
     set_backs: tuple[SetBack, ...] = ()
     whole: 'RunResult | None' = None
+    share: LedgerSegment | None = None
+    inside: LedgerSegment | None = None
 
     def with_pairing(self, share: LedgerSegment, inside: LedgerSegment,
-                     warnings: Sequence[str] = ()) -> 'RunResult':
+                     warnings: Sequence[str] = (),
+                     set_backs: Sequence[SetBack] = ()) -> 'RunResult':
         """
-        Return the result with its share of the pairing ledger, and with the losses judged.
+        Return the result with the account of its readings, and what that says of its conditions.
 
         Parameters
         ----------
@@ -111,6 +136,8 @@ class RunResult:
             The part of it between the first and the last pair of the run.
         warnings : sequence of str
             Warnings to add.
+        set_backs : sequence of SetBack
+            Clocks that were set back within the run.
 
         """
         old = self.verdict.pairing
@@ -120,35 +147,43 @@ class RunResult:
                           warnings=(*self.verdict.warnings, *warnings,
                                     *warn_of_rejected(share),
                                     *warn_of_alone(share, inside, self.settings)))
-        whole = None if self.whole is None else self.whole.with_pairing(share, inside)
-        return replace(self, whole=whole, verdict=_conclude(
-            verdict, self.alone, (*(f for f in verdict.validity if f.condition != 'losses'),
-                                  find_losses(verdict, share, inside, self.settings)), whole))
+        whole = None if self.whole is None else self.whole.with_pairing(share, inside, (),
+                                                                        set_backs)
+        return replace(self, whole=whole, verdict=verdict, share=share, inside=inside,
+                       set_backs=tuple(set_backs)).conclude()
 
     def with_set_backs(self, set_backs: Sequence[SetBack]) -> 'RunResult':
-        """Return the result with the finding on the clocks that were set back, if any."""
-        if not set_backs:
-            return self
-        findings = [add_set_backs(f, set_backs) if f.condition == 'clocks' else f
-                    for f in self.verdict.validity]
+        """Return the result with the clocks that were set back within the run."""
         whole = None if self.whole is None else self.whole.with_set_backs(set_backs)
-        return replace(self, set_backs=tuple(set_backs), whole=whole,
-                       verdict=_conclude(self.verdict, self.alone, findings, whole))
+        return replace(self, set_backs=tuple(set_backs), whole=whole).conclude()
 
     def beside(self, whole: 'RunResult', stretches: Sequence[Stretch]) -> 'RunResult':
         """Return the result with the one of the same run with nothing taken out by hand."""
         # A reading that was taken out is not lost.
         lost = whole.verdict.correlation.stamps.lost_share
         correlation = self.verdict.correlation
-        n = sum(one.n for one in stretches)
+        n = sum(stretch.n for stretch in stretches)
         verdict = replace(
             self.verdict, correlation=replace(correlation, stamps=replace(
                 correlation.stamps, lost_share=lost)),
             taken_out=TakenOut(n, n / whole.verdict.n, tuple(stretches), _describe(whole.verdict)))
-        findings = (*(f for f in verdict.validity if f.condition != 'losses'),
-                    find_losses(verdict, None, None, self.settings))
-        return replace(self, whole=whole,
-                       verdict=_conclude(verdict, self.alone, findings, whole))
+        return replace(self, whole=whole, verdict=verdict).conclude()
+
+    def conclude(self) -> 'RunResult':
+        """Return the result with outcome and headline after findings, looks and exclusions."""
+        verdict, (alone, _) = self.verdict, self.alone
+        findings = settle(self.judged, RunAccount(
+            alone, verdict.guarded, self.limits, self.settings,
+            verdict.correlation.stamps.lost_share,
+            verdict.pairing.find_interpolated(self.settings.pairing.method),
+            self.share, self.inside, self.set_backs))
+        verdict = _conclude(verdict, self.alone, findings)
+        if self.whole is not None and verdict.taken_out is not None:
+            taken_out = replace(verdict.taken_out, as_recorded=_describe(self.whole.verdict))
+            decides = find_taken_out(verdict.outcome, verdict.validity_effect, taken_out)
+            verdict = _conclude(replace(verdict, taken_out=taken_out), self.alone,
+                                (*findings, decides))
+        return replace(self, verdict=verdict)
 
     def place_among(self, run: int, runs: Homogeneity) -> 'RunResult':
         """Return the result with its number among the runs, and with (g) judged from all runs."""
@@ -175,14 +210,9 @@ def _describe(whole: RunVerdict) -> AsRecorded:
                       whole.variance_deg2)
 
 
-def _conclude(verdict: RunVerdict, alone: tuple[Outcome, str], findings: Sequence[Finding],
-              whole: RunResult | None = None) -> RunVerdict:
-    """Return a verdict with outcome and headline after findings, looks and what is taken out."""
-    findings = [f for f in findings if f.condition != 'exclusions']
-    if whole is not None and verdict.taken_out is not None:
-        taken_out = replace(verdict.taken_out, as_recorded=_describe(whole.verdict))
-        verdict = replace(_conclude(verdict, alone, findings), taken_out=taken_out)
-        findings = [*findings, find_taken_out(verdict.outcome, verdict.validity_effect, taken_out)]
+def _conclude(verdict: RunVerdict, alone: tuple[Outcome, str],
+              findings: Sequence[Finding]) -> RunVerdict:
+    """Return a verdict with outcome and headline after findings and looks."""
     at_end = with_findings(*alone, findings)
     outcome, reason = with_looks(*at_end, verdict.looks)
     line = compose_headline(at_end[0], findings, verdict.coverage,
@@ -317,16 +347,15 @@ def _judge(run: RunSeries, settings: Settings, number: int, source: str, risk: R
     factor = run.factor.values[data.n_left_out:]
     if exclusions:
         factor = factor[find_excluded(run.stamp_ns.values[data.n_left_out:], exclusions) < 0]
-    found = diagnose(data.stamp_ns, data.x_deg, data.rs_deg, settings, guarded, limits,
-                     drift=drift, rest=rest, residual_deg=data.residual_deg,
-                     series=SeriesCorrelation.of(data.series_deg),
-                     factor=factor, interpolates_ts=run.interpolates_ts,
-                     told=lambda share: told(_BEFORE + (1.0 - _BEFORE) * share))
+    columns = RunColumns(data.stamp_ns, data.x_deg, data.rs_deg, settings, limits,
+                         data.residual_deg, factor, run.interpolates_ts)
+    found = diagnose(columns, guarded, drift=drift, rest=rest,
+                     told=lambda share: told(_BEFORE + 0.5 * (1.0 - _BEFORE) * share))
     checked = None if motion is None or not settings.motion.compare else check_motion(
         motion, data.stamp_ns, data.rs_deg + data.x_deg, data.rs_deg, settings.motion)
-    validity = examine(Examined(
-        data, found, limits, settings, outcome, decision.outcome,
-        guarded.d_hat_deg2, guarded.lower_bound_deg2, guarded.upper_bound_deg2, checked))
+    judged = examine(Examined(columns, found, settings, outcome, guarded, decision.outcome,
+                              checked))
+    told(1.0)
     coverage = coverage_of(data.span_s, risk)
     direction, length = circular_mean(data.x_deg) if n else (None, None)
     verdict = RunVerdict(
@@ -353,10 +382,8 @@ def _judge(run: RunSeries, settings: Settings, number: int, source: str, risk: R
         stationarity=found.stationarity, correlation=found.correlation, allan=found.allan,
         assumptions=found.assumptions, motion=checked,
         warnings=(*_warnings(data, limits, guarded, settings), *found.warnings))
-    alone = outcome, reason
-    validity = (*validity, find_losses(verdict, None, None, settings))
-    return RunResult(_conclude(verdict, alone, validity), evidence, limits, printed, alone,
-                     settings, run.stabilization_s)
+    return RunResult(verdict, evidence, limits, printed, (outcome, reason), settings,
+                     run.stabilization_s, judged).conclude()
 
 
 def look_at(run: RunSeries, look: Look, looks: int, settings: Settings,

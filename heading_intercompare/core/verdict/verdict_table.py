@@ -21,9 +21,9 @@ from typing import Callable, Iterator, Sequence
 from xml.etree.ElementTree import Element, SubElement, tostring
 
 from heading_intercompare.core.utc_text import utc
+from heading_intercompare.core.validity.condition import DOUBTFUL, VOID
 
 from .conclusion import explain
-from .validity import DOUBTFUL, VOID
 from .verdict_document import RunVerdict, Verdict
 from .vocabulary import CAMPAIGN_WORDS, EFFECT_WORDS, law_words, NO_RUN, OUTCOME_WORDS
 

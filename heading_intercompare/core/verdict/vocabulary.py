@@ -20,6 +20,7 @@ from heading_intercompare.core.decision.campaign import CAMPAIGN_REASONS
 
 from .conclusion import ALL_REASONS
 from .headline import OUTCOME_WORDS
+from .validity import CONDITION_WORDS
 
 __all__ = ['CAMPAIGN_WORDS', 'CONDITION_WORDS', 'EFFECT_WORDS', 'law_words', 'NO_RUN',
            'OUTCOME_WORDS', 'REASON_WORDS', 'STATE_WORDS']
@@ -29,20 +30,6 @@ NO_RUN = 'No run: there are no pairs, or none in a run of sufficient length.'
 CAMPAIGN_WORDS = CAMPAIGN_REASONS
 
 REASON_WORDS = ALL_REASONS
-
-CONDITION_WORDS = {
-    'same_source': 'TS and RS are two sensors',
-    'convention': 'both sensors use the same heading convention',
-    'mean_difference': 'the mean difference is small enough for sensors mounted parallel',
-    'frozen': 'no sensor repeats its value while the ship turns',
-    'standstill': 'the ship moves enough to show that the sensors work',
-    'outliers': 'no single reading decides',
-    'clocks': 'the clocks of the sensors agree',
-    'interpolation': 'the slower sensor is fast enough for the motion',
-    'motion': 'no heading contradicts the motion of the ship',
-    'losses': 'few readings are lost, rejected or without partner',
-    'exclusions': 'nothing that was taken out by hand decides',
-}
 
 EFFECT_WORDS = {'holds': 'holds', 'doubtful': 'DOUBTFUL', 'void': 'VOID',
                 'not_testable': 'not testable'}

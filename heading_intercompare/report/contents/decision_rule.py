@@ -21,7 +21,7 @@ from typing import Sequence
 from heading_intercompare.core.decision.norm_presets import PRESETS, sigma_max_deg
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import Pairing, Settings
-from heading_intercompare.core.verdict.validity import is_doubtful, VOID
+from heading_intercompare.core.validity.condition import is_doubtful, VOID
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 from heading_intercompare.core.verdict.vocabulary import law_words
 from heading_intercompare.report.formatting import interval, number, outcome, value

@@ -21,8 +21,8 @@ from typing import Sequence
 
 from heading_intercompare.core.decision.coverage import Coverage, coverage_of, span_words
 from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.validity.condition import DOUBTFUL, VOID
 from heading_intercompare.core.verdict.conclusion import campaign_words, explain
-from heading_intercompare.core.verdict.validity import DOUBTFUL, VOID
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 from heading_intercompare.core.verdict.vocabulary import NO_RUN, OUTCOME_WORDS
 from heading_intercompare.report.formatting import (

@@ -23,7 +23,7 @@ would speak for another outcome than the headline.
 from __future__ import annotations
 
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.verdict.validity import VOID
+from heading_intercompare.core.validity.condition import VOID
 from heading_intercompare.core.verdict.verdict_document import RunVerdict
 
 __all__ = ['confidence_holds', 'is_sound', 'length_holds', 'probability_holds',

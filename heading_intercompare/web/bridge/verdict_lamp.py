@@ -19,7 +19,7 @@ from __future__ import annotations
 from typing import Sequence
 
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.verdict.validity import HOLDS, NOT_TESTABLE
+from heading_intercompare.core.validity.condition import HOLDS, NOT_TESTABLE
 from heading_intercompare.messages.status_messages import Status
 
 from .bridge_records import LampView, Tone

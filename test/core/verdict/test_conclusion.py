@@ -25,6 +25,7 @@ from heading_intercompare.core.decision.coverage import coverage_of
 from heading_intercompare.core.decision.sequential import find_standing, LookVerdict
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import Risk
+from heading_intercompare.core.validity.condition import DOUBTFUL, Finding, HOLDS, VOID
 from heading_intercompare.core.verdict.conclusion import (
     ALL_REASONS,
     conclude,
@@ -33,7 +34,6 @@ from heading_intercompare.core.verdict.conclusion import (
     with_looks,
 )
 from heading_intercompare.core.verdict.headline import add_looks, compose_headline
-from heading_intercompare.core.verdict.validity import DOUBTFUL, Finding, HOLDS, VOID
 
 C, I, N = Outcome.COMPLIANT, Outcome.INDETERMINATE, Outcome.NON_COMPLIANT
 

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 import re
 
 import numpy as np
@@ -23,18 +24,16 @@ import pytest
 
 from heading_intercompare import analyze, Headings, Settings
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.pairing.ledger import LedgerSegment
 from heading_intercompare.core.records import Motion
+from heading_intercompare.core.validity.condition import DOUBTFUL, HOLDS, VOID
 from heading_intercompare.core.verdict.validity import (
+    CONDITION_WORDS,
     CONDITIONS,
-    DOUBTFUL,
-    HOLDS,
-    VOID,
     VOID_REASONS,
-    worst_effect,
 )
 from heading_intercompare.core.verdict.verdict_document import Verdict
 
+REFUSALS = Path(__file__).resolve().parents[3] / 'docs' / 'refusals.md'
 N = 12_000
 STEP_NS = 10 ** 8
 STAMPS = np.arange(1, N + 1) * STEP_NS
@@ -78,11 +77,23 @@ def test_a_sound_sensor_is_certified_and_says_what_that_covers(pair):
 
 
 def test_every_run_says_something_of_every_condition(pair):
-    found = judged(*pair).runs[0].validity
-    assert tuple(f.condition for f in found) == tuple(
-        each for each in CONDITIONS if each != 'motion')
-    assert all(f.evidence for f in found)
-    assert all(bool(f.words) == (f.effect in (DOUBTFUL, VOID)) for f in found)
+    findings = judged(*pair).runs[0].validity
+    assert [f.condition for f in findings] == [
+        name for name in CONDITION_WORDS if name not in ('motion', 'exclusions')]
+    assert all(f.evidence for f in findings)
+    assert all(bool(f.words) == (f.effect in (DOUBTFUL, VOID)) for f in findings)
+
+
+@pytest.mark.parametrize('condition', CONDITIONS, ids=lambda condition: condition.name)
+def test_a_condition_declares_its_words_and_its_rows(condition):
+    """Page, protocol, table and docs/refusals.md take them from there."""
+    assert CONDITION_WORDS[condition.name] == condition.holds
+    assert bool(condition.void) == bool(condition.void_when) == bool(condition.void_why)
+    assert (f'void.{condition.name}' in VOID_REASONS) == bool(condition.void)
+    assert condition.void or condition.doubtful_when
+    rows = REFUSALS.read_text('utf-8')
+    for words in filter(None, (condition.void_when, condition.doubtful_when)):
+        assert f'| `{condition.name}` | {words} |' in rows
 
 
 # --- void ---
@@ -455,15 +466,7 @@ def test_an_acceptance_that_is_withdrawn_is_said_to_be(ship, rng):
 # --- the parts ---
 
 def test_every_void_reason_belongs_to_a_condition():
-    assert {reason.partition('.')[2] for reason in VOID_REASONS} < set(CONDITIONS)
-
-
-def test_the_gravest_effect_counts(pair):
-    found = judged(*pair).runs[0].validity
-    assert worst_effect(found) == HOLDS and worst_effect(()) == HOLDS
-
-
-    assert LedgerSegment(None).received('ts') == 0
+    assert {reason.partition('.')[2] for reason in VOID_REASONS} < set(CONDITION_WORDS)
 
 
 # --- clocks that drift, a sensor that is too slow ---
@@ -685,7 +688,8 @@ def test_without_motion_no_finding_and_no_key(pair):
 
 def test_sound_headings_keep_their_verdict_to_the_bit_beside_the_motion(pair, ship):
     alone, beside = judged(*pair), judged(*pair, motion=sailing(ship))
-    assert tuple(f.condition for f in beside.runs[0].validity) == CONDITIONS
+    assert [f.condition for f in beside.runs[0].validity] == [
+        name for name in CONDITION_WORDS if name != 'exclusions']
     assert of_motion(beside).effect == HOLDS and beside.runs[0].motion.kind == 'agrees'
     theirs, ours = (verdict.to_dict() for verdict in (alone, beside))
     run = ours['runs'][0]

@@ -21,8 +21,8 @@ import pytest
 
 from heading_intercompare import analyze, Headings, Settings, Verdict
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.verdict.losses import judge_losses
-from heading_intercompare.core.verdict.validity import DOUBTFUL, HOLDS, NOT_TESTABLE, VOID
+from heading_intercompare.core.record_conditions.losses import judge_losses
+from heading_intercompare.core.validity.condition import DOUBTFUL, HOLDS, NOT_TESTABLE, VOID
 
 STEP_NS = 10 ** 8
 START_NS = 1_700_000_000 * 10 ** 9

@@ -20,11 +20,11 @@ import numpy as np
 import pytest
 
 from heading_intercompare.core.decision.criteria import Limits
+from heading_intercompare.core.diagnostics.prepare import prepare_run
 from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.settings import Settings
-from heading_intercompare.core.verdict.prepare import prepare_run
 
 S = 1_000_000_000
 

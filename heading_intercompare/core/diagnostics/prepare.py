@@ -22,7 +22,6 @@ from typing import Sequence
 import numpy as np
 
 from heading_intercompare.core.decision.criteria import Limits
-from heading_intercompare.core.diagnostics.run_diagnostics import SETTLED_SHARE
 from heading_intercompare.core.records import Integers, Reals
 from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.settings import Settings
@@ -31,7 +30,10 @@ from heading_intercompare.core.statistics.moments import count_outside, Moments
 from heading_intercompare.core.statistics.warm_up import fit_warm_up
 from heading_intercompare.core.time_rules.exclusions import Exclusion, find_excluded
 
-__all__ = ['HIGHEST_ORDER_REMOVED', 'prepare_run', 'PreparedRun']
+__all__ = ['HIGHEST_ORDER_REMOVED', 'prepare_run', 'PreparedRun', 'SETTLED_SHARE']
+
+SETTLED_SHARE = 0.1
+"""A warm-up has settled when it has fallen to this share of sigma_max."""
 
 HIGHEST_ORDER_REMOVED = 3
 """Highest order of the polynomials that `drift_order` may remove."""

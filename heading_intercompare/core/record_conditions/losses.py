@@ -20,36 +20,28 @@ from typing import Iterator, Sequence
 
 from heading_intercompare.core.pairing.ledger import LedgerKey, LedgerSegment
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.validity.condition import (
+    Condition,
+    DOUBTFUL,
+    Finding,
+    HOLDS,
+    NOT_TESTABLE,
+    VOID,
+)
+from heading_intercompare.core.validity.examined import RunAccount
 
-from .validity import DOUBTFUL, Finding, HOLDS, NOT_TESTABLE, VOID
-from .verdict_document import RunVerdict
-
-__all__ = ['find_losses', 'judge_losses', 'warn_of_alone', 'warn_of_rejected']
+__all__ = ['judge_losses', 'LOSSES', 'warn_of_alone', 'warn_of_rejected']
 
 #: A larger share of rejected readings is a warning of the run.
 _REJECTED_SHARE = 0.01
 
 
-def find_losses(run: RunVerdict, share: LedgerSegment | None, inside: LedgerSegment | None,
-                settings: Settings) -> Finding:
-    """
-    Judge the readings that a run could not use.
-
-    Parameters
-    ----------
-    run : RunVerdict
-        Uses the steps of the stamps, and which sensor was interpolated.
-    share, inside : LedgerSegment or None
-        Ledger of the readings of the run, and of those between its first and last pair. None as
-        long as unknown, as at a look: then only the gaps between the pairs are judged.
-    settings : Settings
-        Uses `detectors.lost_doubtful` and `detectors.lost_void`.
-
-    """
-    shares = list(_lost_shares(run))
-    if share is not None and inside is not None:
-        shares += _ledger_shares(run, share, inside, settings)
-    return judge_losses(shares, settings)
+def _settle(finding: Finding | None, account: RunAccount) -> Finding:
+    """Judge the readings that a run could not use; at a look, the gaps between the pairs alone."""
+    shares = [] if account.lost_share is None else [('lost', account.lost_share)]
+    if account.share is not None and account.inside is not None:
+        shares += _ledger_shares(account, account.share, account.inside)
+    return judge_losses(shares, account.settings)
 
 
 def warn_of_rejected(share: LedgerSegment) -> list[str]:
@@ -75,7 +67,7 @@ def warn_of_alone(share: LedgerSegment, inside: LedgerSegment, settings: Setting
     Parameters
     ----------
     share, inside : LedgerSegment
-        As for `find_losses`.
+        Ledger of the readings of a run, and of those between its first and last pair.
     settings : Settings
         Uses `detectors.lost_doubtful`.
 
@@ -96,18 +88,11 @@ def warn_of_alone(share: LedgerSegment, inside: LedgerSegment, settings: Setting
             'partner: perhaps a clock stepped']
 
 
-def _lost_shares(run: RunVerdict) -> Iterator[tuple[str, float]]:
-    """Yield the share of pairs missing in the gaps between pairs, if known."""
-    lost = run.correlation.stamps.lost_share
-    if lost is not None:
-        yield 'lost', lost
-
-
-def _ledger_shares(run: RunVerdict, share: LedgerSegment, inside: LedgerSegment,
-                   settings: Settings) -> Iterator[tuple[str, float]]:
+def _ledger_shares(account: RunAccount, share: LedgerSegment,
+                   inside: LedgerSegment) -> Iterator[tuple[str, float]]:
     """Yield each kind of loss in the ledger, in words, and its share of the readings sent."""
     counts = inside.counts
-    unpaired = _unpaired(run, inside, settings)
+    unpaired = _unpaired(inside, account.interpolated)
     for stream in ('ts', 'rs'):
         # After a clock was set back no later reading is paired until it has caught up. The run
         # ends there, although readings keep coming.
@@ -127,13 +112,12 @@ def _ledger_shares(run: RunVerdict, share: LedgerSegment, inside: LedgerSegment,
                    sum(missing.values()) / sent)
 
 
-def _unpaired(run: RunVerdict, inside: LedgerSegment, settings: Settings) -> dict[str, int]:
+def _unpaired(inside: LedgerSegment, interpolated: str | None) -> dict[str, int]:
     """Return the readings without partner of the sensor that should have one for each."""
     unpaired = {stream: inside.counts.get(key, 0)
                 for stream, key in (('ts', LedgerKey.TS_UNPAIRED), ('rs', LedgerKey.RS_UNUSED))
                 if inside.received(stream)}
     # Most readings of an interpolated sensor may lie between two stamps of the other.
-    interpolated = run.pairing.find_interpolated(settings.pairing.method)
     kept = {stream: n for stream, n in unpaired.items() if stream != interpolated} or unpaired
     if not kept:
         return {}
@@ -154,12 +138,23 @@ def judge_losses(shares: Sequence[tuple[str, float]], settings: Settings) -> Fin
 
     """
     if not shares:
-        return Finding('losses', NOT_TESTABLE, '', 'there are too few pairs to show losses')
+        return LOSSES.find(NOT_TESTABLE, '', 'there are too few pairs to show losses')
     what, share = max(shares, key=lambda row: row[1])
     evidence = ', '.join(f'{name} {100.0 * part:.2g} %' for name, part in shares)
     words = f'{100.0 * share:.0f} % {what}'
     if share > settings.detectors.lost_void:
-        return Finding('losses', VOID, words, evidence)
+        return LOSSES.find(VOID, words, evidence)
     if share > settings.detectors.lost_doubtful:
-        return Finding('losses', DOUBTFUL, words, evidence)
-    return Finding('losses', HOLDS, '', evidence)
+        return LOSSES.find(DOUBTFUL, words, evidence)
+    return LOSSES.find(HOLDS, '', evidence)
+
+
+LOSSES = Condition(
+    name='losses',
+    holds='few readings are lost, rejected or without partner',
+    void='void: too many readings of the run are lost, rejected or without partner',
+    void_when='of one sensor, more than half of the readings within the run are lost, rejected or '
+              'without partner (`detectors.lost_void`)',
+    void_why='the missing readings may be the bad ones',
+    doubtful_when='more than a tenth of the readings are missing (`detectors.lost_doubtful`)',
+    settle=_settle)

@@ -1,0 +1,153 @@
+# Copyright 2026 The heading_intercompare authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The analysed columns of a run, and the figures that several of its detectors share."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from heading_intercompare.core.angles import wrap360
+from heading_intercompare.core.conditions.one_source import find_one_source, OneSource
+from heading_intercompare.core.decision.criteria import Limits
+from heading_intercompare.core.records import Integers, Reals
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.statistics.autocorrelation import SeriesCorrelation
+from heading_intercompare.core.statistics.resolution import find_resolution, Resolution
+from heading_intercompare.core.timing.realignment import move_pairs
+from heading_intercompare.core.timing.skew_instrument import common_tracks, LEAST_PAIRS, Tracks
+from heading_intercompare.core.timing.stamp_steps import measure_stamp_steps, StampSteps
+from heading_intercompare.core.timing.time_skew import estimate_skew, Skew
+
+from .run_findings import Correlation, describe_correlation
+
+__all__ = ['RunColumns']
+
+#: Few enough that intermediate results stay in the cache.
+_PIECE = 1 << 14
+
+
+@dataclass(frozen=True)
+class RunColumns:
+    """
+    The analysed pairs of a run in stamp order, n >= 0. A shared figure is computed once.
+
+    Attributes
+    ----------
+    stamp_ns : ndarray of int64, shape (n,)
+        Stamps in increasing order, nanoseconds.
+    x_deg, rs_deg : ndarray, shape (n,)
+        Differences, installation offset removed, and headings of the RS; finite, degrees.
+    settings : Settings
+        Uses installation offset, alignment, pairing gap and detectors.
+    limits : Limits
+        The limits of the decision on the run.
+    residual_deg : ndarray, shape (n,), or None
+        Differences minus the polynomial that `drift_order` removed; None if none was.
+    factor : ndarray, shape (n,), or None
+        Factor by which interpolation reduces the variance of white noise; None is 1.
+    interpolates_ts : bool
+        Whether the TS is interpolated, not the RS.
+
+    """
+
+    stamp_ns: Integers
+    x_deg: Reals
+    rs_deg: Reals
+    settings: Settings
+    limits: Limits
+    residual_deg: Reals | None = None
+    factor: np.ndarray | None = None
+    interpolates_ts: bool = False
+
+    @property
+    def n(self) -> int:
+        """Return the number of pairs."""
+        return self.x_deg.size
+
+    @property
+    def series_deg(self) -> Reals:
+        """Return what gives the variance: the residuals, or the differences; degrees."""
+        return self.x_deg if self.residual_deg is None else self.residual_deg
+
+    @cached_property
+    def ts_deg(self) -> Reals:
+        """Headings of the TS, which follow from the differences, degrees."""
+        ts_deg = np.empty_like(self.x_deg)
+        offset_deg = self.settings.installation_offset_deg
+        for lo in range(0, self.n, _PIECE):
+            part = slice(lo, lo + _PIECE)
+            ts_deg[part] = wrap360(self.x_deg[part] + self.rs_deg[part] + offset_deg)
+        return ts_deg
+
+    @cached_property
+    def tracks(self) -> Tracks | None:
+        """Headings of both as continuous tracks; None for too few pairs."""
+        if self.n < LEAST_PAIRS or self.stamp_ns[-1] <= self.stamp_ns[0]:
+            return None
+        return common_tracks(self.stamp_ns, self.x_deg, self.rs_deg)
+
+    @cached_property
+    def skew(self) -> Skew:
+        """Estimate of the time skew between the sensors."""
+        alignment = self.settings.alignment
+        if alignment.skew == 'off':
+            return Skew(0)
+        return estimate_skew(self.stamp_ns, self.x_deg, self.rs_deg,
+                             range_s=alignment.skew_range_s,
+                             max_gap_s=self.settings.pairing.max_gap_s,
+                             clock_range_s=alignment.clock_range_s, tracks=self.tracks)
+
+    @cached_property
+    def stamps(self) -> StampSteps:
+        """Steps of the stamps."""
+        return measure_stamp_steps(self.stamp_ns, self.settings.detectors.silence_steps)
+
+    @cached_property
+    def series(self) -> SeriesCorrelation:
+        """Correlation of what gives the variance."""
+        return SeriesCorrelation.of(self.series_deg)
+
+    @cached_property
+    def correlation(self) -> Correlation:
+        """Correlation times and effective numbers of the same."""
+        return describe_correlation(self.stamps, self.series)
+
+    @cached_property
+    def steps(self) -> tuple[Resolution, Resolution]:
+        """Steps in which TS and RS report."""
+        return find_resolution(self.ts_deg), find_resolution(self.rs_deg)
+
+    @cached_property
+    def source(self) -> OneSource:
+        """Signs that both headings come from one sensor."""
+        return find_one_source(self.stamp_ns, self.x_deg, self.rs_deg, factor=self.factor,
+                               interpolates_ts=self.interpolates_ts,
+                               share=self.settings.detectors.same_source_share)
+
+    @cached_property
+    def at_one_time(self) -> 'RunColumns':
+        """
+        Return the pairs with clocks that lie apart set right; otherwise these columns.
+
+        Read minutes apart, sound sensors seem to turn against each other, or to be frozen.
+        """
+        apart_s = self.skew.apart_s
+        if apart_s is None:
+            return self
+        return RunColumns(*move_pairs(self.stamp_ns, self.x_deg, self.rs_deg, apart_s),
+                          self.settings, self.limits, interpolates_ts=self.interpolates_ts)

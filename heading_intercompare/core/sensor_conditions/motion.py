@@ -1,0 +1,66 @@
+# Copyright 2026 The heading_intercompare authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The condition that no heading contradicts the motion of the ship."""
+
+from __future__ import annotations
+
+from heading_intercompare.core.motion.motion_words import describe_motion, explain_motion
+from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.validity.condition import (
+    Condition,
+    DOUBTFUL,
+    Finding,
+    HOLDS,
+    NOT_TESTABLE,
+    VOID,
+    worst_effect,
+)
+from heading_intercompare.core.validity.examined import Examined
+
+__all__ = ['MOTION']
+
+
+def _judge(e: Examined) -> Finding | None:
+    """Judge the headings by the motion of the ship: it never makes an outcome better."""
+    check = e.motion
+    if check is None:
+        return None
+    words, evidence = describe_motion(check), explain_motion(check)
+    if check.kind == 'not_testable':
+        return MOTION.find(NOT_TESTABLE, '', evidence)
+    if check.kind == 'agrees':
+        return MOTION.find(HOLDS, '', f'no heading contradicts the motion: {evidence}')
+    # A TS that alone is wrong is not acquitted of its other errors. If the comparison is void
+    # anyway, the motion still names the sensor that is wrong.
+    stands = (e.outcome is Outcome.NON_COMPLIANT and check.whose == 'ts'
+              and worst_effect(e.findings) != VOID)
+    effect = DOUBTFUL if check.kind == 'doubt' or stands else VOID
+    return MOTION.find(effect, words, evidence)
+
+
+MOTION = Condition(
+    name='motion',
+    holds='no heading contradicts the motion of the ship',
+    void='void: a heading contradicts the motion of the ship',
+    void_when='a heading contradicts the motion of the ship: it points off the course over ground '
+              'by more than leeway and current explain for half of the time underway, turns '
+              'against the course or the rate of turn, or does not turn with them; unless the TS '
+              'alone does so and is rejected',
+    void_why='the headings are grossly wrong, also if both are wrong together '
+             '([how](howto/check_against_motion.md))',
+    doubtful_when='a heading points off the course for a shorter time; or neither heading follows '
+                  'the rate of turn, which may itself be wrong; or a TS that is rejected '
+                  'contradicts the motion, too',
+    judge=_judge, is_permanent=True, weighs_others=True)

@@ -1,0 +1,123 @@
+# Copyright 2026 The heading_intercompare authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""What the conditions of a run are judged by: its pairs, then the account of its readings."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Callable, Sequence
+
+from heading_intercompare.core.decision.criteria import Limits
+from heading_intercompare.core.decision.guarded import Guarded
+from heading_intercompare.core.diagnostics.run_columns import RunColumns
+from heading_intercompare.core.diagnostics.run_diagnostics import Diagnostics
+from heading_intercompare.core.motion.motion_check import MotionCheck
+from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.pairing.ledger import LedgerSegment
+from heading_intercompare.core.pairing.stamp_jumps import SetBack
+from heading_intercompare.core.records import Reals
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.timing.realignment import realign
+
+from .condition import Finding
+
+__all__ = ['Examined', 'RunAccount']
+
+
+@dataclass(frozen=True, slots=True)
+class Examined:
+    """
+    A run at its end, as its pairs show it.
+
+    Attributes
+    ----------
+    columns : RunColumns
+        The analysed pairs, and what the detectors share.
+    diagnostics : Diagnostics
+    settings : Settings
+    outcome : Outcome
+        Outcome of the run as it is, before any finding.
+    guarded : Guarded
+        The decision, with the variance and its bounds.
+    decide : callable
+        ``decide(stamp_ns, x_deg, rs_factor=1.0)`` returns the outcome of other differences under
+        the same rule. `rs_factor` is the factor by which interpolation reduced the variance of
+        the RS noise.
+    motion : MotionCheck or None
+        The headings against the motion of the ship; None if it is unknown.
+    findings : tuple of Finding
+        Findings on the conditions judged before.
+
+    """
+
+    columns: RunColumns
+    diagnostics: Diagnostics
+    settings: Settings
+    outcome: Outcome
+    guarded: Guarded
+    decide: Callable[..., Outcome]
+    motion: MotionCheck | None = None
+    findings: tuple[Finding, ...] = ()
+
+    @property
+    def limits(self) -> Limits:
+        """Return the limits of the decision."""
+        return self.columns.limits
+
+    def decide_without_skew(self, late_s: float | Reals) -> Outcome:
+        """
+        Return the outcome with the RS read `late_s` earlier, which removes a skew.
+
+        A compliant run stays compliant: a skew only adds to the variance.
+        """
+        if self.outcome is Outcome.COMPLIANT:
+            return self.outcome
+        c = self.columns
+        return self.decide(*realign(c.stamp_ns, c.x_deg, c.rs_deg, late_s))
+
+
+@dataclass(frozen=True, slots=True)
+class RunAccount:
+    """
+    The fate of the readings of a run, and what else is known once its pairs are judged.
+
+    Attributes
+    ----------
+    outcome : Outcome
+        Outcome of the run as it is, before any finding.
+    guarded : Guarded
+    limits : Limits
+    settings : Settings
+    lost_share : float or None
+        Share of pairs missing in the gaps between pairs; None if unknown.
+    interpolated : str or None
+        The sensor that was interpolated, 'ts' or 'rs'; None for none or both.
+    share, inside : LedgerSegment or None
+        Ledger of the readings of the run, and of those between its first and last pair. None as
+        long as unknown, as at a look.
+    set_backs : sequence of SetBack
+        Clocks that were set back within the run.
+
+    """
+
+    outcome: Outcome
+    guarded: Guarded
+    limits: Limits
+    settings: Settings
+    lost_share: float | None
+    interpolated: str | None
+    share: LedgerSegment | None = None
+    inside: LedgerSegment | None = None
+    set_backs: Sequence[SetBack] = ()

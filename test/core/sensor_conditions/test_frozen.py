@@ -1,0 +1,75 @@
+# Copyright 2026 The heading_intercompare authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""A headline names the cause before its consequences: a clock far off, a frozen sensor."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from heading_intercompare import analyze, Headings, Settings
+from heading_intercompare.core.records import Motion
+
+N = 18_000
+STAMPS = 10 ** 18 + np.arange(1, N + 1) * 10 ** 8
+T_S = np.arange(1, N + 1) / 10.0
+SETTINGS = Settings.from_mapping({'norms': {'sigma_max_deg': 0.2, 'sigma_ref_max_deg': 0.1}})
+
+
+@pytest.fixture
+def ship():
+    """Return the heading of a ship that yaws and alters course every four minutes, degrees."""
+    courses = np.array([90.0, 40.0, 100.0, 160.0, 95.0, 20.0, 80.0, 150.0])
+    steps = np.repeat(courses, 2)
+    times = np.sort(np.concatenate((np.arange(8) * 240.0, np.arange(8) * 240.0 + 180.0)))
+    return np.interp(T_S, times, steps) + np.sin(2.0 * np.pi * T_S / 8.3)
+
+
+@pytest.fixture
+def motion(ship):
+    """Return the course over ground and the rate of turn, once a second."""
+    rows = slice(None, None, 10)
+    rate_deg_s = np.gradient(ship, T_S)[rows]
+    return (Motion.of_courses(STAMPS[rows], ship[rows] + 2.0, np.full(N // 10, 10.0))
+            + Motion.of_rates(STAMPS[rows], rate_deg_s))
+
+
+def headings(deg, late_s=0.0):
+    """Return readings in hundredths of a degree, of a clock that lags by `late_s`."""
+    return Headings.as_sent(STAMPS - round(late_s * 1e9), np.round(deg, 2) % 360.0)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('with_motion', [False, True])
+@pytest.mark.parametrize('late_s', [90.0, 300.0])
+def test_a_clock_far_off_is_named_before_what_it_makes_of_the_headings(
+        ship, motion, rng, late_s, with_motion):
+    ts, rs = (ship + 0.05 * rng.standard_normal(N) for _ in range(2))
+    verdict = analyze(headings(ts), headings(rs, late_s), SETTINGS,
+                      motion=motion if with_motion else None)
+    assert verdict.runs[0].reason == 'void.clocks'
+    assert f'the clock of the RS lags by about {late_s:.1f} s' in verdict.headline
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('sensor', ['TS', 'RS'])
+@pytest.mark.parametrize('span_s', [30, 300, 800])
+def test_a_frozen_sensor_is_named_before_its_quarrel_with_the_motion(
+        ship, motion, rng, sensor, span_s):
+    streams = {name: ship + 0.05 * rng.standard_normal(N) for name in ('TS', 'RS')}
+    streams[sensor][4500:4500 + 10 * span_s] = streams[sensor][4500]
+    verdict = analyze(headings(streams['TS']), headings(streams['RS']), SETTINGS, motion=motion)
+    assert verdict.runs[0].reason == 'void.frozen'
+    assert f'the {sensor} froze' in verdict.headline
