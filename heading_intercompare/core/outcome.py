@@ -32,6 +32,11 @@ class Outcome(str, Enum):
     def __str__(self) -> str:
         return self.value
 
+    @property
+    def words(self) -> str:
+        """The outcome as it stands in a sentence."""
+        return self.value.replace('_', '-')
+
 
 def worst(outcomes: Iterable[Outcome]) -> Outcome:
     """

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = ['utc']
+__all__ = ['utc', 'utc_span']
 
 #: Milliseconds at the beginning of the years 1 and 10000.
 _FIRST_MS, _END_MS = -62_135_596_800_000, 253_402_300_800_000
@@ -40,3 +40,20 @@ def utc(stamp_ns: int | None) -> str:
     if not _FIRST_MS <= at_ms < _END_MS:
         return f'{stamp_ns} ns'
     return str(np.datetime64(at_ms, 'ms')).replace('T', ' ')
+
+
+def utc_span(start_ns: int, end_ns: int) -> str:
+    """
+    Return a span of time as UTC text, to the second.
+
+    Examples
+    --------
+    >>> utc_span(1_700_000_000_123_999_999, 1_700_001_200_000_000_000)
+    'from 2023-11-14 22:13:20 to 22:33:20 UTC'
+    >>> utc_span(1_700_000_000_000_000_000, 1_700_020_000_000_000_000)
+    'from 2023-11-14 22:13:20 to 2023-11-15 03:46:40 UTC'
+
+    """
+    start, end = (utc(stamp_ns).partition('.')[0] for stamp_ns in (start_ns, end_ns))
+    (day, _, _), (last_day, _, time) = start.partition(' '), end.partition(' ')
+    return f'from {start} to {time if day == last_day and time else end} UTC'

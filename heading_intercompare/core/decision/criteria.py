@@ -115,6 +115,13 @@ class Limits:
         return replace(self, m_low=self.m_low * math.sqrt(factor),
                        tightened_limit_deg2=self.tightened_limit_deg2 - lost)
 
+    def with_model(self, model: str) -> 'Limits':
+        """Return the limits with the count limits of another model of the distributions."""
+        ratio = self.sigma_ref_max_deg / self.sigma_max_deg
+        reduced = self.m_low * ratio / math.sqrt(self.ts_variance_factor)
+        return replace(self, k=coverage_factor(model, ratio, self.probability),
+                       k_tightened=coverage_factor(model, reduced, self.probability))
+
     @property
     def count_limit_deg(self) -> float:
         """Return the limit of GK (*), degrees."""

@@ -31,6 +31,10 @@ QUIET = 0.1
 """An octave is used if the standard error is below this share of its variance of x."""
 
 _LEAST_PAIRS = 16
+#: Differences on either side by which the motion is predicted: a yaw has that much memory.
+_NEIGHBOURS = 2
+#: Smaller powers, relative to the largest, are rounding errors of the normal equations.
+_LEAST_POWER = 1e-12
 _RISK_FACTOR = 1.6448536269514722
 _PIECE = 1 << 13
 
@@ -51,6 +55,10 @@ class ReferenceNoise:
     sigma_ref_lower_deg : float or None
         Lower 95 % confidence bound of the RS standard deviation; noise in other octaves adds to
         it. None without any octave, 0 if the bound is below zero.
+    following_deg2 : tuple of float
+        For each octave used, the part of the RS variance that follows the motion of the ship:
+        an error of either sensor in proportion to it, such as that of a TS that averages. It is
+        not noise, and is subtracted from the bound; square degrees.
 
     """
 
@@ -59,6 +67,20 @@ class ReferenceNoise:
     rs_variance_deg2: tuple[float, ...] = ()
     u_deg2: tuple[float, ...] = ()
     sigma_ref_lower_deg: float | None = None
+    following_deg2: tuple[float, ...] = ()
+
+    @property
+    def white_upper_deg2(self) -> float | None:
+        """
+        Upper 95 % bound of the variance of the RS noise if it is white beyond the octaves used.
+
+        Each further octave of white noise holds half of the one before: together they hold as
+        much as the last. Square degrees; None without any octave.
+        """
+        if not self.octaves:
+            return None
+        total = sum(self.rs_variance_deg2) + self.rs_variance_deg2[-1]
+        return total + _RISK_FACTOR * math.hypot(*self.u_deg2[:-1], 2.0 * self.u_deg2[-1])
 
     def m_lower(self, sigma_ref_max_deg: float) -> float | None:
         """Return the lower bound of M = sigma_ref / sigma_ref_max; None if unknown."""
@@ -100,6 +122,10 @@ def estimate_reference_noise(ts_deg: ArrayLike, rs_deg: ArrayLike, *,
     autocovariance, half of what it adds to x. Interpolating the RS lowers the bound, which is the
     safe side.
 
+    An error in proportion to the motion would look like noise of the RS. Let p be d as two
+    neighbours on either side predict it, which hold no RS noise of the same time. The slope
+    mean((d_ref - d) p) / mean(d p) times the power mean(d d_ref)/4 of the motion is subtracted.
+
     References
     ----------
     Two-sensor covariance: Holcomb 1989 (BSSA 79) for seismometers; E.11 of
@@ -112,18 +138,39 @@ def estimate_reference_noise(ts_deg: ArrayLike, rs_deg: ArrayLike, *,
     while rs.size // 2 >= _LEAST_PAIRS:
         if averages is not None and size == averages[0]:
             _, ts, rs = averages
+        d, d_ref = ts[1::2] - ts[:-1:2], rs[1::2] - rs[:-1:2]
         whole, own, (ts, rs) = _split_octave(ts, rs)
         variance = own.mean_deg
         u = math.sqrt((own.variance_deg2 or 0.0) / own.n)
         if u < QUIET * whole:
-            rows.append((size, whole - variance, variance, u))
+            rows.append((size, whole - variance, variance, u, *_find_following(d, d_ref)))
         size *= 2
     if not rows:
         return ReferenceNoise()
-    octaves, ts_variances, rs_variances, us = zip(*rows)
-    lower = (sum(rs_variances) - _RISK_FACTOR * math.sqrt(sum(v * v for v in us))
+    octaves, ts_variances, rs_variances, us, following, u_following = zip(*rows)
+    lower = (sum(rs_variances) - sum(following) - _RISK_FACTOR * math.hypot(*us, *u_following)
              - 0.5 * skew_variance_deg2)
-    return ReferenceNoise(octaves, ts_variances, rs_variances, us, math.sqrt(max(0.0, lower)))
+    return ReferenceNoise(octaves, ts_variances, rs_variances, us, math.sqrt(max(0.0, lower)),
+                          following)
+
+
+def _find_following(d: Reals, d_ref: Reals) -> tuple[float, float]:
+    """Return the part of the RS variance that follows the motion, and its standard error."""
+    reach = _NEIGHBOURS
+    inner = slice(reach, -reach)
+    # The stretches of a long run are joined, which makes one wrong neighbour for each.
+    neighbours = np.stack([np.roll(d, lag)[inner] for lag in range(-reach, reach + 1) if lag], 1)
+    gram = neighbours.T @ neighbours
+    weights = np.linalg.lstsq(gram, neighbours.T @ d[inner], rcond=_LEAST_POWER)[0]
+    predicted = neighbours @ weights
+    power = float(predicted @ predicted)
+    motion_deg2 = max(0.0, 0.25 * float(np.mean(d * d_ref)))
+    if not power > 0.0 or not motion_deg2:
+        return 0.0, 0.0
+    apart = (d_ref - d)[inner]
+    slope = float(apart @ predicted) / power
+    u_slope = math.sqrt(float(apart @ apart) / apart.size / power)
+    return max(0.0, slope) * motion_deg2, u_slope * motion_deg2
 
 
 def _split_octave(ts: np.ndarray, rs: np.ndarray,

@@ -18,11 +18,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import cached_property
+import math
 
 import numpy as np
 
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.conditions.one_source import find_one_source, OneSource
+from heading_intercompare.core.conditions.partings import find_partings, Parting
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.records import Integers, Reals
 from heading_intercompare.core.settings import Settings
@@ -138,6 +140,12 @@ class RunColumns:
         return find_one_source(self.stamp_ns, self.x_deg, self.rs_deg, factor=self.factor,
                                interpolates_ts=self.interpolates_ts,
                                share=self.settings.detectors.same_source_share)
+
+    @cached_property
+    def partings(self) -> list[Parting]:
+        """Stretches in which the sensors point far apart."""
+        return find_partings(self.stamp_ns, self.x_deg,
+                             math.sqrt(self.limits.rejection_limit_deg2))
 
     @cached_property
     def at_one_time(self) -> 'RunColumns':

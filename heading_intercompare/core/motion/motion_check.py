@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 import math
-from typing import Mapping, Sequence
+from typing import Mapping, NamedTuple, Sequence
 
 import numpy as np
 
@@ -30,7 +30,7 @@ from heading_intercompare.core.settings import MotionRule
 from .course_legs import CourseLegs, find_legs, largest_arc_deg, MOST_LEGS
 from .turn_rate import compare_turns, TurnRate
 
-__all__ = ['check_motion', 'is_scaled_alike', 'MotionCheck', 'SensorMotion']
+__all__ = ['check_motion', 'is_scaled_alike', 'MotionCheck', 'SensorMotion', 'WrongLeg']
 
 LEAST_AGAINST_S = 90.0
 """A heading contradicts the course only if it does so for at least this time, seconds."""
@@ -48,6 +48,14 @@ _SCALED_ALIKE = 0.2
 _SURE, _DOUBT, _NONE = 2, 1, 0
 _PATTERNS = ('frozen', 'mirrored')
 _FAULTY = ('against', 'scaled', 'astray')
+
+
+class WrongLeg(NamedTuple):
+    """A straight leg on which a heading points off the course: its ends, and by how much."""
+
+    start_ns: int
+    end_ns: int
+    off_deg: float
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,6 +128,15 @@ class MotionCheck:
     ts: SensorMotion
     rs: SensorMotion
     legs: CourseLegs
+
+    def find_wrong_legs(self, sensor: str) -> list[WrongLeg]:
+        """Return the legs in which ``'ts'`` or ``'rs'`` alone points off the course."""
+        legs = self.legs
+        wrong, sound = (legs.ts_deg, legs.rs_deg) if sensor == 'ts' else (legs.rs_deg, legs.ts_deg)
+        return [WrongLeg(start_ns, start_ns + round(duration_s * 1e9), off_deg)
+                for start_ns, duration_s, bound_deg, off_deg, other_deg in zip(
+                    legs.start_ns, legs.duration_s, legs.bound_deg, wrong, sound)
+                if abs(off_deg) > bound_deg >= abs(other_deg)]
 
 
 def check_motion(motion: Motion, stamp_ns: Integers, ts_deg: Reals, rs_deg: Reals,

@@ -52,7 +52,7 @@ def describe_motion(found: MotionCheck) -> str:
     words = ' and '.join(f'the {name.upper()} {each}' for name, each in zip(blamed, said))
     other = {'ts': 'rs', 'rs': 'ts'}.get(found.whose)
     if other is not None and sensors[other].kind == 'agrees' and sensors[found.whose].against_s:
-        words += f', the {other.upper()} does not'
+        words += f', which the {other.upper()} follows'
     return words
 
 

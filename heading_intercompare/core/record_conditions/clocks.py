@@ -53,7 +53,7 @@ def _judge(e: Examined) -> Finding:
         steady = e.decide_without_skew(clock.late_s(t))
         if steady is not e.outcome:
             return CLOCKS.find(VOID, words,
-                           f'{evidence}; with this removed the outcome is {steady}')
+                           f'{evidence}; with this removed the outcome is {steady.words}')
         if apart_s is not None and e.outcome is not Outcome.NON_COMPLIANT:
             return CLOCKS.find(VOID, words, f'{evidence}; {_UNSEEN}')
         return CLOCKS.find(HOLDS, '', f'{evidence}; the outcome is the same without this')
@@ -132,8 +132,8 @@ def _weigh_skew(e: Examined, skew_s: float, words: str, evidence: str,
     aligned = e.decide_without_skew(skew_s)
     if aligned is e.outcome:
         return CLOCKS.find(HOLDS, '', f'{evidence}; the outcome is the same without it')
-    return CLOCKS.find(effect, f'{words} {aligned}',
-                   f'{evidence}; with it removed the outcome is {aligned}')
+    return CLOCKS.find(effect, f'{words} {aligned.words}',
+                   f'{evidence}; with it removed the outcome is {aligned.words}')
 
 
 CLOCKS = Condition(

@@ -52,7 +52,7 @@ def _judge(e: Examined) -> Finding:
     if without is e.outcome:
         return OUTLIERS.find(HOLDS, '', f'{evidence}; the outcome is the same without them')
     return OUTLIERS.find(DOUBTFUL, f'{count} decide{"s" if outliers.count == 1 else ""}',
-                         f'{evidence}; without them the outcome is {without}')
+                         f'{evidence}; without them the outcome is {without.words}')
 
 
 OUTLIERS = Condition(

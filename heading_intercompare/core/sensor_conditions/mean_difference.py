@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from heading_intercompare.core.conditions.conventions import estimate_mean_difference
+from heading_intercompare.core.conditions.partings import cut_spans
 from heading_intercompare.core.validity.condition import (
     Condition,
     DOUBTFUL,
@@ -38,7 +39,10 @@ uncertainties."""
 
 
 def _judge(e: Examined) -> Finding:
-    mean, settings = estimate_mean_difference(e.columns.x_deg), e.settings
+    # Sensors that part for a while have a finding of their own.
+    spans_ns = [(parting.start_ns, parting.end_ns) for parting in e.columns.partings]
+    _, x_deg = cut_spans(e.columns.stamp_ns, e.columns.x_deg, spans_ns)
+    mean, settings = estimate_mean_difference(x_deg), e.settings
     if mean.mean_deg is None:
         return MEAN_DIFFERENCE.find(NOT_TESTABLE, '', 'there is no mean difference')
     words = f'the mean difference is {mean.mean_deg:.2f} deg'

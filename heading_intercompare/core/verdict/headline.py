@@ -23,11 +23,14 @@ from heading_intercompare.core.decision.sequential import find_rejection, LookVe
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.validity.condition import DOUBTFUL, Finding, VOID
 
-__all__ = ['add_looks', 'compose_headline', 'OUTCOME_WORDS']
+__all__ = ['add_looks', 'compose_headline', 'OUTCOME_WORDS', 'REJECTION_SCOPE']
 
 OUTCOME_WORDS = {'compliant': 'COMPLIANT', 'indeterminate': 'INDETERMINATE',
                  'non_compliant': 'NON-COMPLIANT'}
 """Words for each outcome."""
+
+REJECTION_SCOPE = 'rests on the RS meeting its norm; which of the two is wrong is not shown'
+"""What a rejection does not show: the difference is that of two sensors."""
 
 
 def compose_headline(outcome: Outcome, findings: Sequence[Finding], coverage: Coverage | None,
@@ -71,6 +74,10 @@ def compose_headline(outcome: Outcome, findings: Sequence[Finding], coverage: Co
         text += f': {why}'
     if outcome is Outcome.COMPLIANT and coverage is not None:
         text += f' ({coverage.words})'
+    # The motion of the ship shows which one is wrong.
+    if outcome is Outcome.NON_COMPLIANT and not any(
+            f.condition == 'motion' and f.effect == DOUBTFUL for f in findings):
+        text += f' ({REJECTION_SCOPE})'
     return text + ''.join(taken_out)
 
 

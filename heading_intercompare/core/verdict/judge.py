@@ -48,6 +48,7 @@ from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.pairing.ledger import LedgerSegment
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
 from heading_intercompare.core.record_conditions.losses import warn_of_alone, warn_of_rejected
+from heading_intercompare.core.record_conditions.mean_over_runs import judge_mean_over_runs
 from heading_intercompare.core.records import Integers, Motion, Reals
 from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.settings import Risk, Settings
@@ -244,17 +245,21 @@ class _Decision:
             drift_left_deg2=drift_left_deg2)
         return evidence, decide(evidence, self._limits, self._risk), printed
 
-    def outcome(self, stamp_ns: Integers, x_deg: Reals,
-                rs_factor: float = 1.0) -> Outcome:
-        """Return the outcome of other differences, with the RS noise reduced by `rs_factor`."""
+    def outcome(self, stamp_ns: Integers, x_deg: Reals, rs_factor: float = 1.0,
+                variant: str | None = None, model: str | None = None) -> Outcome:
+        """Return the outcome of other differences, RS noise, variant or model; see `Examined`."""
+        limits, settings = self._limits, self._settings
         if rs_factor != 1.0:
-            other = _Decision(self._limits.with_rs_factor(rs_factor), self._settings, self._risk,
-                              self._taken_out_s)
-            return other.outcome(stamp_ns, x_deg)
-        data = replace(PreparedRun.of(stamp_ns, x_deg, np.zeros_like(x_deg), self._settings),
+            limits = limits.with_rs_factor(rs_factor)
+        if variant is not None:
+            settings = replace(settings, variant=variant)
+        if model is not None:
+            limits, settings = limits.with_model(model), replace(settings, model=model)
+        decision = _Decision(limits, settings, self._risk, self._taken_out_s)
+        data = replace(PreparedRun.of(stamp_ns, x_deg, np.zeros_like(x_deg), settings),
                        taken_out_s=self._taken_out_s)
         drift_left_deg2 = left_in_deg2(stamp_ns, x_deg) if data.residual_deg is None else 0.0
-        _, guarded, printed = self(data, Cells.of(data.series_deg, stamp_ns), drift_left_deg2)
+        _, guarded, printed = decision(data, Cells.of(data.series_deg, stamp_ns), drift_left_deg2)
         return conclude(guarded, printed)[0]
 
 
@@ -485,7 +490,20 @@ def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,
     if incomplete and outcome is Outcome.COMPLIANT:
         outcome, reason = Outcome.INDETERMINATE, 'an_input_not_judged'
     verdicts = [r.verdict for r in results]
-    return outcome, coverage, Campaign.of(verdicts, runs, settings.campaign.rule, reason, shared)
+    return outcome, coverage, Campaign.of(verdicts, runs, settings.campaign.rule, reason, shared,
+                                          _judge_campaign(results, runs, settings, incomplete))
+
+
+def _judge_campaign(results: Sequence[RunResult], runs: Homogeneity, settings: Settings,
+                    incomplete: bool) -> tuple[Finding, ...]:
+    """Return the findings on the runs together."""
+    if settings.variant != 'B' or len(results) < 2:
+        return ()
+    in_variant_c = conclude_campaign(results, runs, replace(settings, variant='C'),
+                                     incomplete)[0]
+    finding = judge_mean_over_runs(runs, max(r.limits.sigma_max_deg for r in results),
+                                   in_variant_c)
+    return () if finding is None else (finding,)
 
 
 def _repeats(runs: Sequence[RunVerdict]) -> bool:

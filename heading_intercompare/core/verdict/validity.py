@@ -24,15 +24,19 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Sequence
 
+from heading_intercompare.core.record_conditions.assumptions import ASSUMPTIONS
 from heading_intercompare.core.record_conditions.clocks import CLOCKS
 from heading_intercompare.core.record_conditions.exclusions import EXCLUSIONS
 from heading_intercompare.core.record_conditions.interpolation import INTERPOLATION
 from heading_intercompare.core.record_conditions.losses import LOSSES
+from heading_intercompare.core.record_conditions.mean_over_runs import MEAN_OVER_RUNS
 from heading_intercompare.core.record_conditions.outliers import OUTLIERS
 from heading_intercompare.core.sensor_conditions.convention import CONVENTION
 from heading_intercompare.core.sensor_conditions.frozen import FROZEN
 from heading_intercompare.core.sensor_conditions.mean_difference import MEAN_DIFFERENCE
 from heading_intercompare.core.sensor_conditions.motion import MOTION
+from heading_intercompare.core.sensor_conditions.parting import PARTING
+from heading_intercompare.core.sensor_conditions.reference import REFERENCE
 from heading_intercompare.core.sensor_conditions.same_source import SAME_SOURCE
 from heading_intercompare.core.sensor_conditions.standstill import STANDSTILL
 from heading_intercompare.core.validity.condition import Finding
@@ -40,13 +44,14 @@ from heading_intercompare.core.validity.examined import Examined, RunAccount
 
 __all__ = ['CONDITION_WORDS', 'CONDITIONS', 'examine', 'PERMANENT', 'settle', 'VOID_REASONS']
 
-CONDITIONS = (SAME_SOURCE, CLOCKS, FROZEN, MOTION, CONVENTION, MEAN_DIFFERENCE, STANDSTILL,
-              OUTLIERS, INTERPOLATION, LOSSES, EXCLUSIONS)
+CONDITIONS = (SAME_SOURCE, CLOCKS, FROZEN, MOTION, CONVENTION, MEAN_DIFFERENCE, PARTING,
+              REFERENCE, STANDSTILL, OUTLIERS, INTERPOLATION,
+              ASSUMPTIONS, LOSSES, MEAN_OVER_RUNS, EXCLUSIONS)
 """
 All conditions, causes before their consequences; the first that makes a run void is its reason.
 
 A run has a finding on `motion` only if the motion of the ship is known, and one on `exclusions`
-only if a person took something out.
+only if a person took something out. The finding on `mean_over_runs` is one on all runs.
 """
 
 CONDITION_WORDS = {condition.name: condition.holds for condition in CONDITIONS}

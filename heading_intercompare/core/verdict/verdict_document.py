@@ -46,7 +46,7 @@ from heading_intercompare.core.settings import (
 from heading_intercompare.core.statistics.ergodicity import Homogeneity
 from heading_intercompare.core.statistics.normality import Normality
 from heading_intercompare.core.statistics.stationarity import Stationarity
-from heading_intercompare.core.validity.condition import Finding, gravest
+from heading_intercompare.core.validity.condition import Finding, gravest, HOLDS, worst_effect
 from heading_intercompare.core.version import RULE_VERSION, VERSION
 
 from .conclusion import campaign_words
@@ -61,7 +61,7 @@ __all__ = ['Campaign', 'Input', 'LostReadings', 'OperatorNote', 'PairingFigures'
            'VerdictError']
 
 _SCHEMA = 'heading_intercompare/verdict/'
-SCHEMA_VERSION = '2.6'
+SCHEMA_VERSION = '2.7'
 """
 Major and minor version of the mapping.
 
@@ -214,10 +214,12 @@ class Campaign:
     homogeneity: Homogeneity
     runs_by_outcome: Mapping[str, int]
     sensor: Together | None
+    #: Findings on the runs together; None before version 2.7.
+    validity: Sequence[Finding] | None = leave_out_none()
 
     @classmethod
     def of(cls, runs: Sequence[RunVerdict], homogeneity: Homogeneity, rule: str, reason: str,
-           sensor: Together | None) -> 'Campaign':
+           sensor: Together | None, validity: Sequence[Finding]) -> 'Campaign':
         """Build the result of all runs together."""
         def apply(pick: Callable[[list[float]], float],
                  values: Iterable[float | None]) -> float | None:
@@ -240,7 +242,7 @@ class Campaign:
             low_worst_deg=apply(min, [r.total_error.low_deg for r in runs]),
             up_worst_deg=apply(max, [r.total_error.up_deg for r in runs]), homogeneity=homogeneity,
             runs_by_outcome={o.value: sum(r.outcome is o for r in runs) for o in Outcome},
-            sensor=sensor)
+            sensor=sensor, validity=tuple(validity))
 
 
 @dataclass(frozen=True, slots=True)
@@ -379,16 +381,18 @@ class Verdict:
     def of(cls, runs: Sequence[RunVerdict], outcome: Outcome, campaign: Campaign,
            coverage: Coverage | None, settings: Settings, inputs: Sequence[Input]) -> 'Verdict':
         """Build the verdict from runs and from their result together."""
-        if len(runs) == 1 and runs[0].outcome is outcome and campaign.rule == 'every_run':
+        if len(runs) == 1 and runs[0].outcome is outcome and campaign.rule == 'every_run' \
+                and worst_effect(campaign.validity or ()) == HOLDS:
             line = runs[0].headline
         else:
-            findings = [replace(f, words=f'run {r.run}: {f.words}')
-                        for r in runs for f in r.validity]
+            findings = [*(campaign.validity or ()), *(
+                replace(f, words=f'run {r.run}: {f.words}') for r in runs for f in r.validity)]
             why = campaign_words(campaign, runs, coverage)
             line = compose_headline(outcome, findings, coverage, why)
         problems = tuple(f'{given.path}: {problem}' for given in inputs
                          for problem in given.ledger_problems or ())
-        return cls(outcome, line, gravest(r.validity_effect for r in runs),
+        return cls(outcome, line, gravest(
+            [worst_effect(campaign.validity or ()), *(r.validity_effect for r in runs)]),
                    worst(r.paper_outcome for r in runs), settings, tuple(inputs), campaign,
                    tuple(runs), ledger_problems=problems)
 

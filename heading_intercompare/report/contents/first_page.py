@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from typing import Sequence
 
 from heading_intercompare.core.decision.coverage import Coverage, coverage_of, span_words
+from heading_intercompare.core.diagnostics.assumptions import VIOLATED
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.validity.condition import DOUBTFUL, VOID
 from heading_intercompare.core.verdict.conclusion import campaign_words, explain
@@ -82,7 +83,7 @@ def compose_first_page(verdict: Verdict) -> FirstPage:
     if void:
         means = 'The comparison says nothing about the tested sensor.'
     facts = [('rests on', _rest_on(verdict.runs)), ('measured', _measured(verdict.runs)),
-             ('covers', _covered(verdict)), ('validity', _validity(verdict.runs)),
+             ('covers', _covered(verdict)), ('validity', _validity(verdict)),
              ('why', _why(verdict))]
     if not void:
         facts.append(('GK as printed', f'{outcome(verdict.paper_outcome)}; that rule makes no '
@@ -130,22 +131,29 @@ def _covered(verdict: Verdict) -> str:
     return f'it holds {coverage.words}, and for the sea, place and manoeuvres of its runs'
 
 
-def _validity(runs: Sequence[RunVerdict]) -> str:
+def _validity(verdict: Verdict) -> str:
     """Return the conditions that are violated, each with the runs in which it is."""
-    found: dict[tuple[str, str], list[tuple[int, str]]] = {}
+    runs = verdict.runs
+    places: dict[tuple[str, str], list[tuple[int, str]]] = {}
     for run in runs:
-        for one in run.validity:
-            if one.effect in (VOID, DOUBTFUL):
-                found.setdefault((one.effect, one.condition), []).append((run.run, one.words))
-    if not found:
-        return 'no condition of the comparison is violated' if runs else 'not examined'
-    told = []
-    for (effect, _), where in found.items():
+        for finding in run.validity:
+            if finding.effect in (VOID, DOUBTFUL):
+                places.setdefault((finding.effect, finding.condition), []).append(
+                    (run.run, finding.words))
+    said = [f'{finding.effect.upper()}: {finding.words}'
+            for finding in verdict.campaign.validity or () if finding.effect in (VOID, DOUBTFUL)]
+    for (effect, _), where in places.items():
         first, words = where[0]
         more = f' and {len(where) - 1} more' if len(where) > 1 else ''
-        told.append(f'{effect.upper()}: {words}'
+        said.append(f'{effect.upper()}: {words}'
                     + (f' (run {first}{more})' if len(runs) > 1 else ''))
-    return '; '.join(told)
+    if said:
+        return '; '.join(said)
+    violated = sorted({a.id for run in runs for a in run.assumptions if a.state == VIOLATED})
+    if violated:
+        listed = ', '.join(f'({key})' for key in violated)
+        return f'no condition decides; the data refute {listed} of GK, which does not decide'
+    return 'no condition of the comparison is violated' if runs else 'not examined'
 
 
 def _why(verdict: Verdict) -> str:

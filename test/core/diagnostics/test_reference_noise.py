@@ -77,6 +77,24 @@ def test_a_skew_is_taken_off_the_bound(yaw, rng):
     assert estimate_reference_noise(ts, rs, skew_variance_deg2=math.inf).sigma_ref_lower_deg == 0.0
 
 
+@pytest.mark.parametrize('scale', [0.9, 0.95, 0.98])
+def test_an_error_in_proportion_to_the_motion_is_no_noise_of_the_rs(yaw, rng, scale):
+    """A TS that averages or has another scale; the RS has 0.02 deg. Without the rule 0.05."""
+    t = np.arange(36_000) / 10.0
+    heading = yaw(t)
+    ts = scale * heading + 0.05 * rng.standard_normal(t.size)
+    noise = estimate_reference_noise(ts, heading + 0.02 * rng.standard_normal(t.size))
+    assert noise.sigma_ref_lower_deg is None or noise.sigma_ref_lower_deg < 0.02
+
+
+def test_white_noise_is_extrapolated_to_the_octaves_left_out(rng):
+    """Octaves of white noise hold 1/2, 1/4, ...; the last counts twice."""
+    rs = 0.3 * rng.standard_normal(1 << 14)
+    noise = estimate_reference_noise(0.1 * rng.standard_normal(rs.size), rs)
+    assert 0.09 < noise.white_upper_deg2 < 0.1
+    assert estimate_reference_noise(np.zeros(4), np.zeros(4)).white_upper_deg2 is None
+
+
 def test_sensors_exchanged_exchange_their_shares(rng):
     ts, rs = 0.1 * rng.standard_normal(1024), 0.09 * rng.standard_normal(1024)
     a, b = estimate_reference_noise(ts, rs), estimate_reference_noise(rs, ts)

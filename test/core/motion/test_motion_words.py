@@ -42,13 +42,13 @@ def check(voyage, ts, rs, motion):
 
 @pytest.mark.parametrize('change, words', [
     (lambda h: (h + 180.0, h), r'the TS points -?17\d deg off the course over ground \(mounted '
-     r'backwards, or the ship goes astern\), the RS does not'),
+     r'backwards, or the ship goes astern\), which the RS follows'),
     (lambda h: (h, h - 90.0), r'the RS points -9\d deg off the course over ground \(turned to '
-     r'port\), the TS does not'),
+     r'port\), which the TS follows'),
     (lambda h: (h + 50.0, h + 50.0), r'TS and RS both point 4\d deg off the course over ground'),
     (lambda h: (-h, -h), 'TS and RS both turn against the course over ground'),
-    (lambda h: (h, 0.0 * h), 'the RS stays while the course over ground changes, the TS does '
-     'not'),
+    (lambda h: (h, 0.0 * h), 'the RS stays while the course over ground changes, which the TS '
+     'follows'),
     (lambda h: (h, h), '')])
 def test_headlines(voyage, change, words):
     assert re.fullmatch(words, describe_motion(check(voyage, *change(voyage.heading_deg),
