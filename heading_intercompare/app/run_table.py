@@ -22,7 +22,7 @@ import os
 from pathlib import Path
 from typing import Mapping, Sequence
 
-from heading_intercompare.core.time_rules.exclusions import Exclusion, read_exclusions
+from heading_intercompare.core.time_rules.exclusions import read_exclusions
 from heading_intercompare.core.verdict.verdict_document import Verdict
 
 __all__ = ['assign_runs', 'name_outside', 'parse_stamp', 'read_exclusion_table', 'read_run_table',
@@ -137,6 +137,8 @@ def read_exclusion_table(path: str) -> str:
 
 def name_outside(verdict: Verdict) -> list[str]:
     """Return a note on each exclusion that takes nothing out of a verdict."""
-    stretches = () if verdict.taken_out is None else verdict.taken_out.stretches
-    return [f'exclusions: {Exclusion(one.start_ns, one.end_ns, one.reason)} takes out nothing: no '
-            'analysed difference is in it' for one in stretches if not one.n]
+    used = {(stretch.start_ns, stretch.end_ns) for run in verdict.runs
+            if run.taken_out is not None for stretch in run.taken_out.stretches}
+    return [f'exclusions: {exclusion} takes out nothing: no analysed difference is in it'
+            for exclusion in read_exclusions(verdict.settings.exclusions)
+            if (exclusion.start_ns, exclusion.end_ns) not in used]

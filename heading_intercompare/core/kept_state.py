@@ -22,7 +22,7 @@ import json
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.gk import Printed
 from heading_intercompare.core.decision.guarded import Evidence
-from heading_intercompare.core.json_keys import leave_out_none
+from heading_intercompare.core.decision.taken_out import Stretch
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
 from heading_intercompare.core.runs.run_cutter import CutterState
 from heading_intercompare.core.validity.condition import Finding
@@ -49,20 +49,18 @@ class KeptRun:
     set_backs: tuple[SetBack, ...]
     cut_ns: int
     judged: tuple[Finding, ...]
-    whole: 'KeptRun | None' = leave_out_none()
+    first_pair: int
 
     @classmethod
     def of(cls, result: RunResult, cut_ns: int = 0) -> 'KeptRun':
         """Return a judged run to keep."""
-        whole = None if result.whole is None else cls.of(result.whole, cut_ns)
-        return cls(**{f.name: getattr(result, f.name) for f in fields(cls)
-                      if f.name not in ('cut_ns', 'whole')}, cut_ns=cut_ns, whole=whole)
+        return cls(**{f.name: getattr(result, f.name) for f in fields(cls) if f.name != 'cut_ns'},
+                   cut_ns=cut_ns)
 
     def result(self, settings: Settings) -> RunResult:
         """Return the judged run, given the settings it was judged by."""
-        whole = None if self.whole is None else self.whole.result(settings)
         return RunResult(**{f.name: getattr(self, f.name) for f in fields(self)
-                            if f.name not in ('cut_ns', 'whole')}, settings=settings, whole=whole)
+                            if f.name != 'cut_ns'}, settings=settings)
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,6 +82,12 @@ class KeptState:
         Number of runs too old, and too short.
     earlier_ns : int or None
         Cut of the newest run that is too old.
+    n_pairs, first_pair : int
+        Pairs so far, and those before the run in progress.
+    before : tuple of (int, int)
+        Pairs up to the end of the newest run that is too old, and that end, nanoseconds.
+    short : tuple of Stretch
+        Runs that were too short.
 
     """
 
@@ -95,6 +99,10 @@ class KeptState:
     n_earlier: int
     n_short: int
     earlier_ns: int | None
+    n_pairs: int
+    first_pair: int
+    before: tuple[int, int]
+    short: tuple[Stretch, ...]
 
     @property
     def n_judged(self) -> int:

@@ -201,7 +201,9 @@ def _pair_again(ts: Headings, rs: Headings, result: RunResult, settings: Setting
     now = comparison.results()
     if len(now) != 1:
         return None
-    return now[0] if now[0].set_backs else now[0].with_set_backs(result.set_backs)
+    # The table that selects the run leaves out its margins; the record as it is has them apart.
+    again = replace(now[0], pieces=(), outside=result.outside)
+    return again if again.set_backs else again.with_set_backs(result.set_backs)
 
 
 def _fix_method(result: RunResult, rule: Pairing) -> Pairing:

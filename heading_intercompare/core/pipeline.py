@@ -22,12 +22,7 @@ from typing import Any, Callable, Sequence
 
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.sequential import find_standing, Look, LookVerdict
-from heading_intercompare.core.decision.taken_out import (
-    AsRecorded,
-    Stretch,
-    sum_stretches,
-    TakenOut,
-)
+from heading_intercompare.core.decision.taken_out import Stretch
 from heading_intercompare.core.motion.motion_record import RunMotion
 from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.pairing.incarnations import Incarnations
@@ -35,17 +30,17 @@ from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSe
 from heading_intercompare.core.pairing.pair_sampling import PairSampler
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
+from heading_intercompare.core.record_conditions.left_out import judge_left_out
 from heading_intercompare.core.runs.growing_columns import Keep
 from heading_intercompare.core.runs.live_figures import (
     compute_figures,
     compute_run_figures,
     name_moments,
 )
+from heading_intercompare.core.runs.record_pieces import RecordPieces
 from heading_intercompare.core.runs.rolling_window import Rolling
 from heading_intercompare.core.runs.run_cutter import RunCutter
 from heading_intercompare.core.runs.run_series import RunSeries
-from heading_intercompare.core.time_rules.exclusions import Exclusion, read_exclusions
-from heading_intercompare.core.verdict.conclusion import find_taken_out
 from heading_intercompare.core.verdict.judge import (
     compare_runs,
     conclude_campaign,
@@ -53,6 +48,7 @@ from heading_intercompare.core.verdict.judge import (
     look_at,
     RunResult,
 )
+from heading_intercompare.core.verdict.recorded import find_left_out, judge_piece
 from heading_intercompare.core.verdict.verdict_document import Input, Verdict
 
 from .kept_state import KeptRun, KeptState
@@ -112,6 +108,14 @@ class Compliance:
         self._limits = Limits.of(settings.norms, settings.model)
         self._source = source
         self._cutter = RunCutter(settings.runs, table)
+        self._record = RecordPieces(settings.runs)
+        self._outside = 'not in the table of runs' if table is not None else ''
+        # Pairs before the run in progress, and the runs that were too short.
+        self._first_pair = 0
+        self._short: list[Stretch] = []
+        # Pairs up to the end of the newest run that is too old for the verdict, and that end.
+        self._before = 0, 0
+        self._is_record_whole = True
         self._run: RunSeries | None = None
         self._run_key: int | None = None
         self._looks: list[LookVerdict] = []
@@ -136,7 +140,9 @@ class Compliance:
             if self._run is None or piece.key != self._run_key:
                 self._end_run()
                 self._run = self._begin_run(piece.key, piece.cut_ns, piece.since_ns)
+                self._first_pair = self._record.n + piece.lo
             self._run.update(pairs[piece.lo:piece.hi], differences[piece.lo:piece.hi])
+        self._record.update(pairs, differences)
         self.rolling.update(differences)
         self.newest_ns = int(pairs.stamp_ns[-1])
         self._end_run_if_cut()
@@ -151,8 +157,10 @@ class Compliance:
 
     def mark(self, kind: str, stamp_ns: int) -> None:
         """Start or stop a run after the pair with this stamp; see `RunCutter.mark`."""
+        self._outside = self._outside or 'outside the marks'
         if self._cutter.mark(kind, stamp_ns):
             self._finished.clear()
+            self._short.clear()
             self._earlier.clear()
             self._n_earlier = 0
             self._earlier_ns = None
@@ -171,7 +179,8 @@ class Compliance:
             finished=tuple(KeptRun.of(*one) for one in self._finished),
             earlier=tuple(KeptRun.of(one) for one in self._earlier),
             n_earlier=self._n_earlier, n_short=self._n_short,
-            earlier_ns=self._earlier_ns)
+            earlier_ns=self._earlier_ns, n_pairs=self._record.n, first_pair=self._first_pair,
+            before=self._before, short=tuple(self._short))
 
     def go_on(self, state: KeptState, pairs: Pairs) -> None:
         """
@@ -190,6 +199,10 @@ class Compliance:
         self._finished = [(one.result(self.settings), one.cut_ns) for one in state.finished]
         self._earlier = [one.result(self.settings) for one in state.earlier]
         self._n_earlier, self._n_short = state.n_earlier, state.n_short
+        # The sums of the record are not kept: what a verdict as recorded would be is unknown.
+        self._is_record_whole, self._record.n = False, state.n_pairs
+        self._first_pair, self._before, self._short = (
+            state.first_pair, state.before, [*state.short])
         for run, _ in self._finished:
             self.motion.end_run(run.verdict.end_ns)
         cut_ns = state.cutter.cut_ns
@@ -236,11 +249,14 @@ class Compliance:
             return
         if run.end_ns - run.start_ns < round(self.settings.runs.min_duration_s * 1e9):
             self._n_short += 1
+            self._short.append(Stretch(run.start_ns, run.end_ns, 'shorter than '
+                                       'runs.min_duration_s', run.n_input))
             return
         number = len(self._finished) + 1
         result = judge_run(
             run, self.settings, number, self._source, looks=looks, motion=self.motion.rows,
             told=lambda share: self._progress(f'{share:.0%} of run {number} judged'))
+        result = replace(result, first_pair=self._first_pair)
         self._limits = result.limits
         self.motion.end_run(run.end_ns)
         self._finished.append((result, run.cut_ns))
@@ -321,6 +337,7 @@ class Compliance:
             set_backs = ledger.share_set_backs(starts)[len(before):]
             inside = [ledger.count_between(r.start_ns, r.end_ns)
                       for r in (result.verdict for result in results)]
+        results = self._account_for_left_out(results)
         n = self._leave_earlier()
         rows = [*zip(results, shares, inside, set_backs)]
         self._earlier += [r.with_pairing(share, within, (), steps)
@@ -334,6 +351,25 @@ class Compliance:
         return [r.with_pairing(share, within, notes if at == 0 else (), steps)
                 for at, (r, share, within, steps) in enumerate(rows[n:])]
 
+    def _account_for_left_out(self, results: list[RunResult]) -> list[RunResult]:
+        """Return the runs, the first with what lies in none of them; all with the record."""
+        ended = [self._before, *((r.first_pair + r.verdict.n_input, r.verdict.end_ns)
+                                 for r in results)]
+        begun = [(r.first_pair, r.verdict.start_ns) for r in results]
+        begun.append((self._record.n if self._run is None else self._first_pair,
+                      self.newest_ns or 0))
+        outside = [*self._short]
+        for (last, end_ns), (first, start_ns) in zip(ended, begun):
+            n = first - last - sum(s.n for s in self._short if end_ns <= s.start_ns < start_ns)
+            if n > 0:
+                outside.append(Stretch(end_ns or self._record.start_ns or start_ns, start_ns,
+                                       self._outside or 'in no run', n))
+        results = [replace(results[0], outside=tuple(outside)), *results[1:]]
+        if not self._is_record_whole or not any(r.left_out for r in results):
+            return results
+        pieces = tuple(judge_piece(piece, self.settings) for piece in self._record.pieces)
+        return [replace(r, pieces=pieces) for r in results]
+
     def _leave_earlier(self) -> int:
         """Forget the finished runs that are too old for the verdict; return their number."""
         horizon_ns = self.settings.runs.horizon_ns(self.newest_ns)
@@ -341,7 +377,10 @@ class Compliance:
         if horizon_ns is not None:
             n = sum(r.verdict.end_ns < horizon_ns for r, _ in self._finished)
         if n:
-            self._earlier_ns = self._finished[n - 1][1]
+            last, self._earlier_ns = self._finished[n - 1]
+            self._before = last.first_pair + last.verdict.n_input, last.verdict.end_ns
+            self._record.forget_before(last.verdict.end_ns)
+            self._short = [s for s in self._short if s.start_ns >= last.verdict.end_ns]
             self._n_earlier += n
             del self._finished[:n]
         return n
@@ -377,28 +416,16 @@ def join(results: Sequence[RunResult], settings: Settings,
     runs = compare_runs(results)
     results = [r.place_among(at, runs) for at, r in enumerate(results, 1)]
     outcome, coverage, campaign = conclude_campaign(results, runs, settings, incomplete)
+    left_out = find_left_out((piece for r in results for piece in r.pieces),
+                             (r.left_out for r in results), settings)
+    if left_out is not None:
+        campaign = replace(campaign, validity=(*(campaign.validity or ()), judge_left_out(
+            outcome, left_out, bool(settings.exclusions))))
     whole = Verdict.of([r.verdict for r in results], outcome, campaign, coverage, settings, inputs)
+    whole = replace(whole, taken_out=left_out)
     if incomplete:
         whole = replace(whole, paper_outcome=worst([whole.paper_outcome, Outcome.INDETERMINATE]))
-    exclusions = read_exclusions(settings.exclusions)
-    return _show_whole(whole, results, exclusions, incomplete) if exclusions else whole
-
-
-def _show_whole(verdict: Verdict, results: Sequence[RunResult],
-                exclusions: Sequence[Exclusion], incomplete: bool) -> Verdict:
-    """Return a verdict with the one with nothing taken out by hand beside it."""
-    whole = join([r.whole or r for r in results], replace(verdict.settings, exclusions=None),
-                 verdict.inputs, incomplete=incomplete)
-    stretches = sum_stretches(
-        [[Stretch(one.start_ns, one.end_ns, one.reason, 0) for one in exclusions],
-         *(r.taken_out.stretches for r in verdict.runs if r.taken_out is not None)])
-    n, analysed = sum(one.n for one in stretches), sum(run.n for run in whole.runs)
-    taken_out = TakenOut(n, n / analysed if analysed else 0.0, stretches, AsRecorded(
-        whole.outcome, whole.validity_effect, whole.headline, analysed, None))
-    if n and (len(verdict.runs) > 1 or verdict.headline != verdict.runs[0].headline):
-        same = find_taken_out(verdict.outcome, verdict.validity_effect, taken_out)
-        verdict = replace(verdict, headline=f'{verdict.headline}; of all runs {same.words}')
-    return replace(verdict, taken_out=taken_out)
+    return whole
 
 
 class Intercomparison:

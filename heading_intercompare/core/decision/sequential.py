@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Sequence
 
 import numpy as np
@@ -68,8 +68,6 @@ class LookVerdict:
         The most serious effect of a finding at that time.
     headline : str
         The result in one line.
-    recorded : LookVerdict or None
-        The result with nothing taken out by hand; None if nothing is taken out.
 
     """
 
@@ -80,7 +78,6 @@ class LookVerdict:
     reason: str
     validity_effect: str = 'holds'
     headline: str = ''
-    recorded: 'LookVerdict | None' = field(default=None, metadata={'left_out': True})
 
     def __str__(self) -> str:
         return (f'look {self.look} of {self.looks}, {self.span_s:.1f} s after the first '

@@ -12,13 +12,14 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The differences that a person took out, beside the outcome with nothing taken out."""
+"""The differences that are left out of runs, beside the outcome with nothing left out."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 from typing import Iterable, Sequence
 
+from heading_intercompare.core.json_keys import leave_out_none
 from heading_intercompare.core.outcome import Outcome
 
 __all__ = ['AsRecorded', 'Stretch', 'sum_stretches', 'TakenOut']
@@ -27,7 +28,7 @@ __all__ = ['AsRecorded', 'Stretch', 'sum_stretches', 'TakenOut']
 @dataclass(frozen=True, slots=True)
 class Stretch:
     """
-    An exclusion, and what it took out; keys of the JSON.
+    What is left out for one reason; keys of the JSON.
 
     Attributes
     ----------
@@ -53,8 +54,10 @@ class AsRecorded:
     Attributes
     ----------
     outcome : Outcome
-    validity_effect : {'holds', 'doubtful', 'void'}
+    validity_effect : {'holds'}
+        Nothing but the variance decides on a record as recorded.
     headline : str
+        The outcome in words.
     n : int
         Differences analysed.
     variance_deg2 : float or None
@@ -72,7 +75,7 @@ class AsRecorded:
 @dataclass(frozen=True, slots=True)
 class TakenOut:
     """
-    What a person took out of a run or of all runs; keys of the JSON.
+    What is left out of a run, or of all runs; keys of the JSON.
 
     Attributes
     ----------
@@ -82,22 +85,22 @@ class TakenOut:
         Their share of those.
     stretches : sequence of Stretch
         Each with its reason.
-    as_recorded : AsRecorded
-        The judgement with nothing taken out.
+    as_recorded : AsRecorded or None
+        The judgement with nothing left out; None for a single run, or if it is unknown.
 
     """
 
     n: int
     share: float
     stretches: Sequence[Stretch]
-    as_recorded: AsRecorded
+    as_recorded: AsRecorded | None = leave_out_none()
 
 
 def sum_stretches(parts: Iterable[Sequence[Stretch]]) -> tuple[Stretch, ...]:
     """Return the stretches of several runs, each once, with the sum of its differences."""
-    found: dict[tuple[int, int, str], int] = {}
+    sums: dict[tuple[int, int, str], int] = {}
     for part in parts:
-        for one in part:
-            key = one.start_ns, one.end_ns, one.reason
-            found[key] = found.get(key, 0) + one.n
-    return tuple(Stretch(*key, n) for key, n in sorted(found.items()))
+        for stretch in part:
+            key = stretch.start_ns, stretch.end_ns, stretch.reason
+            sums[key] = sums.get(key, 0) + stretch.n
+    return tuple(Stretch(*key, n) for key, n in sorted(sums.items()))

@@ -349,6 +349,25 @@ class Cells:
         result.__dict__.update(self.__dict__, _open=list(self._open), _held=list(self._held))
         return result
 
+    def profile(self) -> tuple[np.ndarray, np.ndarray]:
+        """Return the stamps of the complete cells, nanoseconds, and their means, degrees."""
+        step_ns = 1 if self._step_ns is None else self._step_ns
+        return (self._first_ns + (self._index << self._level) * step_ns,
+                self._shift + self._rows[_MEAN])
+
+    def after(self, stamp_ns: int) -> 'Cells':
+        """Return the series from the first complete cell on that starts at or after a stamp."""
+        stamps, _ = self.profile()
+        at = int(np.searchsorted(stamps, stamp_ns))
+        first = int(self._index[at]) if at < stamps.size else self._last_place >> self._level
+        result, places = self._copy(), first << self._level
+        result.n = int(self._rows[_N, at:].sum()) + sum(len(x) for _, x in self._open)
+        result._index, result._rows = self._index[at:] - first, self._rows[:, at:]
+        result._open = [(place - places, x) for place, x in self._open]
+        result._last_place -= places
+        result._first_ns += places * (1 if self._step_ns is None else self._step_ns)
+        return result
+
     def values(self) -> CellValues | None:
         """
         Return the figures of the record so far.

@@ -52,9 +52,9 @@ class Examined:
     guarded : Guarded
         The decision, with the variance and its bounds.
     decide : callable
-        ``decide(stamp_ns, x_deg, rs_factor=1.0, variant=None, model=None)`` returns the outcome
-        of other differences under the same rule. `rs_factor` is the factor by which interpolation
-        reduced the variance of the RS noise; variant and model are those of the settings.
+        ``decide(stamp_ns, x_deg, rs_factor=1.0, **changes)`` returns the outcome of other
+        differences under the same rule. `rs_factor` is the factor by which interpolation reduced
+        the variance of the RS noise; `changes` are settings, such as another variant or model.
     motion : MotionCheck or None
         The headings against the motion of the ship; None if it is unknown.
     findings : tuple of Finding

@@ -24,19 +24,15 @@ from heading_intercompare.core.decision.gk import Printed
 from heading_intercompare.core.decision.guarded import Guarded, REASONS
 from heading_intercompare.core.decision.needed_length import describe_need, describe_need_together
 from heading_intercompare.core.decision.sequential import find_rejection, LookVerdict
-from heading_intercompare.core.decision.taken_out import TakenOut
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.record_conditions.exclusions import EXCLUSIONS
 from heading_intercompare.core.validity.condition import (
     DOUBTFUL,
     Finding,
     gravest,
-    HOLDS,
     VOID,
     worst_effect,
 )
 
-from .headline import OUTCOME_WORDS
 from .validity import PERMANENT, VOID_REASONS
 
 if TYPE_CHECKING:
@@ -45,7 +41,7 @@ if TYPE_CHECKING:
     from .verdict_document import Campaign, RunVerdict
 
 __all__ = ['ALL_REASONS', 'campaign_words', 'conclude', 'effect_with_looks', 'explain',
-           'find_taken_out', 'with_findings', 'with_looks']
+           'with_findings', 'with_looks']
 
 ALL_REASONS = {
     **REASONS,
@@ -56,8 +52,6 @@ ALL_REASONS = {
     **VOID_REASONS,
 }
 """Reasons for the outcome of a run: code and words."""
-
-_BADNESS = {Outcome.COMPLIANT: 0, Outcome.INDETERMINATE: 1, Outcome.NON_COMPLIANT: 2}
 
 
 def conclude(guarded: Guarded, printed: Printed) -> tuple[Outcome, str]:
@@ -173,35 +167,3 @@ def campaign_words(campaign: Campaign, runs: Sequence[RunVerdict],
 def _hours_needed(run: RunVerdict) -> float:
     hours = run.guarded.hours_needed
     return math.inf if hours is None else hours
-
-
-def find_taken_out(outcome: Outcome, effect: str, taken_out: TakenOut) -> Finding:
-    """
-    Return the finding on what a person took out: doubtful if it changes the verdict.
-
-    Parameters
-    ----------
-    outcome : Outcome
-        Without the stretches taken out.
-    effect : {'holds', 'doubtful', 'void'}
-        Of the findings on the rest.
-    taken_out : TakenOut
-        Holds the outcome with nothing taken out.
-
-    """
-    whole = taken_out.as_recorded
-    share = f'{100.0 * taken_out.share:.2g} % taken out by hand'
-    reasons = ', '.join(dict.fromkeys(one.reason for one in taken_out.stretches if one.n))
-    evidence = (f'{taken_out.n} differences, {share}: {reasons}; with nothing taken out: '
-                f'{whole.headline}')
-    said = OUTCOME_WORDS[whole.outcome.value]
-    if whole.validity_effect != HOLDS:
-        said += f', {whole.validity_effect.upper()}'
-    is_graver = gravest((effect, whole.validity_effect)) != effect
-    if whole.outcome is outcome and not is_graver:
-        return EXCLUSIONS.find(HOLDS, f'{share}, {said} also with nothing taken out',
-                       evidence)
-    is_worse = is_graver if whole.outcome is outcome else _BADNESS[whole.outcome] > _BADNESS[
-        outcome]
-    words = 'and worse with nothing taken out' if is_worse else 'with nothing taken out'
-    return EXCLUSIONS.find(DOUBTFUL, f'{share}, {words}: {said}', evidence)

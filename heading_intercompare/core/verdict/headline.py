@@ -23,11 +23,14 @@ from heading_intercompare.core.decision.sequential import find_rejection, LookVe
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.validity.condition import DOUBTFUL, Finding, VOID
 
-__all__ = ['add_looks', 'compose_headline', 'OUTCOME_WORDS', 'REJECTION_SCOPE']
+__all__ = ['add_looks', 'ALWAYS_SAID', 'compose_headline', 'OUTCOME_WORDS', 'REJECTION_SCOPE']
 
 OUTCOME_WORDS = {'compliant': 'COMPLIANT', 'indeterminate': 'INDETERMINATE',
                  'non_compliant': 'NON-COMPLIANT'}
 """Words for each outcome."""
+
+ALWAYS_SAID = ('left_out', 'drift_removed')
+"""Conditions whose words stand in a headline whatever their effect."""
 
 REJECTION_SCOPE = 'rests on the RS meeting its norm; which of the two is wrong is not shown'
 """What a rejection does not show: the difference is that of two sensors."""
@@ -60,8 +63,8 @@ def compose_headline(outcome: Outcome, findings: Sequence[Finding], coverage: Co
     text = OUTCOME_WORDS[outcome.value]
     void = [f.words for f in findings if f.effect == VOID]
     doubts = [f.words for f in findings if f.effect == DOUBTFUL]
-    # What a person took out is said whatever the outcome, unless it is among the doubts.
-    taken_out = [f'; {f.words}' for f in findings if f.condition == 'exclusions'
+    # What is left out or removed is said whatever the outcome, unless it is among the doubts.
+    taken_out = [f'; {f.words}' for f in findings if f.condition in ALWAYS_SAID and f.words
                  and (void or f.effect != DOUBTFUL)]
     if outcome is Outcome.COMPLIANT and coverage is not None and not doubts:
         return f'{text} {coverage.words}' + ''.join(taken_out)

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 import math
-from typing import Callable, Iterator, Sequence
+from typing import Any, Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -33,7 +33,7 @@ from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.gk import apply_gk, Printed
 from heading_intercompare.core.decision.guarded import decide, Evidence, gather_evidence, Guarded
 from heading_intercompare.core.decision.sequential import Look, LookVerdict, risk_at_the_end
-from heading_intercompare.core.decision.taken_out import AsRecorded, Stretch, TakenOut
+from heading_intercompare.core.decision.taken_out import Stretch, TakenOut
 from heading_intercompare.core.diagnostics.prepare import (
     HIGHEST_ORDER_REMOVED,
     prepare_run,
@@ -63,6 +63,7 @@ from heading_intercompare.core.time_rules.exclusions import (
     find_excluded,
     read_exclusions,
 )
+from heading_intercompare.core.timing.stamp_steps import measure_stamp_steps
 from heading_intercompare.core.validity.condition import Finding, VOID
 from heading_intercompare.core.validity.examined import Examined, RunAccount
 
@@ -70,11 +71,11 @@ from .conclusion import (
     conclude,
     effect_with_looks,
     explain,
-    find_taken_out,
     with_findings,
     with_looks,
 )
 from .headline import add_looks, compose_headline
+from .recorded import JudgedPiece
 from .validity import examine, settle
 from .verdict_document import Campaign, PairingFigures, RunVerdict
 
@@ -103,8 +104,12 @@ class RunResult:
         Findings on its pairs, before the account of its readings is known.
     set_backs : tuple of SetBack
         Clocks that were set back within the run.
-    whole : RunResult or None
-        The same run with nothing taken out by hand; None if nothing is.
+    first_pair : int
+        Pairs of its input before its first one, in runs or not.
+    pieces : tuple of JudgedPiece
+        The record of its input as the sensors made it; empty if nothing is left out.
+    outside : tuple of Stretch
+        Pairs of its input that lie in no run, with the first run of the input.
     share, inside : LedgerSegment or None
         Ledger of its readings, and of those between its first and last pair.
 
@@ -119,7 +124,9 @@ class RunResult:
     stabilization_s: float | str
     judged: tuple[Finding, ...] = ()
     set_backs: tuple[SetBack, ...] = ()
-    whole: 'RunResult | None' = None
+    first_pair: int = 0
+    pieces: tuple[JudgedPiece, ...] = ()
+    outside: tuple[Stretch, ...] = ()
     share: LedgerSegment | None = None
     inside: LedgerSegment | None = None
 
@@ -148,43 +155,32 @@ class RunResult:
                           warnings=(*self.verdict.warnings, *warnings,
                                     *warn_of_rejected(share),
                                     *warn_of_alone(share, inside, self.settings)))
-        whole = None if self.whole is None else self.whole.with_pairing(share, inside, (),
-                                                                        set_backs)
-        return replace(self, whole=whole, verdict=verdict, share=share, inside=inside,
+        return replace(self, verdict=verdict, share=share, inside=inside,
                        set_backs=tuple(set_backs)).conclude()
 
     def with_set_backs(self, set_backs: Sequence[SetBack]) -> 'RunResult':
         """Return the result with the clocks that were set back within the run."""
-        whole = None if self.whole is None else self.whole.with_set_backs(set_backs)
-        return replace(self, set_backs=tuple(set_backs), whole=whole).conclude()
+        return replace(self, set_backs=tuple(set_backs)).conclude()
 
-    def beside(self, whole: 'RunResult', stretches: Sequence[Stretch]) -> 'RunResult':
-        """Return the result with the one of the same run with nothing taken out by hand."""
-        # A reading that was taken out is not lost.
-        lost = whole.verdict.correlation.stamps.lost_share
-        correlation = self.verdict.correlation
-        n = sum(stretch.n for stretch in stretches)
-        verdict = replace(
-            self.verdict, correlation=replace(correlation, stamps=replace(
-                correlation.stamps, lost_share=lost)),
-            taken_out=TakenOut(n, n / whole.verdict.n, tuple(stretches), _describe(whole.verdict)))
-        return replace(self, whole=whole, verdict=verdict).conclude()
+    @property
+    def left_out(self) -> tuple[Stretch, ...]:
+        """What is left out of the run, and of its input outside the runs."""
+        run = self.verdict
+        settled_ns = run.start_ns + round(
+            1e9 * run.duration_s * run.n_stabilization / max(1, run.n_input))
+        settling = Stretch(run.start_ns, settled_ns, 'settling', run.n_stabilization)
+        by_hand = run.taken_out.stretches if run.taken_out is not None else ()
+        return (*self.outside, *([settling] if settling.n else []), *by_hand)
 
     def conclude(self) -> 'RunResult':
-        """Return the result with outcome and headline after findings, looks and exclusions."""
+        """Return the result with outcome and headline after findings and looks."""
         verdict, (alone, _) = self.verdict, self.alone
         findings = settle(self.judged, RunAccount(
             alone, verdict.guarded, self.limits, self.settings,
             verdict.correlation.stamps.lost_share,
             verdict.pairing.find_interpolated(self.settings.pairing.method),
             self.share, self.inside, self.set_backs))
-        verdict = _conclude(verdict, self.alone, findings)
-        if self.whole is not None and verdict.taken_out is not None:
-            taken_out = replace(verdict.taken_out, as_recorded=_describe(self.whole.verdict))
-            decides = find_taken_out(verdict.outcome, verdict.validity_effect, taken_out)
-            verdict = _conclude(replace(verdict, taken_out=taken_out), self.alone,
-                                (*findings, decides))
-        return replace(self, verdict=verdict)
+        return replace(self, verdict=_conclude(verdict, self.alone, findings))
 
     def place_among(self, run: int, runs: Homogeneity) -> 'RunResult':
         """Return the result with its number among the runs, and with (g) judged from all runs."""
@@ -204,11 +200,6 @@ class RunResult:
         shared = replace(risk, alpha_producer=risk.alpha_producer / m)
         among, _ = conclude(decide(self.evidence, self.limits, shared), self.printed)
         return Outcome.INDETERMINATE if among is Outcome.COMPLIANT else among
-
-
-def _describe(whole: RunVerdict) -> AsRecorded:
-    return AsRecorded(whole.outcome, whole.validity_effect, whole.headline, whole.n,
-                      whole.variance_deg2)
 
 
 def _conclude(verdict: RunVerdict, alone: tuple[Outcome, str],
@@ -246,15 +237,13 @@ class _Decision:
         return evidence, decide(evidence, self._limits, self._risk), printed
 
     def outcome(self, stamp_ns: Integers, x_deg: Reals, rs_factor: float = 1.0,
-                variant: str | None = None, model: str | None = None) -> Outcome:
-        """Return the outcome of other differences, RS noise, variant or model; see `Examined`."""
-        limits, settings = self._limits, self._settings
+                **changes: Any) -> Outcome:
+        """Return the outcome of other differences, RS noise or settings; see `Examined`."""
+        limits, settings = self._limits, replace(self._settings, **changes)
         if rs_factor != 1.0:
             limits = limits.with_rs_factor(rs_factor)
-        if variant is not None:
-            settings = replace(settings, variant=variant)
-        if model is not None:
-            limits, settings = limits.with_model(model), replace(settings, model=model)
+        if 'model' in changes:
+            limits = limits.with_model(settings.model)
         decision = _Decision(limits, settings, self._risk, self._taken_out_s)
         data = replace(PreparedRun.of(stamp_ns, x_deg, np.zeros_like(x_deg), settings),
                        taken_out_s=self._taken_out_s)
@@ -287,8 +276,7 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
     motion : Motion, optional
         The motion of the ship, to check the headings against; None if there is none.
     told : callable
-        Called with the share of the work that is done, from 0 to 1. With exclusions it begins
-        again, for the run is judged twice.
+        Called with the share of the work that is done, from 0 to 1.
 
     Returns
     -------
@@ -304,8 +292,6 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
     With a plan of looks, the end of the run is the last look and takes its share of the risks,
     so that all looks together keep the stated risks. A look judges just as the end does.
 
-    With exclusions the run is judged twice: without the stretches taken out, and as recorded.
-
     References
     ----------
     GK (4)-(7); ``docs/verdict.md`` for the guarded decision.
@@ -313,29 +299,9 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
     """
     if run.start_ns is None or run.end_ns is None:
         raise ValueError('run: has no pair, must have at least one')
-    exclusions = [one for one in read_exclusions(settings.exclusions)
-                  if one.start_ns <= run.end_ns and one.end_ns > run.start_ns]
-    whole = _judge(run, settings, number, source, risk,
-                   [look.recorded or look for look in looks], (), motion, told)
-    if not exclusions:
-        return whole
-    lo = whole.verdict.n_stabilization - run.n_stabilization
-    at = find_excluded(run.stamp_ns.values[lo:], exclusions)
-    if not np.any(at >= 0):
-        return whole
-    count = np.bincount(at[at >= 0], minlength=len(exclusions)).tolist()
-    return _judge(run, settings, number, source, risk, looks, exclusions, motion, told).beside(
-        whole, [Stretch(one.start_ns, one.end_ns, one.reason, n)
-                for one, n in zip(exclusions, count) if n])
-
-
-def _judge(run: RunSeries, settings: Settings, number: int, source: str, risk: Risk | None,
-           looks: Sequence[LookVerdict], exclusions: Sequence[Exclusion],
-           motion: Motion | None = None,
-           told: Callable[[float], None] = lambda share: None) -> RunResult:
-    """Judge a run without the differences in some stretches."""
-    assert run.start_ns is not None and run.end_ns is not None
     risk = risk_at_the_end(settings) if risk is None else risk
+    exclusions = [exclusion for exclusion in read_exclusions(settings.exclusions)
+                  if exclusion.start_ns <= run.end_ns and exclusion.end_ns > run.start_ns]
     limits = run.limits(settings.norms, settings.model)
     data = prepare_run(run, limits, settings, exclusions)
     moments = data.moments
@@ -349,13 +315,21 @@ def _judge(run: RunSeries, settings: Settings, number: int, source: str, risk: R
     decision = _Decision(limits, settings, risk, data.taken_out_s)
     evidence, guarded, printed = decision(data, cells, left)
     outcome, reason = conclude(guarded, printed)
-    factor = run.factor.values[data.n_left_out:]
+    factor, taken_out = run.factor.values[data.n_left_out:], None
     if exclusions:
-        factor = factor[find_excluded(run.stamp_ns.values[data.n_left_out:], exclusions) < 0]
+        at = find_excluded(run.stamp_ns.values[data.n_left_out:], exclusions)
+        factor, taken_out = factor[at < 0], _count_taken_out(at, exclusions)
     columns = RunColumns(data.stamp_ns, data.x_deg, data.rs_deg, settings, limits,
                          data.residual_deg, factor, run.interpolates_ts)
     found = diagnose(columns, guarded, drift=drift, rest=rest,
                      told=lambda share: told(_BEFORE + 0.5 * (1.0 - _BEFORE) * share))
+    correlation = found.correlation
+    if taken_out is not None:
+        # A reading that was taken out is not lost.
+        every = measure_stamp_steps(run.stamp_ns.values[data.n_left_out:],
+                                    settings.detectors.silence_steps)
+        correlation = replace(correlation, stamps=replace(correlation.stamps,
+                                                          lost_share=every.lost_share))
     checked = None if motion is None or not settings.motion.compare else check_motion(
         motion, data.stamp_ns, data.rs_deg + data.x_deg, data.rs_deg, settings.motion)
     judged = examine(Examined(columns, found, settings, outcome, guarded, decision.outcome,
@@ -384,8 +358,8 @@ def _judge(run: RunSeries, settings: Settings, number: int, source: str, risk: R
         looks=tuple(looks),
         paper_outcome=printed.outcome, guarded=guarded, skew=found.skew, drift=found.drift,
         heading_dependence=found.heading_dependence, normality=found.normality,
-        stationarity=found.stationarity, correlation=found.correlation, allan=found.allan,
-        assumptions=found.assumptions, motion=checked,
+        stationarity=found.stationarity, correlation=correlation, allan=found.allan,
+        assumptions=found.assumptions, taken_out=taken_out, motion=checked,
         warnings=(*_warnings(data, limits, guarded, settings), *found.warnings))
     return RunResult(verdict, evidence, limits, printed, (outcome, reason), settings,
                      run.stabilization_s, judged).conclude()
@@ -415,12 +389,18 @@ def look_at(run: RunSeries, look: Look, looks: int, settings: Settings,
     or without partner count only at the end.
 
     """
-    def describe(found: RunVerdict, recorded: LookVerdict | None = None) -> LookVerdict:
-        return LookVerdict(look.index + 1, looks, run.span_s, found.outcome, found.reason,
-                           found.validity_effect, found.headline, recorded)
-    result = judge_run(run, settings, 0, '', risk=look.risk, motion=motion)
-    return describe(result.verdict,
-                    None if result.whole is None else describe(result.whole.verdict))
+    verdict = judge_run(run, settings, 0, '', risk=look.risk, motion=motion).verdict
+    return LookVerdict(look.index + 1, looks, run.span_s, verdict.outcome, verdict.reason,
+                       verdict.validity_effect, verdict.headline)
+
+
+def _count_taken_out(at: Integers, exclusions: Sequence[Exclusion]) -> TakenOut | None:
+    """Return the account of the differences taken out by hand; None if there are none."""
+    count = np.bincount(at[at >= 0], minlength=len(exclusions)).tolist()
+    n = sum(count)
+    return TakenOut(n, n / at.size, tuple(
+        Stretch(exclusion.start_ns, exclusion.end_ns, exclusion.reason, within)
+        for exclusion, within in zip(exclusions, count) if within)) if n else None
 
 
 def _apply_gk(data: PreparedRun, limits: Limits, settings: Settings) -> Printed:

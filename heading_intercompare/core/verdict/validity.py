@@ -26,8 +26,9 @@ from typing import Sequence
 
 from heading_intercompare.core.record_conditions.assumptions import ASSUMPTIONS
 from heading_intercompare.core.record_conditions.clocks import CLOCKS
-from heading_intercompare.core.record_conditions.exclusions import EXCLUSIONS
+from heading_intercompare.core.record_conditions.drift_removed import DRIFT_REMOVED
 from heading_intercompare.core.record_conditions.interpolation import INTERPOLATION
+from heading_intercompare.core.record_conditions.left_out import LEFT_OUT
 from heading_intercompare.core.record_conditions.losses import LOSSES
 from heading_intercompare.core.record_conditions.mean_over_runs import MEAN_OVER_RUNS
 from heading_intercompare.core.record_conditions.outliers import OUTLIERS
@@ -46,12 +47,12 @@ __all__ = ['CONDITION_WORDS', 'CONDITIONS', 'examine', 'PERMANENT', 'settle', 'V
 
 CONDITIONS = (SAME_SOURCE, CLOCKS, FROZEN, MOTION, CONVENTION, MEAN_DIFFERENCE, PARTING,
               REFERENCE, STANDSTILL, OUTLIERS, INTERPOLATION,
-              ASSUMPTIONS, LOSSES, MEAN_OVER_RUNS, EXCLUSIONS)
+              DRIFT_REMOVED, ASSUMPTIONS, LOSSES, MEAN_OVER_RUNS, LEFT_OUT)
 """
 All conditions, causes before their consequences; the first that makes a run void is its reason.
 
-A run has a finding on `motion` only if the motion of the ship is known, and one on `exclusions`
-only if a person took something out. The finding on `mean_over_runs` is one on all runs.
+A run has a finding on `motion` only if the motion of the ship is known, and one on `drift_removed`
+only if a drift is removed. The findings on `mean_over_runs` and `left_out` are those of all runs.
 """
 
 CONDITION_WORDS = {condition.name: condition.holds for condition in CONDITIONS}

@@ -46,7 +46,7 @@ from heading_intercompare.core.settings import (
 from heading_intercompare.core.statistics.ergodicity import Homogeneity
 from heading_intercompare.core.statistics.normality import Normality
 from heading_intercompare.core.statistics.stationarity import Stationarity
-from heading_intercompare.core.validity.condition import Finding, gravest, HOLDS, worst_effect
+from heading_intercompare.core.validity.condition import Finding, gravest, worst_effect
 from heading_intercompare.core.version import RULE_VERSION, VERSION
 
 from .conclusion import campaign_words
@@ -381,18 +381,20 @@ class Verdict:
     def of(cls, runs: Sequence[RunVerdict], outcome: Outcome, campaign: Campaign,
            coverage: Coverage | None, settings: Settings, inputs: Sequence[Input]) -> 'Verdict':
         """Build the verdict from runs and from their result together."""
-        if len(runs) == 1 and runs[0].outcome is outcome and campaign.rule == 'every_run' \
-                and worst_effect(campaign.validity or ()) == HOLDS:
+        together = campaign.validity or ()
+        if (len(runs) == 1 and runs[0].outcome is outcome and campaign.rule == 'every_run'
+                and not any(f.words for f in together)):
             line = runs[0].headline
         else:
-            findings = [*(campaign.validity or ()), *(
-                replace(f, words=f'run {r.run}: {f.words}') for r in runs for f in r.validity)]
+            findings = [*together, *(
+                replace(f, words=f'run {r.run}: {f.words}') if f.words and len(runs) > 1 else f
+                for r in runs for f in r.validity)]
             why = campaign_words(campaign, runs, coverage)
             line = compose_headline(outcome, findings, coverage, why)
         problems = tuple(f'{given.path}: {problem}' for given in inputs
                          for problem in given.ledger_problems or ())
         return cls(outcome, line, gravest(
-            [worst_effect(campaign.validity or ()), *(r.validity_effect for r in runs)]),
+            [worst_effect(together), *(r.validity_effect for r in runs)]),
                    worst(r.paper_outcome for r in runs), settings, tuple(inputs), campaign,
                    tuple(runs), ledger_problems=problems)
 
