@@ -277,7 +277,7 @@ class ComparisonWatch:
             factor=window.factor[at:], interpolates_ts=window.interpolates_ts, share=share)
         if found.kind in ('common', 'suspected'):
             return Sign(True, 'the TS follows the noise or the glitches of the RS: both look like '
-                        'one sensor', {'coherence': found.noise.coherence})
+                        'one sensor', {'coherence': found.noise.strongest.coherence})
         if found.kind == 'independent' or readings.suspected is False:
             return Sign(False)
         return Sign(None)

@@ -29,75 +29,128 @@ from heading_intercompare.core.timing.bracketing_readings import (
 )
 from heading_intercompare.core.timing.cubic_spline import CubicSpline
 
-__all__ = ['CommonNoise', 'find_common_noise']
+__all__ = ['CommonNoise', 'find_common_noise', 'FollowedNoise']
 
+# Spectra. Segments of two minutes resolve a swell, and half an hour gives 28 of them at half
+# overlap; more than 160, or a quarter of a million samples, tell nothing new.
 _SEGMENT_S = 128.0
-_MOST_SEGMENTS = 160
+_MOST_SEGMENTS, _LEAST_SEGMENTS = 160, 6
 _MOST_SAMPLES = 1 << 18
-_LEAST_SEGMENTS = 6
 _LEAST_LENGTH = 64
-_GROUPS = 24
-_QUIET = 4.0
-_KURTOSIS = 8.0
-_RESPONSE = 0.15
-_FLAT = 2.0
-_SHARE, _SHARE_STEEP = 0.6, 0.25
-_STEEP = 50.0
-_NEARLY_ALL = 0.8
-_ROUNDING = 1.0 / 12.0 + 0.09
-_COMMON, _COMMON_STEEP = 0.15, 0.75
-_CHANCE = 6.0
-_UNSURE = 3.0
-_FEWEST = 6
-_BEST = 3
-_LEAST_GROUPS = 8
+#: Readings further apart fold the motion of a ship into all frequencies, seconds.
 _LONGEST_STEP_S = 1.25
+#: Stamps further from even times than this share of a step are interpolated there.
 _UNEVEN = 1e-3
+#: A sensor is slower than the pairs from this ratio of the rates on.
 _SLOWER = 1.1
-_INTERPOLATED = 1e-6
+#: Segments with this multiple of the usual power at high frequencies are turns, those with this
+#: kurtosis of their fourth differences are glitches: both are left out.
+_QUIET, _KURTOSIS = 4.0, 8.0
+
+# The floor. The spectrum is seen in 24 groups of frequencies, of which 8 must be usable. Where
+# interpolation leaves less than 0.15 of the power, dividing by that would only raise noise.
+_GROUPS, _LEAST_GROUPS = 24, 8
+_RESPONSE = 0.15
+#: Groups within twice the lowest three are flat: chi-square of 12 degrees of freedom stays there.
+_FLAT, _BEST = 2.0, 3
+#: Noise is flat over 0.6 of the frequencies, or over a quarter above a fall by 50, which motion
+#: folded once does not show; above its lowest frequency 0.8 of the groups are flat.
+_SHARE, _SHARE_STEEP, _STEEP = 0.6, 0.25, 50.0
+_NEARLY_ALL = 0.8
+#: Noise below that of rounding, in squares of the step, and a thousandth of a degree are shared
+#: by sensors that round the same motion. A twelfth, and as much again at three standard errors.
+_ROUNDING = 1.0 / 12.0 + 0.09
 _LEAST_NOISE_DEG = 0.001
+
+# The share. Independent pairs have an excess coherence of -0.13 to 0.03 (benchmark
+# `same_source`); a floor that may hold as much motion as noise allows for 0.75.
+_COMMON, _COMMON_STEEP = 0.15, 0.75
+#: A smaller excess from here on is a doubt.
+_DOUBT = 0.06
+#: Six standard deviations of chance; the motion is seen with three standard errors.
+_CHANCE, _UNSURE = 6.0, 3.0
+#: Fewest frequencies in a group of the fine grid, an eighth of its start.
+_FEWEST = 6
+_INTERPOLATED = 1e-6
 #: Exponents of the noise spectrum, and the frequency above which no ship moves like that, Hz.
 _COLOURS = (0, 0.0), (2, 1.0)
 
 
 @dataclass(frozen=True, slots=True)
-class CommonNoise:
+class FollowedNoise:
     """
-    How much of the noise of the RS shows in the TS.
+    How much of the noise of one sensor shows in the other.
 
     Attributes
     ----------
-    kind : {'common', 'independent', 'not_testable'}
-        'common': the sensors have one source.
-    reason : str
-        Why the noise is not testable: 'too_short'; 'too_slow' if readings more than 1.25 s apart
-        fold the motion; 'no_rs_noise' if the RS shows no noise of its own, above its rounding and
-        over most of the frequencies. Empty otherwise.
-    segments : int
-        Number of time segments that the spectra average.
+    kind : {'common', 'unsure', 'independent', 'not_testable'}
+        'common': the other follows it. 'unsure': it does so significantly, but less than a copy
+        would. 'not_testable': the sensor shows no noise of its own, above its rounding and over
+        most of the frequencies.
     band_hz : pair of float or None
-        Frequencies at which the RS shows its noise rather than the motion of the ship.
-    rs_noise_deg : float or None
+        Frequencies at which the sensor shows its noise rather than the motion of the ship.
+    noise_deg : float or None
         Standard deviation of that noise, as if it were white, degrees.
     coherence : float or None
-        Share of the TS that follows the RS linearly there, minus the part that the motion
-        explains: the largest mean of three neighbouring groups of frequencies.
+        Share that follows linearly there, minus the part that the motion explains: the largest
+        mean of three neighbouring groups of frequencies.
 
     """
 
-    kind: str
-    reason: str = ''
-    segments: int = 0
+    kind: str = 'not_testable'
     band_hz: tuple[float, float] | None = None
-    rs_noise_deg: float | None = None
+    noise_deg: float | None = None
     coherence: float | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class CommonNoise:
+    """
+    How much of their noise the sensors share.
+
+    Attributes
+    ----------
+    reason : str
+        Why nothing is testable: 'too_short'; 'too_slow' if readings more than 1.25 s apart fold
+        the motion. Empty otherwise.
+    segments : int
+        Number of time segments that the spectra average.
+    of_rs, of_ts : FollowedNoise
+        The noise of the RS in the TS, and the noise of the TS in the RS.
+
+    """
+
+    reason: str = ''
+    segments: int = 0
+    of_rs: FollowedNoise = FollowedNoise()
+    of_ts: FollowedNoise = FollowedNoise()
+
+    @property
+    def kind(self) -> str:
+        """
+        Return the conclusion from both directions.
+
+        'common' or 'unsure' if one of them is. 'independent' only if both are: a repeater of a TS
+        without noise may add noise of its own. Otherwise 'not_testable'.
+        """
+        kinds = self.of_rs.kind, self.of_ts.kind
+        for kind in ('common', 'unsure'):
+            if kind in kinds:
+                return kind
+        return 'independent' if kinds == ('independent', 'independent') else 'not_testable'
+
+    @property
+    def strongest(self) -> FollowedNoise:
+        """The direction with the largest coherence."""
+        return max(self.of_rs, self.of_ts, key=lambda noise: noise.coherence or -math.inf)
+
+
 def find_common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
-                      rs_factor: ArrayLike | None = None, rs_step_deg: float | None = None,
+                      factor: ArrayLike | None = None, interpolates_ts: bool = False,
+                      rs_step_deg: float | None = None,
                       ts_step_deg: float | None = None) -> CommonNoise:
     """
-    Look for the noise of the RS in the TS.
+    Look for the noise of each sensor in the other.
 
     Parameters
     ----------
@@ -105,12 +158,14 @@ def find_common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, 
         Stamps of the pairs in increasing order, nanoseconds.
     x_deg, rs_deg : array_like, shape (n,)
         Differences and headings of the RS, finite, degrees.
-    rs_factor : array_like, shape (n,), optional
-        Factor by which interpolation reduces the variance of the RS, (1-w)^2 + w^2; default 1.
+    factor : array_like, shape (n,), optional
+        Factor by which interpolation reduces the variance of white noise; default 1.
+    interpolates_ts : bool
+        Whether the TS is interpolated, not the RS.
     rs_step_deg, ts_step_deg : float, optional
         Steps in which RS and TS report, degrees. Noise below that of rounding does not count,
         because sensors that round the same motion make the same errors. The step of an
-        interpolated RS is unknown; that of the TS replaces it.
+        interpolated sensor is unknown; that of the other replaces it.
 
     Returns
     -------
@@ -122,15 +177,16 @@ def find_common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, 
     the motion. A sensor that copies the other, even late, filtered, rounded or with noise added,
     also shares its noise.
 
-    If the spectrum of the RS is flat over 60 % of the frequencies, the squared coherence of two
+    If the spectrum of a sensor is flat over 60 % of the frequencies, the squared coherence of two
     separate sensors is at most the share of the motion, 1 - floor/spectrum. An excess above 0.15
-    and above six standard deviations of chance indicates one source. A quarter of the frequencies
-    suffices if the spectrum falls by a factor of 50 or more from the middle of the band to the
-    floor, which folded motion does not. Motion may still be half of the floor, so the excess must
-    then be above 0.75. Above 1 Hz the noise may also fall with the square of the frequency, which
-    no ship's motion does.
+    and above six standard deviations of chance indicates one source, one above 0.06 is a doubt.
+    A quarter of the frequencies suffices if the spectrum falls by a factor of 50 or more from the
+    middle of the band to the floor, which folded motion does not. Motion may still be half of the
+    floor, so the excess must then be above 0.75. Above 1 Hz the noise may also fall with the
+    square of the frequency, which no ship's motion does.
 
-    A sensor slower than the pairs is used at its own rate. Segments with turns are left out.
+    A copy with noise of its own shows little of it in the other, so both directions are tested. A
+    sensor slower than the pairs is used at its own rate. Segments with turns are left out.
 
     References
     ----------
@@ -140,26 +196,38 @@ def find_common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, 
     """
     stamps = np.asarray(stamp_ns)
     rs, x = (np.asarray(v, dtype=np.float64) for v in (rs_deg, x_deg))
-    cut = _segments(stamps, x, rs, rs_factor)
+    cut = _segments(stamps, x, rs, factor)
     if cut is None:
-        return CommonNoise('not_testable', 'too_short')
-    step_s, ts, rs, factor = cut
+        return CommonNoise('too_short')
+    step_s, ts, rs, mean_factor = cut
     if step_s > _LONGEST_STEP_S:
-        return CommonNoise('not_testable', 'too_slow')
+        return CommonNoise('too_slow')
     frequency, power, whole, cross, segments = _spectra(step_s, ts, rs)
     if segments < _LEAST_SEGMENTS:
-        return CommonNoise('not_testable', 'too_short', segments)
-    response = 1.0 - (1.0 - factor) * (1.0 - np.cos(np.pi * frequency / frequency[-1]))
-    edges = np.unique(np.linspace(1, frequency.size, _GROUPS + 1).astype(np.int64))
-    grouped = _Groups(edges)
-    step = rs_step_deg or 0.0
-    if rs_step_deg is None and factor < 1.0 - _INTERPOLATED:
-        step = ts_step_deg or 0.0
-    level = grouped(power) / np.maximum(grouped(response), _RESPONSE)
+        return CommonNoise('too_short', segments)
     with np.errstate(divide='ignore', invalid='ignore', over='ignore'):
         coherence = np.where((power > 0.0) & (whole > 0.0),
                              np.abs(cross / np.sqrt(power) / np.sqrt(whole)) ** 2, 0.0)
     coherence = (coherence - 1.0 / segments) / (1.0 - 1.0 / segments)
+    steps = {'rs': rs_step_deg, 'ts': ts_step_deg}
+    factors = {'rs': 1.0, 'ts': 1.0, 'ts' if interpolates_ts else 'rs': mean_factor}
+    noises = []
+    for sensor, other, spectrum in (('rs', 'ts', power), ('ts', 'rs', whole)):
+        step_deg = steps[sensor]
+        if step_deg is None and factors[sensor] < 1.0 - _INTERPOLATED:
+            step_deg = steps[other]
+        noises.append(_follow(frequency, spectrum, coherence, factors[sensor], step_deg or 0.0,
+                              segments))
+    return CommonNoise('', segments, *noises)
+
+
+def _follow(frequency: np.ndarray, power: np.ndarray, coherence: np.ndarray, factor: float,
+            step_deg: float, segments: int) -> FollowedNoise:
+    """Judge how much of the noise of the sensor with this spectrum shows in the other."""
+    response = 1.0 - (1.0 - factor) * (1.0 - np.cos(np.pi * frequency / frequency[-1]))
+    edges = np.unique(np.linspace(1, frequency.size, _GROUPS + 1).astype(np.int64))
+    grouped = _Groups(edges)
+    level = grouped(power) / np.maximum(grouped(response), _RESPONSE)
     middle = grouped(frequency)
     sine = np.sin(0.5 * np.pi * middle / frequency[-1])
     for exponent, lowest_hz in _COLOURS:
@@ -168,20 +236,20 @@ def find_common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, 
             continue
         # Noise of this colour is flat once multiplied by the power of the sine.
         flattened = level * sine ** exponent
-        lowest = float(np.sort(flattened[usable])[:3].mean())
+        lowest = float(np.sort(flattened[usable])[:_BEST].mean())
         flat = _select_flat(usable, flattened <= _FLAT * lowest)
         floor = float(np.median(flattened[flat])) if flat.any() else 0.0
         share = np.count_nonzero(flat) / np.count_nonzero(usable)
         steep = exponent == 0 and level[_GROUPS // 2 - 1] >= _STEEP * floor
         if share < (_SHARE_STEEP if steep else _SHARE) \
-                or floor <= max(_ROUNDING * step ** 2, _LEAST_NOISE_DEG ** 2):
+                or floor <= max(_ROUNDING * step_deg ** 2, _LEAST_NOISE_DEG ** 2):
             continue
-        noise = math.sqrt(float(level[flat].mean()))
+        noise_deg = math.sqrt(float(level[flat].mean()))
         where = np.flatnonzero(flat)
-        band = (float(frequency[edges[where[0]]]), float(frequency[edges[where[-1] + 1] - 1]))
+        band_hz = (float(frequency[edges[where[0]]]), float(frequency[edges[where[-1] + 1] - 1]))
         fine = _Groups(_make_growing_groups(frequency.size))
         spectrum = fine(power) * fine(np.sin(0.5 * np.pi * frequency / frequency[-1])) ** exponent
-        # An RS faster than the pairs has a flat response, which the pairs cannot show.
+        # A sensor faster than the pairs has a flat response, which the pairs cannot show.
         unshaped = float(np.median((grouped(power) * sine ** exponent)[flat])) / spectrum
         spectrum /= np.maximum(fine(response), _RESPONSE)
         inside = (fine(response) >= _RESPONSE) & (fine(frequency) >= lowest_hz)
@@ -189,7 +257,7 @@ def find_common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, 
         if exponent:
             # Over a narrow band, white noise plus motion also looks like that colour.
             white = fine(power) / np.maximum(fine(response), _RESPONSE)
-            unshaped = np.minimum(unshaped, float(np.sort(level[usable])[:3].mean()) / white)
+            unshaped = np.minimum(unshaped, float(np.sort(level[usable])[:_BEST].mean()) / white)
         motion = np.maximum(0.0, 1.0 - floor / spectrum)
         if share >= _SHARE:
             # The spectrum that shows the motion is itself uncertain by some standard errors.
@@ -200,11 +268,14 @@ def find_common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, 
             continue
         wide = min(_BEST, excess.size)
         best = float(np.convolve(excess, np.full(wide, 1.0 / wide), 'valid').max())
-        least = max(_COMMON if share >= _SHARE else _COMMON_STEEP,
-                    _CHANCE / segments / math.sqrt(wide * _FEWEST))
-        return CommonNoise('common' if best > least else 'independent', '', segments, band, noise,
-                           best)
-    return CommonNoise('not_testable', 'no_rs_noise', segments)
+        chance = _CHANCE / segments / math.sqrt(wide * _FEWEST)
+        kind = 'independent'
+        if best > max(_COMMON if share >= _SHARE else _COMMON_STEEP, chance):
+            kind = 'common'
+        elif share >= _SHARE and best > max(_DOUBT, chance):
+            kind = 'unsure'
+        return FollowedNoise(kind, band_hz, noise_deg, best)
+    return FollowedNoise()
 
 
 def _select_flat(usable: np.ndarray, low: np.ndarray) -> np.ndarray:

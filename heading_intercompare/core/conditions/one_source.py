@@ -41,7 +41,7 @@ class OneSource:
     readings : SameSource
         Whether the TS repeats the RS, reading by reading.
     noise : CommonNoise
-        Whether the TS follows the noise of the RS.
+        Whether one sensor follows the noise of the other.
     glitches : CommonGlitches
         Whether the TS follows the glitches of the RS.
 
@@ -56,16 +56,20 @@ class OneSource:
         """
         Return the conclusion from all signs.
 
-        'common': one source. 'independent': the RS shows noise or glitches, and the TS does not
-        follow them. 'suspected': the RS shows neither, and the TS repeats it reading by reading;
+        'common': one source. 'unsure': they share noise, but less than a copy would.
+        'independent': both show noise of their own or the RS shows glitches, and the other does
+        not follow. 'suspected': the TS repeats the RS, which shows neither, reading by reading;
         so would a copy, but also a second sensor without errors. Otherwise 'not_testable'.
         """
         kinds = self.noise.kind, self.glitches.kind
         if 'common' in kinds:
             return 'common'
+        if 'unsure' in kinds:
+            return 'unsure'
         if 'independent' in kinds:
             return 'independent'
-        return 'suspected' if self.readings.suspected else 'not_testable'
+        is_repeated = self.readings.suspected and self.noise.of_rs.kind != 'independent'
+        return 'suspected' if is_repeated else 'not_testable'
 
 
 def find_one_source(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
@@ -105,6 +109,6 @@ def find_one_source(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
     steps = find_resolution(wrap360(x[:LOOKED_AT] + rs[:LOOKED_AT])), find_resolution(rs)
     return OneSource(
         find_same_source(x, rs, *steps, share),
-        find_common_noise(stamp_ns, x, rs, rs_factor=None if interpolates_ts else factor,
+        find_common_noise(stamp_ns, x, rs, factor=factor, interpolates_ts=interpolates_ts,
                           ts_step_deg=steps[0].step_deg, rs_step_deg=steps[1].step_deg),
         find_common_glitches(stamp_ns, x, rs))

@@ -22,6 +22,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
+from heading_intercompare.core.json_keys import leave_out_none
 from heading_intercompare.core.records import Reals
 from heading_intercompare.core.statistics.moments import Moments
 
@@ -55,10 +56,10 @@ class ReferenceNoise:
     sigma_ref_lower_deg : float or None
         Lower 95 % confidence bound of the RS standard deviation; noise in other octaves adds to
         it. None without any octave, 0 if the bound is below zero.
-    following_deg2 : tuple of float
+    following_deg2 : tuple of float or None
         For each octave used, the part of the RS variance that follows the motion of the ship:
         an error of either sensor in proportion to it, such as that of a TS that averages. It is
-        not noise, and is subtracted from the bound; square degrees.
+        not noise, and is subtracted from the bound; square degrees. None before version 2.7.
 
     """
 
@@ -67,7 +68,7 @@ class ReferenceNoise:
     rs_variance_deg2: tuple[float, ...] = ()
     u_deg2: tuple[float, ...] = ()
     sigma_ref_lower_deg: float | None = None
-    following_deg2: tuple[float, ...] = ()
+    following_deg2: tuple[float, ...] | None = leave_out_none()
 
     @property
     def white_upper_deg2(self) -> float | None:

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import math
 
+from heading_intercompare.core.conditions.common_noise import CommonNoise
 from heading_intercompare.core.validity.condition import (
     Condition,
     DOUBTFUL,
@@ -33,7 +34,7 @@ __all__ = ['SAME_SOURCE']
 _NO_NOISE = {
     'too_short': 'the run is too short to compare the noise of TS and RS',
     'too_slow': 'readings more than a second apart do not show noise above the motion',
-    'no_rs_noise': 'the RS shows no noise of its own that could reveal a common source',
+    '': 'the RS shows no noise of its own that could reveal a common source',
 }
 
 
@@ -42,11 +43,9 @@ def _judge(e: Examined) -> Finding:
     noise, glitches = source.noise, source.glitches
     words = 'TS and RS look like one sensor'
     followed = f'the TS follows {glitches.followed} of {glitches.count} glitches of the RS'
-    if noise.kind == 'common' and noise.band_hz is not None:
-        return SAME_SOURCE.find(
-            VOID, words, f'from {noise.band_hz[0]:.3g} to {noise.band_hz[1]:.3g} '
-            'Hz, above the motion of the ship, the TS follows the noise of the RS: '
-            f'coherence {noise.coherence:.2f}')
+    shared = _describe(noise)
+    if noise.kind == 'common':
+        return SAME_SOURCE.find(VOID, words, shared)
     if glitches.kind == 'common' and glitches.chance is not None:
         return SAME_SOURCE.find(
             VOID, words, f'{followed}, {glitches.delay_s:.3g} s later; chance '
@@ -58,28 +57,53 @@ def _judge(e: Examined) -> Finding:
             VOID, 'TS and RS differ by less than the RS alone should',
             f'the difference scatters by at most {math.sqrt(upper_deg2):.3g} '
             f'deg, but by its norm the RS alone by at least {least:.3g} deg')
+    if noise.kind == 'unsure':
+        return SAME_SOURCE.find(DOUBTFUL, 'TS and RS share a part of their noise', f'{shared}, '
+                                'less than that of a copy, more than chance explains')
     if noise.kind == 'independent':
-        return SAME_SOURCE.find(
-            HOLDS, '', f'the noise of the RS, {noise.rs_noise_deg:.2g} deg, is '
-            f'not found in the TS: coherence {noise.coherence:.2f}')
+        return SAME_SOURCE.find(HOLDS, '', f'the noise of the RS, {noise.of_rs.noise_deg:.2g} '
+                                f'deg, is not found in the TS (coherence '
+                                f'{noise.of_rs.coherence:.2f}), nor that of the TS, '
+                                f'{noise.of_ts.noise_deg:.2g} deg, in the RS (coherence '
+                                f'{noise.of_ts.coherence:.2f})')
     if glitches.kind == 'independent':
         return SAME_SOURCE.find(HOLDS, '', followed)
     if source.kind == 'suspected':
         # Two perfect sensors without noise do that too; real ones never do.
-        effect = DOUBTFUL if noise.reason == 'no_rs_noise' else VOID
+        effect = VOID if noise.reason else DOUBTFUL
         return SAME_SOURCE.find(effect, 'one sensor twice, or two without error', 'the TS repeats '
                                 f'the RS, reading by reading, and {_NO_NOISE[noise.reason]}')
+    for name, other, single in (('RS', 'TS', noise.of_rs), ('TS', 'RS', noise.of_ts)):
+        if single.kind == 'independent':
+            return SAME_SOURCE.find(
+                NOT_TESTABLE, '', f'the noise of the {name}, {single.noise_deg:.2g} deg, is not '
+                f'found in the {other} (coherence {single.coherence:.2f}), which shows none of '
+                'its own to be found the other way')
     return SAME_SOURCE.find(NOT_TESTABLE, '', _NO_NOISE[noise.reason])
+
+
+def _describe(noise: CommonNoise) -> str:
+    """Describe the noise that both show; empty if there is none."""
+    strongest, name, other = noise.strongest, 'RS', 'TS'
+    if strongest is noise.of_ts:
+        name, other = other, name
+    if strongest.band_hz is None:
+        return ''
+    return (f'from {strongest.band_hz[0]:.3g} to {strongest.band_hz[1]:.3g} Hz, above the motion '
+            f'of the ship, the {other} follows the noise of the {name}: coherence '
+            f'{strongest.coherence:.2f}')
 
 
 SAME_SOURCE = Condition(
     name='same_source',
     holds='TS and RS are two sensors',
     void='void: TS and RS show the same noise or glitches, so both may come from one sensor',
-    void_when="TS and RS show the same noise on top of the ship's motion, the same glitches or "
-              'the same readings; or they differ by less than the RS alone should by its norm',
+    void_when="one of TS and RS shows the noise of the other on top of the ship's motion, the "
+              'same glitches or the same readings; or they differ by less than the RS alone '
+              'should by its norm',
     void_why='two outputs of one sensor agree whatever their error',
-    doubtful_when='the TS repeats the RS, reading by reading, and the RS shows neither noise nor '
-                  'glitches: this is one sensor twice, or two without error; void if the readings '
-                  'are too few or too slow to show noise',
+    doubtful_when='one sensor follows the noise of the other significantly, but less than a copy '
+                  'would; or the TS repeats the RS, reading by reading, and neither noise nor '
+                  'glitches show: this is one sensor twice, or two without error; void if the '
+                  'readings are too few or too slow to show noise',
     judge=_judge, is_permanent=True)

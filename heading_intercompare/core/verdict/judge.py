@@ -322,7 +322,7 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
     columns = RunColumns(data.stamp_ns, data.x_deg, data.rs_deg, settings, limits,
                          data.residual_deg, factor, run.interpolates_ts)
     found = diagnose(columns, guarded, drift=drift, rest=rest,
-                     told=lambda share: told(_BEFORE + 0.5 * (1.0 - _BEFORE) * share))
+                     told=lambda share: told(_BEFORE + (1.0 - _BEFORE) * share))
     correlation = found.correlation
     if taken_out is not None:
         # A reading that was taken out is not lost.
@@ -334,7 +334,7 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
         motion, data.stamp_ns, data.rs_deg + data.x_deg, data.rs_deg, settings.motion)
     judged = examine(Examined(columns, found, settings, outcome, guarded, decision.outcome,
                               checked))
-    told(1.0)
+    told(_BEFORE + 0.9 * (1.0 - _BEFORE))
     coverage = coverage_of(data.span_s, risk)
     direction, length = circular_mean(data.x_deg) if n else (None, None)
     verdict = RunVerdict(

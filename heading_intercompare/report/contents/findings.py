@@ -322,7 +322,8 @@ FINDINGS = (
          Figure('reference_noise.ts_variance_deg2', 'variance of the TS', 'deg²'),
          Figure('reference_noise.rs_variance_deg2',
                 'variance of the RS, with its standard uncertainty', 'deg²',
-                'reference_noise.u_deg2'))),
+                'reference_noise.u_deg2'),
+         Figure('reference_noise.following_deg2', 'of it in proportion to the motion', 'deg²'))),
 )
 """The sections, in their order on the page."""
 

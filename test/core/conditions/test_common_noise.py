@@ -61,9 +61,9 @@ def test_the_coherence_of_a_noisy_copy_by_hand(rs, rng):
     ts = rs[1] + 0.025 * rng.standard_normal(N)
     found = judged(ts, rs[1])
     assert (found.kind, found.reason) == ('common', '')
-    assert found.coherence == pytest.approx(0.8, abs=0.06)
-    assert found.rs_noise_deg == pytest.approx(0.05, rel=0.05)
-    assert found.band_hz[0] < 0.5 and found.band_hz[1] == pytest.approx(2.5, rel=0.01)
+    assert found.of_rs.coherence == pytest.approx(0.8, abs=0.06)
+    assert found.of_rs.noise_deg == pytest.approx(0.05, rel=0.05)
+    assert found.of_rs.band_hz[0] < 0.5 and found.of_rs.band_hz[1] == pytest.approx(2.5, rel=0.01)
 
 
 def copies(rs, rng):
@@ -87,9 +87,10 @@ def test_sensors_of_their_own_are_independent(sigma, step, rs, rng):
     """Even a TS that follows the motion without any error."""
     ts = rs[0] + sigma * rng.standard_normal(N)
     ts = np.round(ts / step) * step if step else ts
-    found = judged(ts, rs[1], rs_step_deg=0.01)
-    assert found.kind == 'independent'
-    assert abs(found.coherence) < 0.1
+    noise = judged(ts, rs[1], rs_step_deg=0.01, ts_step_deg=step or None)
+    assert noise.of_rs.kind == 'independent' and abs(noise.of_rs.coherence) < 0.1
+    # A TS without noise of its own cannot show whether the RS repeats it.
+    assert noise.of_ts.kind == ('independent' if sigma > 0.5 * step else 'not_testable')
 
 
 def test_correlated_errors_are_independent_and_their_copies_are_not(rng, ar1):
@@ -106,8 +107,9 @@ def test_without_noise_of_the_rs_it_is_not_testable(noise, rng):
     """Two that follow the motion exactly, rounded or not, and a quantised steady heading."""
     true = swell(np.arange(N) / RATE) + noise * rng.standard_normal(N)
     for one in (swell(np.arange(N) / RATE), np.round(true, 2), np.round(true, 1)):
-        found = judged(one, one, rs_step_deg=find_coarse_resolution(one))
-        assert (found.kind, found.reason) == ('not_testable', 'no_rs_noise')
+        step_deg = find_coarse_resolution(one)
+        found = judged(one, one, rs_step_deg=step_deg, ts_step_deg=step_deg)
+        assert (found.kind, found.reason) == ('not_testable', '')
     steady = np.full(N, 12.3)
     assert judged(steady, steady).kind == 'not_testable'
     assert judged(np.round(true, 1), steady).kind == 'not_testable'
@@ -128,9 +130,24 @@ def test_any_rates_may_meet(method, ts_hz, rs_hz, rng):
         pairs, _ = pair(Headings.as_sent(stamps_of(t), ts % 360.0),
                         Headings.as_sent(stamps_of(t_rs), rs % 360.0), settings)
         return find_common_noise(pairs.stamp_ns, subtract(pairs).x_deg, pairs.rs_deg,
-                                 rs_factor=pairs.rs_variance_factor).kind
+                                 factor=pairs.rs_variance_factor).kind
     assert found(own) != 'common'
     assert found(copy) == 'common'
+
+
+@pytest.mark.parametrize('share', [0.25, 1.0])
+def test_an_rs_that_repeats_the_ts_with_noise_of_its_own_is_found(share, rng, ar1):
+    """
+    Coherence s²/(1 + s²) = 0.06 and 0.5: the slow errors of the TS cancel.
+
+    The largest of some twenty means of three lies up to three standard errors above.
+    """
+    true = swell(np.arange(N) / RATE)
+    ts = true + 0.3 * ar1(N, 120.0 * RATE) + share * 0.05 * rng.standard_normal(N)
+    rs = ts + 0.05 * rng.standard_normal(N)
+    noise = judged(ts, rs)
+    assert noise.kind == 'common' if share == 1.0 else noise.kind in ('unsure', 'common')
+    assert noise.strongest.coherence == pytest.approx(share ** 2 / (1.0 + share ** 2), abs=0.1)
 
 
 def test_uneven_stamps_make_no_common_noise(rng):
@@ -145,7 +162,7 @@ def test_uneven_stamps_make_no_common_noise(rng):
                                   'gyr1-seap', 'adcp-gyr1', 'lgyr-lsep', 'lsep-lgyr'])
 def test_real_sensors_have_no_common_noise(name, real):
     pairs, x = real(name)
-    found = find_common_noise(pairs.stamp_ns, x, pairs.rs_deg, rs_factor=pairs.rs_variance_factor,
+    found = find_common_noise(pairs.stamp_ns, x, pairs.rs_deg, factor=pairs.rs_variance_factor,
                               rs_step_deg=0.1 if 'lgyr' in name.split('-')[1] else 0.01)
     assert found.kind != 'common'
 
@@ -157,7 +174,7 @@ def test_copies_of_a_real_sensor_are_found(name, logs):
     for ts in (rs, Headings.as_sent(rs.stamp_ns + 7 * 10 ** 8, rs.heading_deg)):
         pairs, _ = pair(ts, rs)
         assert find_common_noise(pairs.stamp_ns, subtract(pairs).x_deg, pairs.rs_deg,
-                                 rs_factor=pairs.rs_variance_factor,
+                                 factor=pairs.rs_variance_factor,
                                  rs_step_deg=0.01).kind == 'common'
 
 
@@ -168,8 +185,8 @@ def test_rounding_a_smooth_copy_does_not_make_it_a_slow_sensor(rng):
     phi = np.exp(-0.1 / 4.0)
     ts = np.round(lfilter([1.0 - phi], [1.0, -phi], rs - rs[0]) + rs[0], 2)
     found = judged(ts, rs, t, rs_step_deg=0.01, ts_step_deg=0.01)
-    assert found.kind == 'common' and found.coherence > 0.4
-    assert found.band_hz[1] == pytest.approx(5.0)
+    assert found.kind == 'common' and found.strongest.coherence > 0.4
+    assert found.strongest.band_hz[1] == pytest.approx(5.0)
 
 
 def test_a_reference_faster_than_the_pairs_shares_only_the_motion():
@@ -189,7 +206,7 @@ def test_a_reference_faster_than_the_pairs_shares_only_the_motion():
     pairs, _ = pair(Headings.as_sent(stamps_of(t), heading(t)),
                     Headings.as_sent(stamps_of(t_rs), rs))
     assert find_common_noise(pairs.stamp_ns, subtract(pairs).x_deg, pairs.rs_deg,
-                             rs_factor=pairs.rs_variance_factor).kind == 'independent'
+                             factor=pairs.rs_variance_factor).of_rs.kind == 'independent'
 
 
 def test_blows_that_both_sensors_see_are_not_noise(rng):
@@ -208,7 +225,8 @@ def test_turning_all_headings_and_shifting_the_time_change_nothing(rs, rng):
     late = judged(ts, rs[1], np.arange(N) / RATE + 1e6)
     for other in (there, late):
         assert (other.kind, other.segments) == (here.kind, here.segments)
-        assert other.coherence == pytest.approx(here.coherence, abs=1e-6)
+        for noise, same in ((other.of_rs, here.of_rs), (other.of_ts, here.of_ts)):
+            assert noise.coherence == pytest.approx(same.coherence, abs=1e-6)
 
 
 def test_too_few_and_too_slow_pairs_are_not_testable(rng):

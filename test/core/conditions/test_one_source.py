@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare.core.conditions.common_glitches import CommonGlitches
-from heading_intercompare.core.conditions.common_noise import CommonNoise
+from heading_intercompare.core.conditions.common_noise import CommonNoise, FollowedNoise
 from heading_intercompare.core.conditions.one_source import find_one_source, OneSource
 from heading_intercompare.core.conditions.same_readings import SameSource
 
@@ -42,12 +42,16 @@ def true():
 @pytest.mark.parametrize('rounding, noise, glitches, kind', [
     (True, 'common', 'independent', 'common'), (False, 'independent', 'common', 'common'),
     (True, 'independent', 'not_testable', 'independent'),
+    (True, 'of the RS', 'not_testable', 'not_testable'),
+    (False, 'unsure', 'independent', 'unsure'),
     (True, 'not_testable', 'independent', 'independent'),
     (True, 'not_testable', 'not_testable', 'suspected'),
     (False, 'not_testable', 'not_testable', 'not_testable'),
     (None, 'not_testable', 'not_testable', 'not_testable')])
 def test_what_the_signs_say_together(rounding, noise, glitches, kind):
-    assert OneSource(SameSource(rounding, 0.01, 0.01), CommonNoise(noise),
+    of_rs = FollowedNoise('independent' if noise == 'of the RS' else noise)
+    of_ts = FollowedNoise('not_testable' if noise == 'of the RS' else noise)
+    assert OneSource(SameSource(rounding, 0.01, 0.01), CommonNoise(of_rs=of_rs, of_ts=of_ts),
                      CommonGlitches(glitches)).kind == kind
 
 
@@ -62,7 +66,7 @@ def test_a_coarse_sensor_without_noise_is_its_own(true, rng):
     """The differences are those of rounding to 0.1 deg, but hold no noise of the RS."""
     ts, rs = np.round(true, 1), true + 0.01 * rng.standard_normal(N)
     found = signs(ts, rs)
-    assert not found.readings.suspected and found.kind == 'independent'
+    assert not found.readings.suspected and found.noise.of_rs.kind == 'independent'
 
 
 def test_glitches_alone_show_one_source(true):
@@ -76,7 +80,8 @@ def test_steps_and_interpolation_follow_from_the_pairs(true, rng):
     """Rounding to 0.1 deg at the same stamps is no noise of the RS, whatever steps are passed."""
     rs = true + 0.05 * rng.standard_normal(N)
     assert signs(rs, rs, factor=np.ones(N)).kind == 'common'
-    assert signs(rs, rs, factor=np.full(N, 0.625), interpolates_ts=True) == signs(rs, rs)
+    found = signs(rs, rs, factor=np.full(N, 0.625), interpolates_ts=True)
+    assert found.noise.of_rs == signs(rs, rs).noise.of_rs and found.kind == 'common'
 
 
 def test_too_few_pairs_tell_nothing():

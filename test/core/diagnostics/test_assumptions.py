@@ -23,7 +23,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare.core.conditions.common_glitches import CommonGlitches
-from heading_intercompare.core.conditions.common_noise import CommonNoise
+from heading_intercompare.core.conditions.common_noise import CommonNoise, FollowedNoise
 from heading_intercompare.core.conditions.one_source import OneSource
 from heading_intercompare.core.conditions.same_readings import SameSource
 from heading_intercompare.core.diagnostics import assumptions
@@ -49,7 +49,7 @@ STEADY = Stationarity(20, 30.0, 0.3, 0.7, -0.2, 0.8, 0.1, 11, 0.6)
 WARM = WarmUp(0.0, 1.0, 300.0, 0.02, 1173.6, True, 3600.0)
 LINE = Slope(0.1, 0.0, 0.02, 0.05, (-0.02, 0.22), 4.0, 0.1)
 NOT_ROUND = HeadingDependence(5000, 'headings_too_narrow', 300.0, 1e6)
-TWO = OneSource(SameSource(False, 0.1, 0.03), CommonNoise('not_testable', 'no_rs_noise'),
+TWO = OneSource(SameSource(False, 0.1, 0.03), CommonNoise(),
                 CommonGlitches('not_testable'))
 
 
@@ -178,11 +178,11 @@ def test_i_is_never_said_to_be_met():
     assert state(assumptions.judge_correlated_errors(None, 0.1, TWO)) == ('i', NOT_TESTABLE)
     assert state(assumptions.judge_correlated_errors(0.009, 0.1, TWO)) == ('i', VIOLATED)
     rounding = replace(TWO, readings=SameSource(True, 0.03, 0.03))
-    for one in (rounding, replace(TWO, noise=CommonNoise('common')),
+    for one in (rounding, replace(TWO, noise=CommonNoise(of_rs=FollowedNoise('common'))),
                 replace(TWO, glitches=CommonGlitches('common'))):
         assert state(assumptions.judge_correlated_errors(0.04, 0.1, one)) == ('i', VIOLATED)
     # A coarse TS that does not follow the noise of the RS is a sensor of its own.
-    own = replace(rounding, noise=CommonNoise('independent'))
+    own = replace(rounding, noise=CommonNoise(of_rs=FollowedNoise('independent')))
     assert state(assumptions.judge_correlated_errors(0.04, 0.1, own)) == ('i', NOT_TESTABLE)
 
 

@@ -33,7 +33,11 @@ from heading_intercompare.core.verdict.conclusion import (
     with_findings,
     with_looks,
 )
-from heading_intercompare.core.verdict.headline import add_looks, compose_headline
+from heading_intercompare.core.verdict.headline import (
+    add_looks,
+    compose_headline,
+    REJECTION_SCOPE,
+)
 
 C, I, N = Outcome.COMPLIANT, Outcome.INDETERMINATE, Outcome.NON_COMPLIANT
 
@@ -129,10 +133,10 @@ def test_every_reason_has_words():
 
 @pytest.mark.parametrize('outcome, effects, words', [
     (C, (), 'COMPLIANT for errors that change within 31 s; slower errors are not covered'),
-    (N, (), 'NON-COMPLIANT'), (I, (), 'INDETERMINATE'),
+    (N, (), f'NON-COMPLIANT ({REJECTION_SCOPE})'), (I, (), 'INDETERMINATE'),
     (C, (DOUBTFUL,), 'COMPLIANT, DOUBTFUL: it 0 (for errors that change within 31 s; slower '
      'errors are not covered)'),
-    (N, (DOUBTFUL, DOUBTFUL), 'NON-COMPLIANT, DOUBTFUL: it 0; it 1'),
+    (N, (DOUBTFUL, DOUBTFUL), f'NON-COMPLIANT, DOUBTFUL: it 0; it 1 ({REJECTION_SCOPE})'),
     (I, (HOLDS, VOID, VOID, DOUBTFUL), 'INDETERMINATE, VOID: it 1')])
 def test_the_headline_by_hand(outcome, effects, words):
     findings = [Finding('x', effect, f'it {k}', '') for k, effect in enumerate(effects)]
