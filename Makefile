@@ -81,6 +81,7 @@ release: addresses test
 			$(BIN)/python benchmarks/decision_risk.py --keep --table $$table --jobs $(WORKERS) || exit 1; done
 	@.ci/step 'interpolation' $(BIN)/python benchmarks/interpolation.py --keep --replications 5000
 	@.ci/step 'sensors of one source' $(BIN)/python benchmarks/same_source.py --keep
+	@.ci/step 'pairs of sound sensors' $(BIN)/python benchmarks/sound_pairs.py --keep --jobs $(WORKERS)
 
 # First: a release without the addresses of its owner is none.
 addresses:

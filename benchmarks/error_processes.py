@@ -31,7 +31,7 @@ import numpy as np
 from scipy.signal import lfilter
 from scipy.special import ndtr, stdtrit
 
-__all__ = ['ar1', 'as_laplace', 'as_student5', 'as_uniform', 'calm_then_rough', 'Errors',
+__all__ = ['ar1', 'as_laplace', 'as_student5', 'as_uniform', 'blue', 'calm_then_rough', 'Errors',
            'five_gaps', 'half_missing', 'jittered', 'mixed', 'narrow_band', 'one_in_four',
            'one_missing', 'polynomial', 'quantised', 'ramp', 'Sampling', 'sea_state',
            'seconds_on_and_off', 'some_lost', 'white', 'without_drift']
@@ -56,6 +56,13 @@ def ar1(tau: float) -> Errors:
         start = phi * rng.standard_normal((runs, 1))
         return lfilter([gain], [1.0, -phi], rng.standard_normal((runs, n)), axis=1, zi=start)[0]
     return errors
+
+
+def blue(rng: np.random.Generator, runs: int, n: int) -> np.ndarray:
+    """Return normal errors with autocorrelation (-1/2)^k."""
+    start = -0.5 * rng.standard_normal((runs, 1))
+    return lfilter([math.sqrt(0.75)], [1.0, 0.5], rng.standard_normal((runs, n)), axis=1,
+                   zi=start)[0]
 
 
 def narrow_band(coherence: float, period: float) -> Errors:

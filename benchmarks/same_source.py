@@ -66,6 +66,12 @@ def seaway(rng: np.random.Generator, span_s: float) -> Motion:
     return CubicSpline(step * np.arange(n) - 10.0, yaw)
 
 
+def turn(t: np.ndarray, at_s: float, angle_deg: float, rate_deg_s: float) -> np.ndarray:
+    """Return the heading of a turn; a ship takes some seconds to begin and to end it."""
+    u = np.clip((t - at_s) / max(abs(angle_deg) / rate_deg_s, 10.0), 0.0, 1.0)
+    return angle_deg * (u - np.sin(2.0 * math.pi * u) / (2.0 * math.pi))
+
+
 def motion(rng: np.random.Generator, span_s: float, kicks: bool = False) -> Motion:
     """Return a heading as a function of time, s: steady, turning, in swell or in a seaway."""
     lines = []
@@ -88,10 +94,7 @@ def motion(rng: np.random.Generator, span_s: float, kicks: bool = False) -> Moti
         for size, period, phase in lines:
             found += size * np.sin(2.0 * math.pi * t / period + phase)
         for at, angle, rate in turns:
-            # A ship takes some seconds to begin and to end a turn.
-            lasts = max(abs(angle) / rate, 10.0)
-            u = np.clip((t - at) / lasts, 0.0, 1.0)
-            found += angle * (u - np.sin(2.0 * math.pi * u) / (2.0 * math.pi))
+            found += turn(t, at, angle, rate)
         for at, angle in blows:
             # There and back in 1.2 s: up to 19 deg/s^2.
             u = np.clip((t - at) / 1.2, 0.0, 1.0)

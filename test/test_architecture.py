@@ -77,7 +77,7 @@ ALLOWED = {
 # The table of docs/ARCHITECTURE.md, "Rooms": within a folder a room, or a module beside the rooms,
 # imports only what stands before it.
 ORDER = {
-    'core': ('utc_text', 'given_stamps', 'records', 'angles', 'time_rules', 'declared_settings',
+    'core': ('utc_text', 'units', 'records', 'angles', 'time_rules', 'declared_settings',
              'rows', 'settings', 'json_keys', 'outcome', 'version', 'statistics', 'pairing',
              'timing', 'decision', 'observations', 'runs', 'conditions', 'motion', 'diagnostics',
              'validity', 'sensor_conditions', 'record_conditions', 'alarms', 'verdict',

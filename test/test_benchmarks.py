@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from collections import Counter
+from dataclasses import replace
 import importlib
 from pathlib import Path
 import sys
@@ -48,6 +49,8 @@ import plain_rule  # noqa: E402
 from risk_campaigns import CAMPAIGNS  # noqa: E402
 from risk_rows import ROWS  # noqa: E402
 import same_source  # noqa: E402
+import sound_pairs  # noqa: E402
+import sound_ships  # noqa: E402
 
 QUICK = {'A': '^AR.1., 20$', 'cells': '^AR.1., 20$', 'drift': '^AR.1., 20; (order 3|auto)',
          'gaps': '^AR.1., 20; five', 'short': 'white, n = 128$', 'rates': '^10 Hz, n = 512: sea',
@@ -168,6 +171,62 @@ def test_a_row_of_one_source_holds_what_it_is_called(row, kinds):
     assert found[0] in kinds and set(found) <= {*kinds, 'not_testable', 'suspected'}
 
 
+def test_a_sound_pair_is_decided_by_its_number_and_the_seed():
+    for number in (3, 77):
+        pair, again, other = (sound_ships.draw_pair(number, seed) for seed in (1, 1, 2))
+        assert (pair.words, pair.ts, pair.rs) == (again.words, again.ts, again.rs)
+        assert pair.ts != other.ts
+
+
+def test_sound_pairs_are_of_every_ship_and_bear_every_burden():
+    """A number of pairs as in the benchmark has each ship with each burden."""
+    n = len(sound_ships.SHIPS) * len(sound_ships.BURDENS)
+    words = {tuple(sound_ships.draw_pair(k, 1).words.split(', ')[:2]) for k in range(n)}
+    assert words == {(ship, burden) for ship in sound_ships.SHIPS
+                     for burden in sound_ships.BURDENS}
+
+
+def test_a_sound_sensor_has_the_errors_that_its_words_tell(rng):
+    """Steps of 0.2 deg alone scatter by 0.058 deg; within six standard errors."""
+    sensor = sound_ships._Sensor(10.0, 'white', 0.14, 0.2, 0.0)
+    t_s = np.arange(0.0, 2000.0, 0.1)
+    course = sound_ships.swing(rng, 2.0, 8.0)
+    heading = sensor.report(rng, t_s, course).heading_deg
+    error = (heading - course(t_s) + 180.0) % 360.0 - 180.0
+    assert abs(error.std() / 0.14 - 1.0) < 6.0 / np.sqrt(2.0 * t_s.size)
+    assert np.abs(heading / 0.2 - np.rint(heading / 0.2)).max() < 1e-6
+
+
+def test_what_is_held_against_a_pair_is_told_in_a_line_each():
+    """A TS at three times its norm is rejected, and one sensor twice is void."""
+    found = sound_pairs.judge_number(0, 1, 3.0)
+    assert found.outcomes == ('non_compliant',)
+    assert sound_pairs.describe(found)[-1].startswith('pair 0: REJECTED lower_bound_above')
+    pair = sound_ships.draw_pair(0, 1)
+    twice = replace(pair, ts=pair.rs)
+    kinds = dict(sound_pairs.find_against(sound_pairs.judge(twice)))
+    assert kinds['void'].startswith('same_source: ')
+
+
+def test_sound_pairs_are_counted_and_decide_the_exit_code(capsys):
+    assert sound_pairs.main(['--pairs', '2', '--norm-pairs', '1', '--jobs', '1']) == 0
+    said = capsys.readouterr().out
+    assert '2 sound pairs: 0 void, 0 doubtful' in said and ' at the norm: 0 certified' in said
+    judged = [sound_pairs.Judged(4, 'a pair', ('compliant',), (('doubtful', 'clocks: late'),))]
+    assert sound_pairs.print_sound(judged)['doubtful'] == 1
+    assert capsys.readouterr().out.splitlines()[0] == 'pair 4: DOUBTFUL clocks: late [a pair]'
+
+
+@pytest.mark.parametrize('burden', ['nothing', 'marks'])
+def test_the_legs_of_a_pair_are_its_runs_by_marks_and_by_a_table(burden):
+    pair = next(pair for pair in (sound_ships.draw_pair(k, 5) for k in range(
+        2, 240, 10)) if f'legs, {burden}' in pair.words)
+    found = [sound_pairs.judge(replace(pair, table=table)) for table in (False, True)]
+    assert [[(run.start_ns, run.n) for run in one.runs] for one in found[:1]] * 2 == [
+        [(run.start_ns, run.n) for run in one.runs] for one in found]
+    assert len(found[0].runs) == len(pair.legs) == 3
+
+
 def test_names_of_rows_are_unique_for_they_are_seeds():
     for table in (*ROWS, *CAMPAIGNS):
         names = [row.name for row in decision_risk.rows_of(table)]
@@ -239,7 +298,7 @@ def test_the_former_rule_is_frozen():
 
 
 @pytest.mark.parametrize('errors', [
-    processes.white, processes.ar1(30.0), processes.narrow_band(60.0, 12.0),
+    processes.white, processes.ar1(30.0), processes.blue, processes.narrow_band(60.0, 12.0),
     processes.mixed(0.3, processes.white, processes.ar1(30.0)),
     processes.as_laplace(processes.ar1(20.0)), processes.as_student5(processes.ar1(20.0)),
     processes.as_uniform(processes.ar1(20.0)), processes.quantised(2.0, processes.white),
@@ -252,7 +311,7 @@ def test_a_process_has_variance_1(errors, rng):
 
 
 @pytest.mark.parametrize('errors', [
-    processes.ar1(30.0), processes.narrow_band(60.0, 12.0),
+    processes.ar1(30.0), processes.blue, processes.narrow_band(60.0, 12.0),
     processes.sea_state(0.7, 60.0, processes.white)])
 def test_a_process_begins_in_its_stationary_state(errors, rng):
     first = errors(rng, 20_000, 2)[:, 0] ** 2

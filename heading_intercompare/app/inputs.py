@@ -192,7 +192,8 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
         elif has_pairs(path):
             found = judge_csv(path, name, settings, runs, takers, progress, take_motion)
         else:
-            readers: list[Readable] = [open_recording(one, settings.bag_namespace)
+            readers: list[Readable] = [open_recording(one, settings.bag_namespace,
+                                                      settings.unit_of)
                                        for one in (path, *parts)]
             found = _analyze_bag(readers, name, settings, runs, takers, progress, start_digest,
                                  helpers, take_motion)

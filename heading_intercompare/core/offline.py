@@ -27,6 +27,7 @@ from heading_intercompare.core.timing.clock_search import find_apart
 from heading_intercompare.core.timing.heading_track import Track
 from heading_intercompare.core.timing.skew_scan import Scan, scan_skew
 from heading_intercompare.core.timing.skew_search import REACH_S
+from heading_intercompare.core.units.angle_units import AngleWatch
 from heading_intercompare.core.verdict.judge import RunResult
 from heading_intercompare.core.verdict.verdict_document import Verdict
 
@@ -257,6 +258,15 @@ def _note_alignment(result: RunResult, found: Scan | None, words: str) -> RunRes
         verdict, skew=replace(verdict.skew, scan=found), warnings=(*verdict.warnings, words)))
 
 
+def _check_degrees(name: str, readings: Headings) -> None:
+    """Raise ValueError if the headings of a stream are no degrees."""
+    watch = AngleWatch()
+    watch.update(readings.stamp_ns, readings.heading_deg)
+    if watch.words:
+        raise ValueError(f'{name}: {watch.words}; make them with Headings.of(stamp_ns, heading, '
+                         f'{watch.unit!r})')
+
+
 def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings],
             settings: Settings,
             take: Callable[[int, Pairs], object] = lambda at, pairs: None, *,
@@ -285,7 +295,7 @@ def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings]
     SettingsError
         If a norm is missing.
     ValueError
-        If the lists differ in length.
+        If the lists differ in length, or headings look like radians or revolutions.
 
     References
     ----------
@@ -300,6 +310,9 @@ def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings]
     if len(moved) != len(ts):
         raise ValueError(f'{len(ts)} inputs but motion of {len(moved)}: give one for each input')
     results, incomplete = [], False
+    for name, streams in (('ts', ts), ('rs', rs)):
+        for readings in streams:
+            _check_degrees(name, readings)
     for at, (ts_part, rs_part, told) in enumerate(zip(ts, rs, moved)):
         comparison = Intercomparison(settings)
         if told is not None:

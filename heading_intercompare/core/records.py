@@ -26,7 +26,8 @@ from typing import Any, Iterable, TYPE_CHECKING, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from .given_stamps import integer_stamps, utc_stamps
+from .units.angle_units import fold_angles
+from .units.given_stamps import integer_stamps, utc_stamps
 from .utc_text import utc
 
 __all__ = ['Attitude', 'Differences', 'FASTEST_M_S', 'FASTEST_TURN_DEG_S', 'Headings', 'Integers',
@@ -138,7 +139,7 @@ class Headings(_Columns):
         return cls.as_sent([], [])
 
     @classmethod
-    def of(cls, stamp_ns: ArrayLike, heading_deg: ArrayLike) -> 'Headings':
+    def of(cls, stamp_ns: ArrayLike, heading_deg: ArrayLike, unit: str = 'deg') -> 'Headings':
         """
         Build a chunk from arrays or from columns of a table.
 
@@ -149,18 +150,22 @@ class Headings(_Columns):
             DatetimeIndex of pandas is taken as it is, with or without a time zone; without one it
             is UTC. A stamp of 0 or NaT is a reading without a stamp, which the ledger counts.
         heading_deg : array_like, shape (n,)
-            Degrees clockwise from true north; nan where the reading is invalid.
+            Clockwise from true north, also from minus a half turn to a half; nan where the
+            reading is invalid.
+        unit : {'deg', 'rad', 'rev'}
+            Unit of the headings.
 
         Returns
         -------
         Headings
+            Degrees from 0; a number out of range stays as it is, and the ledger counts it.
 
         Raises
         ------
         ValueError
-            If a stamp above 0 is before 1990: the numbers are of another unit, which the message
-            names, or of another clock (see `as_sent`). If stamps are neither integers nor
-            datetime64, or the columns differ in length.
+            If the unit is unknown. If a stamp above 0 is before 1990: the numbers are of another
+            unit, which the message names, or of another clock (see `as_sent`). If stamps are
+            neither integers nor datetime64, or the columns differ in length.
 
         Examples
         --------
@@ -168,7 +173,7 @@ class Headings(_Columns):
         Headings(n=2, 2014-08-01 00:00:00.000 to 2014-08-01 00:00:01.000 UTC)
 
         """
-        return cls(utc_stamps(stamp_ns), _reals(heading_deg))
+        return cls(utc_stamps(stamp_ns), fold_angles(_reals(heading_deg), unit))
 
     @classmethod
     def as_sent(cls, stamp_ns: ArrayLike, heading_deg: ArrayLike) -> 'Headings':

@@ -43,6 +43,7 @@ from .declared_settings import (
 from .rows.sensor_table import read_sensors, SENSOR_CLASS_NAMES
 from .time_rules.clock_cuts import ClockCuts
 from .time_rules.exclusions import read_exclusions
+from .units.angle_units import ANGLE_UNITS
 
 __all__ = ['Alignment', 'Antennas', 'CampaignRule', 'Checked', 'Detectors', 'explain_unknown',
            'flatten', 'from_mapping', 'LARGEST_SKEW_S', 'leave_out_added', 'leave_out_gone',
@@ -378,6 +379,10 @@ class Settings(Checked):
                                  choices=('enu', 'ned'))
     rs_convention: str = setting('enu', 'world axes of the RS orientation',
                                  choices=('enu', 'ned'))
+    ts_unit: str = setting(
+        'auto', "unit of the headings of the TS in files of numbers; 'auto': that of the name of "
+        'the column, of the form of the file, or degrees', choices=('auto', *ANGLE_UNITS))
+    rs_unit: str = setting('auto', 'the same of the RS', choices=('auto', *ANGLE_UNITS))
     risk: Risk = field(default_factory=Risk)
     campaign: CampaignRule = field(default_factory=CampaignRule)
     window_s: float = setting(600.0, 'length of the rolling window [s]', 1.0)
@@ -440,6 +445,13 @@ class Settings(Checked):
 
         """
         return cls.from_mapping(name_keywords(cls, given))
+
+    def unit_of(self, stream: str) -> str:
+        """Return the unit that is stated for the headings of a topic or stream; 'auto' if none."""
+        stated = {one.heading_topic: one.unit for one in read_sensors(self.sensors)} or {
+            self.ts_topic: self.ts_unit, self.rs_topic: self.rs_unit}
+        return {name.lstrip('/'): unit for name, unit in stated.items()}.get(
+            stream.lstrip('/'), 'auto')
 
     def to_mapping(self) -> dict[str, Any]:
         """Return dotted names and values, in the order of their declaration."""

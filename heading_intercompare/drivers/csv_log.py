@@ -16,10 +16,10 @@
 Csv of headings, as decoders of NMEA 2000 (PGN 127250) write them: one file, or many of a log.
 
 A header, then one row per reading. Columns `t_ns` (integer nanoseconds UTC) and `heading_deg` are
-required. `deviation_deg`, `variation_deg` (east positive), `reference_0true_1mag` and `src` are
-used if present. Reference 0 is a true heading; 1 is a magnetic one, to which deviation (0 if
-empty) and variation are added. The setting `talker` selects one of several sources; without it,
-the first one in the log is used.
+required; a heading may count from -180 as long as none exceeds 180. `deviation_deg`,
+`variation_deg` (east positive), `reference_0true_1mag` and `src` are used if present. Reference 0
+is a true heading; 1 is a magnetic one, to which deviation (0 if empty) and variation are added.
+The setting `talker` selects one of several sources; without it, the first one is used.
 """
 
 from __future__ import annotations
@@ -115,6 +115,7 @@ class CsvDecoder:
 
     def __init__(self, path: str, settings: DriverSettings) -> None:
         self._src = settings.talker
+        self._counts_from_zero = False
         self._counts: Counter[str] = Counter()
         self._open = self._before = b''
         self.begin_file(path)
@@ -178,8 +179,9 @@ class CsvDecoder:
         if not cell('heading_deg'):
             raise Rejected('empty_heading')
         heading_deg = _number(cell('heading_deg'))
-        if not 0.0 <= heading_deg <= 360.0:
+        if not (0.0 if self._counts_from_zero else -180.0) <= heading_deg <= 360.0:
             raise Rejected('out_of_range')
+        self._counts_from_zero |= heading_deg > 180.0
         if cell('reference_0true_1mag') not in ('', '0'):
             if cell('reference_0true_1mag') != '1':
                 raise Rejected('bad_field')

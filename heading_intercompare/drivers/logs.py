@@ -22,6 +22,7 @@ from os import PathLike
 from typing import Iterator
 
 from heading_intercompare.core.records import Headings
+from heading_intercompare.core.units.angle_units import AngleWatch
 
 from .csv_log import CsvDecoder, is_csv_file, open_csv
 from .log_lines.log_files import is_several, list_files
@@ -71,8 +72,8 @@ class LogReader:
     OSError
         If the log cannot be read.
     DriverError
-        If the log is empty, a csv without the required columns, or holds headings of several
-        instruments of the same talker.
+        If the log is empty, a csv without the required columns, holds headings of several
+        instruments of the same talker, or headings that look like radians.
 
     """
 
@@ -129,6 +130,16 @@ class LogReader:
 
     def __iter__(self) -> Iterator[Headings]:
         """Yield the chunks, in the order of the log."""
+        watch = AngleWatch()
+        for chunk in self._chunks():
+            watch.update(chunk.stamp_ns, chunk.heading_deg)
+            yield chunk
+        if watch.words:
+            raise DriverError(f'{self._path}: {watch.words}, as '
+                              + ('a column heading_deg must be; name it heading_rad or heading_rev'
+                                 if self._nmea is None else 'in these sentences'))
+
+    def _chunks(self) -> Iterator[Headings]:
         if self._nmea is None:
             for begins, block in self._files.blocks(self._block_bytes):
                 if begins not in (None, self.paths[0]):

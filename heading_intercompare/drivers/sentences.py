@@ -101,9 +101,10 @@ def _heading(fields: list[bytes], index: int) -> float:
     if not _is_number(text):
         raise Rejected('bad_field' if text.strip() else 'empty_heading')
     heading_deg = float(text)
-    if not 0.0 <= heading_deg <= 360.0:
+    if not -180.0 <= heading_deg <= 360.0:
         raise Rejected('out_of_range')
-    return heading_deg + 0.0 if heading_deg < 360.0 else 0.0
+    # Some devices count from minus 180.
+    return heading_deg % 360.0
 
 
 def _true_heading(fields: list[bytes], index: int) -> float:

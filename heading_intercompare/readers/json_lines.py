@@ -23,6 +23,7 @@ from typing import Any, Iterator, Mapping, TypeGuard
 
 from heading_intercompare.bags.csv.stamp_cells import nanoseconds, utc_nanoseconds
 from heading_intercompare.core.records import FASTEST_M_S, FASTEST_TURN_DEG_S, KNOT_M_S
+from heading_intercompare.core.units.angle_units import find_named_unit
 
 from .stream_recording import Collected
 
@@ -180,7 +181,7 @@ def _take_update(found: Collected, update: Mapping[str, Any], vessel: str,
         value, stamp_ns = values[path], _utc_stamp(update.get('timestamp'))
         if not _is_number(value):
             found.not_taken['empty_heading'] += 1
-        elif not 0.0 <= value <= 6.2832:
+        elif not -math.pi <= value <= _TURN_RAD:
             found.not_taken['out_of_range'] += 1
         elif path == _MAGNETIC and vessel not in variations:
             found.not_taken['no_variation'] += 1
@@ -207,7 +208,8 @@ def read_openrvdas(path: str) -> Collected:
     Read records of OpenRVDAS, one JSON object per line.
 
     A stream is a field whose name says that it is a heading, such as ``s330/S330HeadingTrue``;
-    see `is_heading_name`. Headings are degrees, `timestamp` is in seconds.
+    see `is_heading_name`. Headings are degrees, unless their name tells another unit; `timestamp`
+    is in seconds.
 
     Fields such as ``S330Latitude`` and ``S330Longitude``, with ``S330NorS`` and ``S330EorW`` or
     with a sign, tell the position; ``S330CourseTrue`` and ``S330SpeedKt`` tell the velocity. A
@@ -223,13 +225,12 @@ def read_openrvdas(path: str) -> Collected:
         for name, value in fields.items():
             if not is_heading_name(name):
                 continue
-            heading_deg = _real(value)
-            if heading_deg is None or stamp_ns is None:
+            heading = _real(value)
+            if heading is None or stamp_ns is None:
                 found.not_taken['bad_field'] += 1
-            elif not 0.0 <= heading_deg <= 360.0:
-                found.not_taken['out_of_range'] += 1
             else:
-                found.add(f'{label}{name}', 'OpenRVDAS', stamp_ns, heading_deg)
+                found.add_angle(f'{label}{name}', 'OpenRVDAS', stamp_ns, heading,
+                                find_named_unit(name))
         if stamp_ns is not None:
             _take_openrvdas_motion(found, label, stamp_ns, fields)
     return found

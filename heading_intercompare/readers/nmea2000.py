@@ -26,6 +26,8 @@ import math
 import re
 from typing import Any, Callable, Mapping
 
+import numpy as np
+
 from heading_intercompare.bags.csv.stamp_cells import utc_nanoseconds
 
 from .fast_packets import FastPackets, FRAME_BYTES
@@ -54,6 +56,10 @@ _PLAIN = re.compile(rb'^(\d{4}-\d\d-\d\d[TZ -]\d\d:\d\d:\d\d(?:\.\d+)?Z?),(\d),(
 #: Takes several frames.
 _FAST_PGN = 129029
 _WANTED = re.compile(b'|'.join([b'"units"', *(str(one).encode() for one in (PGN, *MOTION_PGNS))]))
+#: A line of units, or the number of a heading.
+_UNITS_OR_HEADING = re.compile(
+    rb'"units"\s*:|"Heading"\s*:\s*(?:\{[^{}]*?"value"\s*:\s*)?(\d+(?:\.\d+)?)')
+_MOST_HEADINGS = 100_000
 _DAY = re.compile(r'(\d{4}-\d\d-\d\d)[TZ -](\d\d:\d\d:\d\d(?:\.\d+)?)Z?')
 _HEAD = re.compile(rb'^\s*\{.*"pgn"\s*:', re.MULTILINE)
 
@@ -250,13 +256,33 @@ def _decode_json(fields: Mapping[str, Any], factor: float,
     return heading * factor, turn_deg, reference if reference in (_TRUE, _MAGNETIC) else 2
 
 
+def _has_radians(path: str) -> bool:
+    """Tell whether JSON without a line of units has angles in radians."""
+    headings: set[float] = set()
+    stated = False
+
+    def take(block: bytes) -> None:
+        nonlocal stated
+        for found in _UNITS_OR_HEADING.finditer(block):
+            stated = stated or found[1] is None
+            if not stated and len(headings) < _MOST_HEADINGS:
+                headings.add(float(found[1]))
+    _read_blocks(path, take)
+    if stated or not headings or max(headings) > _FULL_TURN * 1e-4:
+        return False
+    steps = np.diff(sorted(headings))
+    return bool(steps.size and steps.min() < 0.5 * _RAD_DEG)
+
+
 def read_canboat_json(path: str) -> Collected:
     """
     Read the JSON of canboat's analyzer.
 
-    Angles are degrees, unless the first line says ``"units":"si"``; then they are radians.
+    Angles are degrees, unless the first line says ``"units":"si"``; then they are radians. A file
+    without such a line, as other programs write them, has radians if its headings are finer than
+    the bus sends them, which are multiples of 1e-4 rad, would be in degrees.
     """
-    found, factor = Collected(), 1.0
+    found, factor = Collected(), math.degrees(1.0) if _has_radians(path) else 1.0
 
     def take(block: bytes) -> None:
         nonlocal factor

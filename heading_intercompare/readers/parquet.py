@@ -25,8 +25,9 @@ import pyarrow.parquet
 
 from heading_intercompare.bags.csv.stamp_cells import looks_like_unit
 from heading_intercompare.core.angles import wrap360
-from heading_intercompare.core.given_stamps import find_unit
 from heading_intercompare.core.records import Headings, Integers, Pairs, Reals
+from heading_intercompare.core.units.angle_units import find_named_unit
+from heading_intercompare.core.units.given_stamps import find_unit
 
 from .errors import ReaderError
 from .json_lines import is_heading_name
@@ -121,9 +122,9 @@ def read_parquet(path: str) -> Collected:
     """
     Read the headings of a Parquet table.
 
-    A stream is a column whose name says that it is a heading, in degrees. If there is one such
-    column and a column `src`, each source is a stream. The motion of the ship is in the columns
-    of `find_motion_columns`.
+    A stream is a column whose name says that it is a heading, and may tell its unit. If there is
+    one such column and a column `src`, each source is a stream. The motion of the ship is in the
+    columns of `find_motion_columns`.
 
     Raises
     ------
@@ -151,19 +152,12 @@ def read_parquet(path: str) -> Collected:
                 found.add_motion_chunk(one.what, ' '.join(one.names), *make_motion(
                     one, stamps, [_reals(path, name, batch.column(name)) for name in one.names]))
             for name in headings:
-                heading_deg = _reals(path, name, batch.column(name))
+                angles = Headings(stamps, _reals(path, name, batch.column(name)))
                 labels = (batch.column('src').cast(pyarrow.string()).to_numpy(
                     zero_copy_only=False).astype(str) if by_source else None)
-                good = (heading_deg >= 0.0) & (heading_deg <= 360.0)
-                missing = np.isnan(heading_deg)
-                for reason, wrong in (('empty_heading', missing), ('out_of_range',
-                                                                   ~good & ~missing)):
-                    if wrong.any():
-                        found.not_taken[reason] += int(wrong.sum())
                 for label in [name] if labels is None else np.unique(labels).tolist():
-                    mine = good if labels is None else good & (labels == label)
-                    found.add_chunk(label, 'Parquet', Headings(stamps[mine],
-                                                               wrap360(heading_deg[mine])))
+                    found.add_angles(label, 'Parquet', angles if labels is None
+                                     else angles[labels == label], find_named_unit(name))
     return found
 
 
@@ -220,5 +214,10 @@ class PairsParquet:
                 lag = _reals(path, name, batch.column(name))
                 lag_ns = np.round(np.nan_to_num(lag) * unit_ns).astype(np.int64)
                 break
-        return Pairs.of(stamps, np.where(np.isfinite(ts_deg), ts_deg, np.nan),
-                        np.where(np.isfinite(rs_deg), rs_deg, np.nan), lag_ns, *factors)
+        return Pairs.of(stamps, _fold(ts_deg), _fold(rs_deg), lag_ns, *factors)
+
+
+def _fold(heading_deg: Reals) -> Reals:
+    """Return headings that count from -180 as degrees from 0; nan if not finite."""
+    found = np.where(np.isfinite(heading_deg), heading_deg, np.nan)
+    return np.where((found >= -180.0) & (found < 0.0), wrap360(found), found)

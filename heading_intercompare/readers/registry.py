@@ -258,7 +258,8 @@ def _has_pairs(path: str | os.PathLike[str], form: Format) -> bool:
     return of_parquet(os.fspath(path))
 
 
-def open_recording(path: str | os.PathLike[str], namespace: str | None = None) -> Recording:
+def open_recording(path: str | os.PathLike[str], namespace: str | None = None,
+                   unit_of: Callable[[str], str] = lambda stream: 'auto') -> Recording:
     """
     Open a recording of any kind.
 
@@ -268,6 +269,8 @@ def open_recording(path: str | os.PathLike[str], namespace: str | None = None) -
         A bag of MCAP, or a file of one of `FORMATS`; a folder or a pattern of such files.
     namespace : str, optional
         Where the topics of a bag without a leading slash are; see `BagReader`.
+    unit_of : callable
+        Returns the unit that is stated for the headings of a stream; see `StreamRecording`.
 
     Raises
     ------
@@ -283,16 +286,19 @@ def open_recording(path: str | os.PathLike[str], namespace: str | None = None) -
         return BagReader(path, namespace)
     try:
         if form.read is not None:
-            return StreamRecording(path, form.name, form.read)
+            return StreamRecording(path, form.name, form.read, unit_of)
         from .rosbag_recording import RosbagRecording
     except ImportError as error:
         raise _need(path, form, error) from None
     return RosbagRecording(path, namespace)
 
 
-def open_log_of_streams(path: str | os.PathLike[str]) -> StreamRecording | None:
+def open_log_of_streams(path: str | os.PathLike[str],
+                        unit: str = 'auto') -> StreamRecording | None:
     """
     Open a file of streams of another program; None for a log of one sensor.
+
+    The unit is that stated for the headings, 'auto' if none.
 
     Raises
     ------
@@ -310,7 +316,7 @@ def open_log_of_streams(path: str | os.PathLike[str]) -> StreamRecording | None:
                           'and --rs')
     if not has_streams(path):
         return None
-    found = open_recording(path)
+    found = open_recording(path, unit_of=lambda stream: unit)
     return found if isinstance(found, StreamRecording) else None
 
 

@@ -30,6 +30,7 @@ from heading_intercompare.bags.rosbag2.bag_reader import BagMessage, TopicInfo
 from heading_intercompare.bags.rosbag2.topic_names import find_topic
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.records import Headings, Losses, Motion
+from heading_intercompare.core.units.angle_units import AngleWatch, read_angles
 
 from .errors import ReaderError
 
@@ -54,6 +55,9 @@ class Collected:
     not_taken: Counter[str] = field(default_factory=Counter)
     _columns: dict[str, tuple['array[int]', 'array[float]']] = field(default_factory=dict)
     _chunks: dict[str, list[Headings]] = field(default_factory=dict)
+    _units: dict[str, str | None] = field(default_factory=dict)
+    _angles: dict[str, list[Headings]] = field(default_factory=dict)
+    _angle_rows: dict[str, tuple['array[int]', 'array[float]']] = field(default_factory=dict)
     _moved: dict[tuple[int, str, str], tuple['array[int]', 'array[float]', 'array[float]']] = (
         field(default_factory=dict))
     _moved_chunks: dict[tuple[str, str], list[Motion]] = field(default_factory=dict)
@@ -71,6 +75,23 @@ class Collected:
         """Take many readings of a stream."""
         self.kinds.setdefault(stream, kind)
         self._chunks.setdefault(stream, []).append(headings)
+
+    def add_angle(self, stream: str, kind: str, stamp_ns: int, angle: float,
+                  unit: str | None) -> None:
+        """Take an angle as it is in a file; the unit is None if the file does not tell it."""
+        columns = self._angle_rows.get(stream)
+        if columns is None:
+            self.kinds.setdefault(stream, kind)
+            self._units.setdefault(stream, unit)
+            columns = self._angle_rows[stream] = (array('q'), array('d'))
+        columns[0].append(stamp_ns)
+        columns[1].append(angle)
+
+    def add_angles(self, stream: str, kind: str, angles: Headings, unit: str | None) -> None:
+        """Take many angles of a stream."""
+        self.kinds.setdefault(stream, kind)
+        self._units.setdefault(stream, unit)
+        self._angles.setdefault(stream, []).append(angles)
 
     def add_motion(self, what: str, stream: str, stamp_ns: int, first: float,
                    second: float = math.nan, *, rank: int = 0) -> None:
@@ -107,8 +128,10 @@ class Collected:
 
     def add_all(self, later: Collected) -> None:
         """Take what a later file of the same streams holds."""
-        for stream, headings in later.streams().items():
+        for stream, headings in later._known().items():
             self.add_chunk(stream, later.kinds[stream], headings)
+        for stream, (angles, unit) in later._unread().items():
+            self.add_angles(stream, later.kinds[stream], angles, unit)
         for what, streams in later.motion().items():
             for stream, rows in streams.items():
                 self.add_motion_chunk(what, stream, rows, 0)
@@ -117,8 +140,8 @@ class Collected:
     @property
     def start_ns(self) -> int:
         """Return the least stamp of the headings; 0 if there are none."""
-        return min((int(one.stamp_ns.min()) for one in self.streams().values() if len(one)),
-                   default=0)
+        streams = [*self._known().values(), *(angles for angles, _ in self._unread().values())]
+        return min((int(one.stamp_ns.min()) for one in streams if len(one)), default=0)
 
     def motion(self) -> dict[str, dict[str, Motion]]:
         """Return the motion by what it tells, then by stream: the preferred one first."""
@@ -135,11 +158,62 @@ class Collected:
         return found
 
     def streams(self) -> dict[str, Headings]:
-        """Return the headings by stream, in the order of the file."""
-        found = {name: Headings(np.array(stamps, np.int64), wrap360(np.array(headings, float)))
-                 for name, (stamps, headings) in self._columns.items()}
+        """Return the headings by stream, in the order of the file; units as `settle_units`."""
+        self.settle_units()
+        return self._known()
+
+    def settle_units(self, unit_of: Callable[[str], str] = lambda stream: 'auto',
+                     ) -> dict[str, str]:
+        """
+        Make headings of the angles, stream by stream, once all of them are there.
+
+        Parameters
+        ----------
+        unit_of : callable
+            Returns the unit that is stated for a stream, 'auto' if none. Then that of the file
+            counts, and without one degrees.
+
+        Returns
+        -------
+        dict of str to str
+            Of streams whose unit nobody tells and that do not look like degrees: why not.
+
+        """
+        unsure = {}
+        for name, (angles, named) in self._unread().items():
+            stated = unit_of(name)
+            unit = named or 'deg' if stated == 'auto' else stated
+            if stated == 'auto' and unit == 'deg':
+                watch = AngleWatch()
+                watch.update(angles.stamp_ns, angles.heading_deg)
+                unsure[name] = watch.words
+            heading_deg, wrong = read_angles(angles.heading_deg, unit)
+            missing = np.isnan(angles.heading_deg)
+            for reason, lacking in (('empty_heading', missing), ('out_of_range', wrong)):
+                if n := int(np.count_nonzero(lacking)):
+                    self.not_taken[reason] += n
+            self.add_chunk(name, self.kinds[name],
+                           Headings(angles.stamp_ns, heading_deg)[~missing & ~wrong])
+        self._units.clear()
+        return unsure
+
+    def _known(self) -> dict[str, Headings]:
+        found = {name: _headings(*columns) for name, columns in self._columns.items()}
         return found | {name: Headings.concatenate(chunks)
                         for name, chunks in self._chunks.items()}
+
+    def _unread(self) -> dict[str, tuple[Headings, str | None]]:
+        """Return the streams of angles, and the unit that the file tells of each."""
+        found = {}
+        for name, unit in self._units.items():
+            stamps, angles = self._angle_rows.get(name, ((), ()))
+            found[name] = Headings.concatenate([*self._angles.get(name, []), Headings(
+                np.array(stamps, np.int64), np.array(angles, float))]), unit
+        return found
+
+
+def _headings(stamps: 'array[int]', headings_deg: 'array[float]') -> Headings:
+    return Headings(np.array(stamps, np.int64), wrap360(np.array(headings_deg, float)))
 
 
 class StreamRecording:
@@ -154,6 +228,8 @@ class StreamRecording:
         What it is, in words.
     read : callable
         Reads the file at a path.
+    unit_of : callable
+        Returns the unit that is stated for the angles of a stream, 'auto' if none.
 
     Attributes
     ----------
@@ -180,10 +256,12 @@ class StreamRecording:
     namespace = ''
 
     def __init__(self, path: str | os.PathLike[str], kind: str,
-                 read: Callable[[str], Collected]) -> None:
+                 read: Callable[[str], Collected],
+                 unit_of: Callable[[str], str] = lambda stream: 'auto') -> None:
         self.path, self.kind = Path(path), kind
         self.oddities: list[str] = []
         collected = read(os.fspath(path))
+        self._unsure = collected.settle_units(unit_of)
         self.streams, self.motion = collected.streams(), collected.motion()
         self.not_taken: Mapping[str, int] = dict(sorted(collected.not_taken.items()))
         self.topics = {name: TopicInfo(collected.kinds[name], len(headings))
@@ -207,6 +285,9 @@ class StreamRecording:
     def resolve(self, topic: str) -> str:
         """Return the name of a stream given with or without a leading slash."""
         if (found := self.find(topic)) is not None:
+            if why := self._unsure.get(found):
+                raise ReaderError(self.path, f'{found}: {why}; state the unit (ts_unit, rs_unit: '
+                                  'rad, rev or deg), or in the name of the column: hdg_rad')
             return found
         raise ReaderError(self.path, f'has no stream {topic!r}; it has {self.words_present}; '
                           'choose with --ts and --rs')
@@ -220,7 +301,7 @@ class StreamRecording:
         if name is not None:
             return self.resolve(name)
         if len(self.topics) == 1:
-            return next(iter(self.topics))
+            return self.resolve(next(iter(self.topics)))
         raise ReaderError(self.path, f'has {len(self.topics)} streams: {self.words_present}; '
                           'choose one with --ts-talker or --rs-talker')
 

@@ -25,7 +25,8 @@ import numpy as np
 from heading_intercompare.bags.csv.csv_rows import CsvRows
 from heading_intercompare.bags.csv.stamp_cells import nanoseconds, utc_nanoseconds
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.core.given_stamps import find_unit
+from heading_intercompare.core.units.angle_units import find_named_unit
+from heading_intercompare.core.units.given_stamps import find_unit
 
 from .errors import ReaderError
 from .json_lines import is_heading_name
@@ -93,9 +94,10 @@ def read_stamp(rows: CsvRows, row: list[str], at: int) -> int:
 
 def read_table(path: str) -> Collected:
     """
-    Read a csv with a column of times and columns of headings in degrees.
+    Read a csv with a column of times and columns of headings.
 
-    A stream is a column whose name says that it is a heading; see `is_heading_name`. Times are
+    A stream is a column whose name says that it is a heading; see `is_heading_name`. It may also
+    tell the unit (``hdg_rad``). Times are
     ISO, or seconds, milli-, micro- or nanoseconds since 1970. Columns such as `lat` and `lon`,
     `cog` and `sog_kn`, and `rot_deg_min` tell the motion of the ship; see `find_motion_columns`.
 
@@ -168,14 +170,12 @@ def _take_row(found: Collected, rows: CsvRows, row: list[str], at: int,
     for place, name in headings:
         cell = row[place] if place < len(row) else ''
         try:
-            heading_deg = float(rows.plain(cell)) if cell.strip() else None
+            heading = float(rows.plain(cell)) if cell.strip() else None
         except ValueError:
             found.not_taken['bad_field'] += 1
             continue
-        if heading_deg is None or heading_deg != heading_deg:
+        if heading is None or heading != heading:
             found.not_taken['empty_heading'] += 1
-        elif not 0.0 <= heading_deg <= 360.0:
-            found.not_taken['out_of_range'] += 1
         else:
-            found.add(name, 'csv', stamp_ns, heading_deg)
+            found.add_angle(name, 'csv', stamp_ns, heading, find_named_unit(name))
     return stamp_ns

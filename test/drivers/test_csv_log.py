@@ -16,6 +16,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from heading_intercompare.core.records import Headings
@@ -160,3 +162,19 @@ def test_a_last_line_without_end_that_is_whole_is_read(tmp_path):
     path = tmp_path / 'headings.csv'
     path.write_text('t_ns,heading_deg\n1,40.123\n2,39.927')
     assert read_log(path) == (Headings.as_sent([1, 2], [40.123, 39.927]), {})
+
+
+def test_headings_that_count_from_minus_180_are_taken(csv):
+    headings, counts = read_log(csv('t_ns,heading_deg', '1,-0.5', '2,179.5', '3,-180.0'))
+    assert headings.heading_deg.tolist() == [359.5, 179.5, 180.0] and not counts
+
+
+def test_a_negative_number_after_a_heading_beyond_180_is_none(csv):
+    headings, counts = read_log(csv('t_ns,heading_deg', '1,-0.5', '2,180.5', '3,-1.0'))
+    assert headings.heading_deg.tolist() == [359.5, 180.5] and counts == {'out_of_range': 1}
+
+
+def test_radians_in_a_column_of_degrees_are_refused(csv):
+    rows = [f'{k},{(6.0 + 0.01 * k) % (2.0 * math.pi):.4f}' for k in range(1, 400)]
+    with pytest.raises(DriverError, match='look like radians, not degrees, as a column heading_d'):
+        read_log(csv('t_ns,heading_deg', *rows))

@@ -55,7 +55,7 @@ def test_a_sentence_gives_its_heading(text, heading_deg):
     (b'HEHDT,12.3.4,T', 'bad_field'),
     (b'HEHDT,\xd9\xa1,T', 'bad_field'),
     (b'HEHDT,360.01,T', 'out_of_range'),
-    (b'HEHDT,-0.01,T', 'out_of_range'),
+    (b'HEHDT,-180.01,T', 'out_of_range'),
     (b'HEHDT,400,T', 'out_of_range'),
     (b'HEHDT,12.3,M', 'not_true'),
     (b'HEHDT,12.3,', 'not_true'),

@@ -162,3 +162,37 @@ def test_the_json_of_canboat(tmp_path, units, values):
 def test_a_stamp_that_is_none_is_counted(tmp_path):
     line = '{"timestamp":"soon","src":1,"pgn":127250,"fields":{"Heading":1,"Reference":"True"}}\n'
     assert read(tmp_path, read_canboat_json, line) == ({}, {'no_stamp': 1})
+
+
+def canboat_lines(headings, first=''):
+    """Return JSON of headings, one per second, of the source 35."""
+    return first + ''.join(json.dumps({
+        'timestamp': f'2015-07-10T06:{k // 60:02d}:{k % 60:02d}.000Z', 'src': 35, 'pgn': 127250,
+        'description': 'Vessel Heading', 'fields': {'SID': 1, 'Heading': value,
+                                                    'Reference': 'True'}}) + '\n'
+        for k, value in enumerate(headings))
+
+
+@pytest.mark.parametrize('decimals', [1, 3, 4, 6])
+@pytest.mark.parametrize('middle_deg', [3.0, 220.0])
+@pytest.mark.parametrize('radians', [True, False])
+def test_json_without_units_is_in_radians_if_finer_than_the_bus(tmp_path, decimals, middle_deg,
+                                                               radians):
+    """The bus sends multiples of 1e-4 rad, which are 0.0057 deg: a ship moored on 003 is one."""
+    counts = [round((math.radians(middle_deg) + 0.01 * math.sin(k / 7.0)) * 1e4)
+              for k in range(600)]
+    values = [round(n * 1e-4, 4) if radians else round(math.degrees(n * 1e-4), decimals)
+              for n in counts]
+    path = tmp_path / 'a.json'
+    path.write_text(canboat_lines(values))
+    found = read_canboat_json(str(path)).streams()['35'].heading_deg
+    assert found == pytest.approx([math.degrees(n * 1e-4) for n in counts], abs=0.06)
+
+
+@pytest.mark.parametrize('units, factor', [('si', math.degrees(1.0)), ('std', 1.0)])
+def test_a_line_of_units_decides(tmp_path, units, factor):
+    path = tmp_path / 'a.json'
+    path.write_text(canboat_lines([3.0001, 3.0002, 3.0004],
+                                  f'{{"version":"5.0","units":"{units}"}}\n'))
+    found = read_canboat_json(str(path)).streams()['35'].heading_deg
+    assert found == pytest.approx([value * factor for value in (3.0001, 3.0002, 3.0004)])

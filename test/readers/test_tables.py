@@ -16,9 +16,14 @@
 
 from __future__ import annotations
 
+import math
+
+import numpy as np
 import pytest
 
+from heading_intercompare.core.angles import wrap180
 from heading_intercompare.readers.errors import ReaderError
+from heading_intercompare.readers.stream_recording import StreamRecording
 from heading_intercompare.readers.tables import is_table, read_table
 
 T_NS = 1406851200183000000
@@ -81,3 +86,52 @@ def test_columns_of_motion_are_taken_with_the_unit_in_their_names(tmp_path):
 def test_a_last_line_that_is_cut_is_left_out_and_counted(tmp_path):
     text = 't_ns,lat,hdg\n{0},1,10.5\n{0},1'.format(T_NS)
     assert read(tmp_path, text) == ({'hdg': [(T_NS, 10.5)]}, {'cut_line': 1})
+
+
+def trial(names, make, n=900):
+    """Return a csv of two sensors on a ship that turns to and fro across north; 0.1 deg apart."""
+    rows = [f'time,{",".join(names)}']
+    for k in range(n):
+        heading_deg = 60.0 * math.sin(k / 60.0)
+        rows.append(f'{1406851200 + k},' + ','.join(
+            make(heading_deg + offset) for offset in (0.1, 0.0)))
+    return '\n'.join(rows) + '\n'
+
+
+UNITS = {'rad': lambda deg: f'{math.radians(deg % 360.0):.5f}',
+         'rev': lambda deg: f'{deg / 360.0 % 1.0:.6f}',
+         'deg': lambda deg: f'{(deg + 180.0) % 360.0 - 180.0:.3f}'}
+
+
+def readings(tmp_path, text, unit_of=lambda stream: 'auto'):
+    path = tmp_path / 'a.csv'
+    path.write_text(text)
+    return StreamRecording(path, 'csv', read_table, unit_of)
+
+
+@pytest.mark.parametrize('unit', UNITS)
+def test_columns_are_in_the_unit_of_their_names(tmp_path, unit):
+    found = readings(tmp_path, trial((f'ts_hdg_{unit}', f'rs_hdg_{unit}'), UNITS[unit]))
+    ts, rs = (found.streams[found.resolve(f'{name}_hdg_{unit}')] for name in ('ts', 'rs'))
+    assert len(ts) == len(rs) == 900 and not found.not_taken
+    assert np.abs(wrap180(ts.heading_deg - rs.heading_deg) - 0.1).max() < 3e-3
+    assert ts.heading_deg.max() > 359.0
+
+
+@pytest.mark.parametrize('unit', ['rad', 'rev'])
+@pytest.mark.parametrize('name', ['hdg', 'hdg_deg'])
+def test_columns_that_are_no_degrees_are_asked_for_their_unit_when_used(tmp_path, unit, name):
+    text = trial((f'ts_{name}', f'rs_{name}'), UNITS[unit])
+    found = readings(tmp_path, text)
+    assert set(found.topics) == {f'ts_{name}', f'rs_{name}'}
+    with pytest.raises(ReaderError, match=f'ts_{name}: the headings lie within .*state the unit'):
+        found.headings({f'ts_{name}': 'enu', f'rs_{name}': 'enu'})
+    stated = readings(tmp_path, text, lambda stream: unit)
+    chunk, = stated.headings({f'ts_{name}': 'enu', f'rs_{name}': 'enu'})
+    assert chunk[f'ts_{name}'].heading_deg.max() > 359.0
+
+
+def test_a_stated_unit_wins_over_the_name(tmp_path):
+    found = readings(tmp_path, trial(('ts_hdg_rad', 'rs_hdg_rad'), UNITS['deg']),
+                     lambda stream: 'deg')
+    assert found.streams['ts_hdg_rad'].heading_deg.max() > 359.0 and not found.not_taken

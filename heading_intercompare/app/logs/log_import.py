@@ -96,7 +96,7 @@ class ImportedLog:
 
 def import_log(path: str, driver: DriverSettings,
                progress: Callable[[str], None] = lambda text: None, *,
-               role: str | None = None) -> ImportedLog:
+               role: str | None = None, unit: str = 'auto') -> ImportedLog:
     """
     Read the headings of a log.
 
@@ -111,6 +111,8 @@ def import_log(path: str, driver: DriverSettings,
         Called with the progress in words.
     role : {'ts', 'rs'}, optional
         The sensor that must have headings in it.
+    unit : {'auto', 'deg', 'rad', 'rev'}
+        Unit that is stated for the headings of a file of streams.
 
     Raises
     ------
@@ -122,7 +124,7 @@ def import_log(path: str, driver: DriverSettings,
         the command line.
 
     """
-    streams = open_log_of_streams(path)
+    streams = open_log_of_streams(path, unit)
     if streams is not None:
         name = streams.only(driver.talker)
         return ImportedLog(path, streams.streams[name], hash_files(sources_of(path) or [path]),

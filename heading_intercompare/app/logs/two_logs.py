@@ -163,8 +163,9 @@ def judge_logs(ts: str, rs: str, settings: Settings, drivers: Mapping[str, Drive
     if runs is not None:
         found, elsewhere = assign_runs(read_run_table(runs), [ts])
         table = [(start, stop) for start, stop, _ in found]
-    log = {'ts': import_log(ts, drivers['ts'], progress, role='ts'),
-           'rs': import_log(rs, drivers['rs'], progress, role='rs') if aft is None
+    log = {'ts': import_log(ts, drivers['ts'], progress, role='ts', unit=settings.ts_unit),
+           'rs': import_log(rs, drivers['rs'], progress, role='rs',
+                            unit=settings.rs_unit) if aft is None
            else import_antennas((rs, aft), drivers['rs'], settings.antennas)}
     if ts == rs and log['ts'].headings == log['rs'].headings:
         raise ValueError(f'{ts}: gives the same headings as TS and as RS: {_APART}')

@@ -158,12 +158,13 @@ def _read_ts(path: str, settings: Settings,
              driver: DriverSettings) -> tuple[Headings, str | None]:
     """Return the readings of the TS in a recording of any kind, and the hash of a log."""
     if has_one_sensor(path) or has_streams(path):
-        log = import_log(path, driver, role='ts')
+        log = import_log(path, driver, role='ts', unit=settings.ts_unit)
         return log.headings, log.sha256
     if has_pairs(path):
         pairs = list(read_pairs_csv(path))
         return (Headings.concatenate(Headings.of(p.stamp_ns, p.ts_deg) for p in pairs),
                 hash_files([path]))
     topic = settings.ts_topic
-    chunks = open_recording(path, settings.bag_namespace).headings({topic: settings.ts_convention})
+    recording = open_recording(path, settings.bag_namespace, settings.unit_of)
+    chunks = recording.headings({topic: settings.ts_convention})
     return Headings.concatenate(chunk[topic] for chunk in chunks), None

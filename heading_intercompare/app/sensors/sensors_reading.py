@@ -206,7 +206,8 @@ def compare_bag(path: str, settings: Settings, table: Spans | None = None, *, na
     sensors = read_sensors(settings.sensors)
     conventions = {one.heading_topic: one.convention for one in sensors}
     feed = _Feed(settings, name, table, sketched, takers, progress)
-    readers = [open_recording(one, settings.bag_namespace) for one in (path, *parts)]
+    readers = [open_recording(one, settings.bag_namespace, settings.unit_of)
+               for one in (path, *parts)]
     notes: list[str] = []
     marks: list[tuple[str, int]] = []
     n = 0
@@ -326,7 +327,8 @@ def compare_logs(logs: Mapping[str, str], settings: Settings,
     sensors = read_sensors(settings.sensors)
     paths, of = plan_logs(logs, settings, drivers or DriverSettings())
     imported = {one.name: import_log(logs[one.name], of[one.name], progress,
-                                     role='rs' if one.is_reference else 'ts') for one in sensors}
+                                     role='rs' if one.is_reference else 'ts',
+                                     unit=one.unit) for one in sensors}
     moved = (find_motion(paths, of, motion) if settings.motion.compare or motion
              else FoundMotion())
     described = tuple(Input(log.path, log.sha256, log.sentence or 'csv',

@@ -130,7 +130,7 @@ def _read(path: str, stream: str, needs_heading: bool = True) -> tuple[str, Trac
         attitude = find_attitude(path, DriverSettings())
         if not needs_heading:
             return '', TrackRecord(Headings.empty(), motion, attitude)
-        name = _choose(path, stream, list(recording.streams))
+        name = recording.resolve(_choose(path, stream, list(recording.streams)))
         return name, TrackRecord(recording.streams[name], motion, attitude)
     told = read_bag_motion(recording, MotionRule()).rows
     if not needs_heading:

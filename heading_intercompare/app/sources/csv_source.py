@@ -34,11 +34,13 @@ from heading_intercompare.bags.csv.pairs_account import (
     read_account,
 )
 from heading_intercompare.bags.csv.pairs_csv import COLUMNS, PairsCsv
+from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey
 from heading_intercompare.core.pairing.stamp_jumps import Decided, JumpFilter
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.records import Motion, Pairs
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.units.angle_units import AngleWatch
 from heading_intercompare.core.verdict.verdict_document import Input
 from heading_intercompare.readers.registry import (
     find_format,
@@ -149,6 +151,8 @@ def judge_csv(path: str, name: str, settings: Settings,
     for pairs in rows:
         judging.take(pairs)
     judging.end()
+    if why := judging.why_not_degrees:
+        raise BagError(why, path)
     problems += [rows.cut] if rows.cut else []
     ledger, kept = judging.ledger, None
     if account is not None:
@@ -208,9 +212,12 @@ class _Judging:
         self._jumps = None if trusted else JumpFilter('ts', settings.pairing.jump_s,
                                                       Pairs.empty())
         self._n = 0
+        self._watches = {name: AngleWatch() for name in ('ts_deg', 'rs_deg')}
 
     def take(self, pairs: Pairs) -> None:
         self._n += len(pairs)
+        for name, watch in self._watches.items():
+            watch.update(pairs.stamp_ns, getattr(pairs, name))
         for stream in ('ts', 'rs'):
             self.ledger.receive(stream, pairs.stamp_ns)
         if self._jumps is None:
@@ -229,6 +236,12 @@ class _Judging:
         self._compliance.finish()
         for cut_ns in self._compliance.cuts:
             self.ledger.cut(cut_ns)
+
+    @property
+    def why_not_degrees(self) -> str:
+        """Return which headings are in another unit, in words; empty if none."""
+        return '; '.join(f'{name}: {watch.words}; give it in degrees'
+                         for name, watch in self._watches.items() if watch.words)
 
     def _decide(self, decided: Decided[Pairs]) -> None:
         for reason, stamps in (('stamp_not_increasing', decided.late_ns),

@@ -54,6 +54,8 @@ _SHOWN = 40
 
 def _heading(text: str) -> float:
     heading_deg = float(text) if text else math.nan
+    if -180.0 <= heading_deg < 0.0:
+        return heading_deg % 360.0
     return heading_deg if math.isfinite(heading_deg) else math.nan
 
 

@@ -21,7 +21,7 @@ from decimal import Decimal, localcontext
 import re
 from typing import Callable, Mapping, NamedTuple, Sequence
 
-from heading_intercompare.core.given_stamps import find_unit
+from heading_intercompare.core.units.given_stamps import find_unit
 from heading_intercompare.core.utc_text import utc
 
 __all__ = ['explain_stamp', 'looks_like_days', 'looks_like_unit', 'nanoseconds',

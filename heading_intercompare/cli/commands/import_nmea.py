@@ -88,7 +88,8 @@ def run(arguments: argparse.Namespace) -> int:
                 logs[role] = import_antennas(arguments.rs_antennas, drivers[role],
                                              settings.antennas)
                 continue
-            logs[role] = import_log(path, drivers[role], progress.show, role=role)
+            logs[role] = import_log(path, drivers[role], progress.show, role=role,
+                                    unit=settings.ts_unit if role == 'ts' else settings.rs_unit)
     origins = {role: log.origin for role, log in logs.items()}
     read = {role: _that_fit(log.headings) for role, log in logs.items()}
     for role, log in logs.items():

@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Collection
 
 from heading_intercompare.core.declared_settings import Checked, setting, SettingsError
+from heading_intercompare.core.units.angle_units import ANGLE_UNITS
 
 from .settings_rows import read_rows
 
@@ -42,6 +43,8 @@ class Sensor(Checked):
                         choices=('ts', 'rs'))
     topic: str = setting('', 'topic of its headings; without one NAME/heading')
     convention: str = setting('enu', 'world axes of its orientation', choices=('enu', 'ned'))
+    unit: str = setting('auto', 'unit of its headings in a file of numbers, as ts_unit',
+                        choices=('auto', *ANGLE_UNITS))
     sigma_max_deg: float | None = setting(
         None, 'norm of its standard deviation [deg]; without one that of norms', 0.0)
     sensor_class: str | None = setting(

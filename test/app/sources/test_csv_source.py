@@ -288,3 +288,19 @@ def test_the_account_overwrites_no_input(pairs, tmp_path, capsys):
     assert main(['analyze', str(path), *NORMS, '--csv', str(tmp_path / 'c.csv'), '--json',
                  str(tmp_path / 'c.csv.account.json')]) == 2
     assert 'that is the file of --csv' in capsys.readouterr().err
+
+
+def test_pairs_in_radians_are_refused_and_signed_degrees_are_taken(tmp_path, capsys, rng):
+    """Both sensors turn across north; as degrees, radians would comply."""
+    course = 60.0 * np.sin(np.arange(1500) / 60.0)
+    ts, rs = (course + sigma * rng.standard_normal(1500) for sigma in (0.1, 0.05))
+    form = {'deg': lambda x: (x + 180.0) % 360.0 - 180.0, 'rad': lambda x: np.radians(x % 360.0)}
+    for unit, make in form.items():
+        rows = ''.join(f'{(1716926400 + k) * 10 ** 9},{a:.5f},{b:.5f}\n'
+                       for k, (a, b) in enumerate(zip(make(ts), make(rs))))
+        (tmp_path / f'{unit}.csv').write_text('stamp_ns,ts_deg,rs_deg\n' + rows)
+    norms = ['--set', 'norms.sigma_max_deg=0.2', '--set', 'norms.sigma_ref_max_deg=0.1']
+    assert main(['analyze', str(tmp_path / 'deg.csv'), *norms]) == 0
+    assert capsys.readouterr().out.startswith('VERDICT: COMPLIANT')
+    assert main(['analyze', str(tmp_path / 'rad.csv'), *norms]) == 2
+    assert 'ts_deg: the headings lie within' in capsys.readouterr().err

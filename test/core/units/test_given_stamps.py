@@ -21,8 +21,8 @@ from datetime import datetime, timedelta, timezone
 import numpy as np
 import pytest
 
-from heading_intercompare.core.given_stamps import EARLIEST_NS, utc_stamps
 from heading_intercompare.core.records import Headings
+from heading_intercompare.core.units.given_stamps import EARLIEST_NS, utc_stamps
 
 NOON_NS = int(np.datetime64('2014-08-01T12:00:00', 'ns').astype(np.int64))
 NOON = np.datetime64('2014-08-01T12:00:00', 's')
