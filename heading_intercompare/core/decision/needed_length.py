@@ -19,9 +19,10 @@ from __future__ import annotations
 import math
 
 from heading_intercompare.core.statistics.cells import LEAST_CELLS
+from heading_intercompare.core.statistics.variance_uncertainty import LEAST_TIMES
 
 from .campaign import Together
-from .coverage import Coverage, LEAST_TIMES, span_words
+from .coverage import Coverage, span_words
 from .guarded import Guarded
 
 __all__ = ['describe_need', 'describe_need_together']

@@ -28,7 +28,7 @@ from heading_intercompare.core.decision.campaign import (
     conclude_sensor,
     judge_together,
 )
-from heading_intercompare.core.decision.coverage import Coverage, coverage_of
+from heading_intercompare.core.decision.coverage import Coverage, coverage_of, slowest_error_s
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.gk import apply_gk, Printed
 from heading_intercompare.core.decision.guarded import decide, Evidence, gather_evidence, Guarded
@@ -239,7 +239,8 @@ class _Decision:
         auto = settings.drift_order == 'auto'
         evidence = gather_evidence(
             cells, n_plus=printed.counts.n_plus, n_plus_plus=printed.counts.n_plus_plus,
-            span_s=data.span_s, offset_u_deg=settings.installation_offset_u_deg,
+            span_s=data.span_s, slowest_s=slowest_error_s(self._risk),
+            offset_u_deg=settings.installation_offset_u_deg,
             order=HIGHEST_ORDER_REMOVED if auto else data.order,
             mean_deg=data.moments.mean_deg if data.moments.n else None,
             drift_left_deg2=drift_left_deg2)

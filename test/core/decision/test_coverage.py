@@ -22,6 +22,7 @@ from heading_intercompare.core.decision.coverage import (
     coverage_of,
     least_duration_s,
     least_duration_words,
+    SEA_STATE_S,
     SENSOR_CLASSES,
     slowest_error_s,
     span_words,
@@ -75,13 +76,20 @@ def test_the_swing_of_a_gyrocompass_by_hand():
     assert SENSOR_CLASSES['gyrocompass'].slowest_s == pytest.approx(by_hand_s, rel=0.005)
 
 
+def test_no_class_is_faster_than_the_changes_of_the_sea_state():
+    """Multipath changes in 5 min, but the sea state, and the size of the errors, in 30."""
+    assert SENSOR_CLASSES['gnss_compass'].error_s == 300.0
+    assert SENSOR_CLASSES['gnss_compass'].slowest_s == SEA_STATE_S
+    assert min(one.slowest_s for one in SENSOR_CLASSES.values()) == SEA_STATE_S
+
+
 @pytest.mark.parametrize('risk, words', [
     (Risk(), 'a run must last 10 min to comply; its slowest error is not stated '
      '(risk.slowest_error_s)'),
     (Risk(slowest_error_s=60.0, min_duration_s=3600.0),
      'a run must last 60 min to comply (risk.min_duration_s)'),
     (Risk(sensor_class='gnss_compass'),
-     'a run must last 100 min to comply: 20 times its slowest error, 5 min')])
+     'a run must last 10.0 h to comply: 20 times its slowest error, 30 min')])
 def test_the_length_is_said_before_the_trial(risk, words):
     assert least_duration_words(risk) == words
 
