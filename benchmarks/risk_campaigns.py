@@ -43,6 +43,7 @@ from heading_intercompare.core.statistics.variance_uncertainty import (
     lower_bound,
     pool,
     scatter_of_runs,
+    Spread,
     upper_bound,
 )
 
@@ -313,7 +314,64 @@ def table_stated_runs() -> list[Campaign]:
     return rows
 
 
+LONGER = (2, 4, 8)
+RATIOS_SEEN = ((0.0, 12.0), (12.0, 30.0), (30.0, math.inf))
+LEVELS_SEEN = ((0.0, 0.6), (0.6, 0.8), (0.8, 1.0))
+TRUE_LEVELS = (0.4, 0.5, 0.6, 0.7, 0.8)
+
+
+def _longer(low_r: float, high_r: float) -> Campaign:
+    """
+    Return a row of runs that a slow part leaves open, when they go on.
+
+    They hold 3 to 30 correlation times of four processes. Those with a ratio R in these bounds
+    are sorted by the standard deviation that they show, over the root of the limit.
+    """
+    name = f'R from {low_r:g} to {high_r:g}'
+
+    def measure(rng: np.random.Generator, wanted: int | None, alpha: float) -> Result:
+        certified: list[list[tuple[bool, ...]]] = [[] for _ in LEVELS_SEEN]
+        for times in (3, 5, 10, 20, 30):
+            n = 60 * times
+            for process in ('AR(1)', '0.5 white + 0.5 AR(1)', 'Laplace AR(1)', 'damped swing'):
+                errors = _stated_processes(60.0)[process]
+                for many in batches(errors, LONGER[-1] * n, runs_for(n, wanted), rng):
+                    for x in many:
+                        first = estimate_spread(Cells.of(x[:n]))
+                        if first is not None and low_r <= first.r_slow < high_r:
+                            _go_on(x, first, alpha, certified)
+        cells = []
+        for found in certified:
+            shares = np.mean(found, axis=0) if found else np.full(len(LONGER), math.nan)
+            cells.append(f'{len(found)}: ' + ' / '.join(f'{s:.2f}' for s in shares))
+        return Result((name, *cells))
+    return Campaign(name, measure)
+
+
+def _go_on(x: np.ndarray, first: Spread, alpha: float,
+           certified: list[list[tuple[bool, ...]]]) -> None:
+    """Add which multiples of an open run are certified, by the level that it shows."""
+    n, d, slow = first.n, first.d_deg2, first.slow_allowance_deg2
+    upper = upper_bound(first, alpha)
+    later = [upper_bound(estimate_spread(Cells.of(x[:r * n])), alpha) for r in LONGER]
+    for level in TRUE_LEVELS:
+        limit = 1.0 / level ** 2
+        if upper <= limit or not (upper - slow <= limit or d <= limit < d + slow):
+            continue
+        for (low, high), found in zip(LEVELS_SEEN, certified):
+            if low <= math.sqrt(d / limit) < high:
+                found.append(tuple(u <= limit for u in later))
+
+
+def table_longer() -> list[Campaign]:
+    """Return the rows of runs that a slow part leaves open, when they go on."""
+    return [_longer(*ratios) for ratios in RATIOS_SEEN]
+
+
 CAMPAIGNS = {
+    'longer': (table_longer, ('R of the open run', *(
+        f'seen at {low:g}-{high:g}: runs: certified at 2 / 4 / 8 times the length'
+        for low, high in LEVELS_SEEN))),
     'runs': (table_runs, ('errors of each run', 'm', 'campaigns', 'every run: hi / lo',
                           'accepts', 'pooled: hi / lo', 'accepts', 'with the means: hi',
                           'accepts')),

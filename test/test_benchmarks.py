@@ -54,6 +54,7 @@ QUICK = {'A': '^AR.1., 20$', 'cells': '^AR.1., 20$', 'drift': '^AR.1., 20; (orde
          'gaps': '^AR.1., 20; five', 'short': 'white, n = 128$', 'rates': '^10 Hz, n = 512: sea',
          'E': '0.5 slow, 1, n = 600', 'runs': '^AR.1., 50$', 'means': '^1, 2 runs',
          'looks': '^white; 4', 'B': '^AR', 'stated': '^AR.1., 20$', 'stated_lengths': '^AR',
+         'longer': '^R from 0',
          'stated_runs': '^AR.1.; 5 of 20$'}
 
 ERRORS = {'white': processes.white, 'AR(1)': processes.ar1(25.0),

@@ -132,6 +132,9 @@ class Guarded:
     duration_factor, hours_needed : float or None
         Factor by which the run must grow to decide, other things being equal, and the length that
         gives.
+    m_low_needed : float or None
+        Least `norms.m_low` with which a run that is long enough would comply as it is; None if
+        none would, or if it complies.
     bias_u_deg, bias_interval_deg, bias_significant : float, pair of float, bool or None
         Standard uncertainty of the mean, its 95 % interval, and whether that excludes 0.
     rate_plus, rate_plus_plus : float or None
@@ -164,6 +167,7 @@ class Guarded:
     conformance_probability: float | None = None
     duration_factor: float | None = None
     hours_needed: float | None = None
+    m_low_needed: float | None = None
     bias_u_deg: float | None = None
     bias_interval_deg: tuple[float, float] | None = None
     bias_significant: bool | None = None
@@ -284,6 +288,7 @@ def decide(evidence: Evidence, limits: Limits, risk: Risk) -> Guarded:
         conformance_probability=mean_confidence(
             found, math.sqrt(limits.ts_variance_factor) * limits.sigma_max_deg, low_deg, up_deg),
         duration_factor=factor, hours_needed=factor * evidence.span_s / 3600.0,
+        m_low_needed=limits.m_low_for(upper) if is_long and lower <= reject else None,
         bias_u_deg=bias_u_deg, bias_interval_deg=(low_bias_deg, up_bias_deg),
         bias_significant=not low_bias_deg <= 0.0 <= up_bias_deg,
         rate_plus=rates[0], rate_plus_plus=rates[1],
