@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 import math
 from typing import Sequence
 
@@ -128,8 +128,9 @@ class Together:
     acceptance_limit_deg2: float
     rejection_limit_deg2: float
     rate_plus_lower: float
-    scatter_upper_bound_deg2: float | None = None
-    stated_times: float | None = None
+    scatter_upper_bound_deg2: float | None = field(
+        default=None, metadata={'left_out': True})
+    stated_times: float | None = field(default=None, metadata={'left_out': True})
 
 
 def judge_together(runs: Sequence[Evidence], limits: Sequence[Limits], risk: Risk, variant: str,

@@ -16,11 +16,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Mapping
+from dataclasses import dataclass, field
+from typing import Mapping, Sequence
 
 from heading_intercompare.core.settings import Risk
 from heading_intercompare.core.statistics.variance_uncertainty import LEAST_TIMES
+
+from .scope import Scope
 
 __all__ = ['Coverage', 'coverage_of', 'least_apart_s', 'least_duration_s', 'least_duration_words',
            'least_together_s', 'SEA_STATE_S', 'SENSOR_CLASSES', 'SensorClass', 'slowest_error_s',
@@ -116,6 +118,8 @@ class Coverage:
         Least duration of a run that may comply, seconds.
     by_run_means : bool
         Whether the means of several runs cover slower errors.
+    scope : Scope or None
+        Fast errors, headings, latitude, mean and risk; None for a verdict of an older version.
 
     """
 
@@ -124,16 +128,20 @@ class Coverage:
     stated_s: float | None
     least_duration_s: float
     by_run_means: bool = False
+    scope: Scope | None = field(default=None, metadata={'left_out': True})
 
     @property
     def words(self) -> str:
         """Return the line of a certificate that states its coverage."""
         covered = f'for errors that change within {span_words(self.longest_s)}'
+        if self.scope is not None and self.scope.shortest_s is not None:
+            covered += f' and not faster than {span_words(self.scope.shortest_s)}'
+        covered += ', and that come at least three times in the run'
         if self.by_run_means:
-            covered += ', from run to run'
-        if self.stated_s is None:
-            return f'{covered}; slower errors are not covered'
-        return f'{covered}; the slowest stated is {span_words(self.stated_s)}'
+            covered += ', or from run to run'
+        covered += ('; slower errors are not covered' if self.stated_s is None
+                    else f'; the slowest stated is {span_words(self.stated_s)}')
+        return f'{covered}; {self.scope.words}' if self.scope is not None else covered
 
 
 def span_words(span_s: float) -> str:
@@ -213,7 +221,8 @@ def least_duration_words(risk: Risk) -> str:
     return f'{text}: {LEAST_TIMES:g} times its slowest error, {span_words(slowest)}'
 
 
-def coverage_of(span_s: float, risk: Risk, *, apart_s: float | None = None) -> Coverage:
+def coverage_of(span_s: float, risk: Risk, *, apart_s: float | None = None,
+                scopes: Sequence[Scope] = ()) -> Coverage:
     """
     Return the errors that a record of this length covers.
 
@@ -225,10 +234,13 @@ def coverage_of(span_s: float, risk: Risk, *, apart_s: float | None = None) -> C
         Its slowest errors stated, and the risks.
     apart_s : float, optional
         Shortest time between runs, seconds, if their means cover slower errors.
+    scopes : sequence of Scope
+        Those of the runs.
 
     """
-    longest = span_s / LEAST_TIMES
+    longest, scope = span_s / LEAST_TIMES, Scope.join(scopes)
     if apart_s is None:
-        return Coverage(span_s, longest, slowest_error_s(risk), least_duration_s(risk))
+        return Coverage(span_s, longest, slowest_error_s(risk), least_duration_s(risk),
+                        scope=scope)
     return Coverage(span_s, max(longest, apart_s), slowest_error_s(risk), least_together_s(risk),
-                    True)
+                    True, scope)

@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 import math
 
 import scipy
@@ -155,7 +155,7 @@ class Guarded:
     r_slow: float | None = None
     slow_variance_deg2: float | None = None
     slow_allowance_deg2: float | None = None
-    stated_times: float | None = None
+    stated_times: float | None = field(default=None, metadata={'left_out': True})
     upper_bound_deg2: float | None = None
     lower_bound_deg2: float | None = None
     acceptance_limit_deg2: float
@@ -167,7 +167,7 @@ class Guarded:
     conformance_probability: float | None = None
     duration_factor: float | None = None
     hours_needed: float | None = None
-    m_low_needed: float | None = None
+    m_low_needed: float | None = field(default=None, metadata={'left_out': True})
     bias_u_deg: float | None = None
     bias_interval_deg: tuple[float, float] | None = None
     bias_significant: bool | None = None

@@ -89,7 +89,8 @@ def describe_need(reason: str, guarded: Guarded, coverage: Coverage, *, n: int,
     Notes
     -----
     The allowance for a slow part falls as the record grows past it. How fast depends on how far
-    that part stands out, so the lengths have chances that were measured. The bound of a drift that is not significant is uncertainty, which falls with the length.
+    that part stands out, so the lengths have chances that were measured. The bound of a drift
+    that is not significant is uncertainty, which falls with the length.
 
     """
     first = []

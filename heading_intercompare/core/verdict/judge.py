@@ -32,6 +32,7 @@ from heading_intercompare.core.decision.coverage import Coverage, coverage_of, s
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.gk import apply_gk, Printed
 from heading_intercompare.core.decision.guarded import decide, Evidence, gather_evidence, Guarded
+from heading_intercompare.core.decision.scope import Scope
 from heading_intercompare.core.decision.sequential import Look, LookVerdict, risk_at_the_end
 from heading_intercompare.core.decision.taken_out import AsRecorded, Stretch, TakenOut
 from heading_intercompare.core.diagnostics.prepare import (
@@ -362,7 +363,8 @@ def _judge(run: RunSeries, settings: Settings, number: int, source: str, risk: R
     judged = examine(Examined(columns, found, settings, outcome, guarded, decision.outcome,
                               checked))
     told(1.0)
-    coverage = coverage_of(data.span_s, risk)
+    coverage = coverage_of(data.span_s, risk,
+                           scopes=[Scope.of(data.stamp_ns, data.rs_deg, settings)])
     direction, length = circular_mean(data.x_deg) if n else (None, None)
     verdict = RunVerdict(
         run=number, source=source, start_ns=run.start_ns, end_ns=run.end_ns,
@@ -472,6 +474,7 @@ def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,
     sound = [r for r in results if r.verdict.validity_effect != VOID]
     shared = judge_together([r.evidence for r in sound], [r.limits for r in sound], risk,
                             settings.variant, _apart_s([r.verdict for r in sound]))
+    scopes = [scope for r in results if (scope := r.verdict.coverage.scope) is not None]
     if settings.campaign.rule == 'sensor':
         met = all(r.printed.total.outcome in (None, Outcome.COMPLIANT) for r in results)
         outcome, reason = conclude_sensor(shared, [r.limits for r in results], met, risk)
@@ -479,13 +482,13 @@ def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,
             outcome, reason = Outcome.INDETERMINATE, 'a_run_repeated'
         coverage = None if shared is None else coverage_of(
             shared.span_s, risk, apart_s=None if shared.between_upper_bound_deg2 is None
-            else shared.apart_s)
+            else shared.apart_s, scopes=scopes)
     else:
         outcome, reason = conclude_every_run(
             [r.verdict.outcome for r in results],
             [r.outcome_among(len(results), settings) for r in results])
         spans = [r.evidence.span_s for r in results]
-        coverage = coverage_of(min(spans), risk) if spans else None
+        coverage = coverage_of(min(spans), risk, scopes=scopes) if spans else None
     if len(sound) < len(results) and outcome is not Outcome.NON_COMPLIANT:
         outcome, reason = Outcome.INDETERMINATE, 'a_run_void'
     if incomplete and outcome is Outcome.COMPLIANT:

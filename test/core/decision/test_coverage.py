@@ -34,13 +34,15 @@ def test_a_twentieth_of_the_record_is_covered():
     found = coverage_of(624.0, Risk())
     assert (found.span_s, found.longest_s, found.stated_s, found.least_duration_s) == (
         624.0, 31.2, None, 600.0)
-    assert found.words == 'for errors that change within 31 s; slower errors are not covered'
+    assert found.words == ('for errors that change within 31 s, and that come at least three '
+                           'times in the run; slower errors are not covered')
 
 
 def test_a_statement_takes_the_place_of_the_default():
     assert least_duration_s(Risk(slowest_error_s=2.0)) == 40.0
     assert coverage_of(100.0, Risk(slowest_error_s=2.0)).words == \
-        'for errors that change within 5 s; the slowest stated is 2 s'
+        'for errors that change within 5 s, and that come at least three times in the run; ' \
+        'the slowest stated is 2 s'
 
 
 @pytest.mark.parametrize('given, least', [
@@ -104,7 +106,8 @@ def test_means_of_runs_stand_in_for_slow_errors():
     found = coverage_of(9000.0, Risk(), apart_s=3600.0)
     assert (found.longest_s, found.least_duration_s, found.by_run_means) == (3600.0, 600.0, True)
     assert found.words == \
-        'for errors that change within 60 min, from run to run; slower errors are not covered'
+        'for errors that change within 60 min, and that come at least three times in the run, ' \
+        'or from run to run; slower errors are not covered'
     stated = coverage_of(9000.0, Risk(sensor_class='gyrocompass', min_duration_s=7200.0),
                          apart_s=3600.0)
     assert stated.least_duration_s == 7200.0

@@ -340,7 +340,7 @@ def test_no_figure_is_ever_nan(x, ref):
         assert (value is not None) or name in ('stated_times', 'm_low_needed')
         numbers = value if isinstance(value, tuple) else (value,)
         assert not any(isinstance(v, float) and math.isnan(v) for v in numbers), name
-    assert set(make_plain(got)) == set(KEYS)
+    assert set(KEYS) - set(make_plain(got)) <= {'stated_times', 'm_low_needed'}
     for name in ('confidence_compliant', 'confidence_non_compliant', 'conformance_probability',
                  'rate_plus_lower', 'rate_plus_plus_upper'):
         assert 0.0 <= getattr(got, name) <= 1.0
@@ -367,8 +367,8 @@ def test_an_offset_changes_the_bias_and_nothing_else(offset, rng):
     a, b = make_plain(judged(x)), make_plain(judged(x + offset))
     for name in KEYS:
         if not name.startswith('bias'):
-            assert a[name] == (pytest.approx(b[name], rel=1e-9)
-                               if isinstance(b[name], float) else b[name]), name
+            assert a.get(name) == (pytest.approx(b[name], rel=1e-9) if isinstance(
+                b.get(name), float) else b.get(name)), name
 
 
 def test_the_unit_of_the_angle_does_not_matter(rng):
