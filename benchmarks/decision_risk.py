@@ -27,7 +27,8 @@ fail.
     python benchmarks/decision_risk.py --table rates --jobs 4
 
 Tables: A one run; cells the same with cells of equal time; drift, gaps, rates, short; B lengths
-needed; E slow components; runs and means several runs together; looks.
+needed; E slow components; runs and means several runs together; looks; stated, stated_lengths and
+stated_runs the same with the slowest error stated; longer what a longer run decides.
 """
 
 from __future__ import annotations
@@ -41,7 +42,7 @@ from time import perf_counter
 import history
 import numpy as np
 from risk_campaigns import Campaign, CAMPAIGNS
-from risk_measures import COLUMNS, measure_row, Result
+from risk_measures import COLUMNS, measure_row, Result, STATED_COLUMNS
 from risk_rows import Row, ROWS
 
 __all__ = ['columns', 'main', 'measure', 'rows_of']
@@ -54,6 +55,8 @@ def rows_of(table: str) -> list[Row | Campaign]:
 
 def columns(table: str) -> tuple[str, ...]:
     """Return the heads of its columns."""
+    if table == 'stated':
+        return STATED_COLUMNS
     return COLUMNS if table in ROWS else CAMPAIGNS[table][1]
 
 

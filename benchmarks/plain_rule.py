@@ -28,7 +28,8 @@ import math
 import numpy as np
 from scipy.stats import chi2, norm, t as student
 
-__all__ = ['between_runs', 'lower_bound', 'Plain', 'pool', 'spread', 'upper_bound']
+__all__ = ['between_runs', 'lower_bound', 'Plain', 'pool', 'scatter_of_runs', 'spread',
+           'stated_bound', 'stated_bound_of_runs', 'upper_bound']
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,6 +49,11 @@ class Plain:
     low_deg2: float
     middle_deg2: float
     student_dof: int = 12
+    k4: float = 3.0
+    order: int = 0
+    occupied: float = 1.0
+    cells: int = 0
+    c2: np.ndarray | None = None
 
 
 def _places(n: int, stamp_ns: np.ndarray | None) -> list[int]:
@@ -134,7 +140,8 @@ def spread(x: np.ndarray, order: int = 0, stamp_ns: np.ndarray | None = None) ->
             corner = min(corner, j)
             f = min(f, 0.45 * occupied * j / ((plateau - floor) / plateau * g ** 2))
     low, mid = a(p + 1, p + 4) / count, a(p + 13, p + 28) / count
-    return Plain(n, d, math.sqrt(s2), f, nu, corner, *_slow(low, mid), v, low, mid)
+    return Plain(n, d, math.sqrt(s2), f, nu, corner, *_slow(low, mid), v, low, mid, k4=k4, order=p,
+                 occupied=occupied, cells=count, c2=c2)
 
 
 def _slow(low: float, mid: float) -> tuple[float, float, float]:
@@ -195,3 +202,60 @@ def between_runs(runs: list[Plain], means_deg: np.ndarray, alpha: float) -> floa
     d = all_runs.d_deg2 - all_runs.mean_variance_deg2 + between
     factor = (m - 1) / float(chi2.ppf(alpha, m - 1)) - 1.0
     return d + math.hypot(_x(all_runs.f, alpha, 12 * m) * all_runs.s_deg2, factor * between)
+
+
+def _contradicted(figures: Plain, flat: float) -> float:
+    """Return G where R is above three times that of the stated errors, otherwise 0."""
+    return figures.slow_allowance_deg2 if figures.r_slow > 3.0 * flat else 0.0
+
+
+def _flat(times: float, p: int) -> float:
+    """Return R0."""
+    return ((1.0 + ((20.5 + p) * math.pi / times) ** 2)
+            / (1.0 + ((2.5 + p) * math.pi / times) ** 2))
+
+
+def stated_bound(figures: Plain, times: float, alpha: float) -> float:
+    """Return U of one run whose length in slowest errors is stated. S.17."""
+    n, p, d, k4 = figures.n, figures.order, figures.d_deg2, figures.k4
+    seen, g = times * figures.occupied, max(1.0, k4 / 3.0)
+    modes = min(128, figures.cells // 4, max(8, math.floor(seen / 3.0)))
+    w = float(np.mean(figures.c2[:modes])) / figures.cells
+    v = figures.mean_variance_deg2
+    s2 = max(min(w + 6.0 * (1 + p) ** 2 * v ** 2 / figures.occupied,
+                 d ** 2 * (max(k4, 3.0) - 1.0) / seen), 2.0 * d ** 2 / n) * (1.0 + 30.0 / n)
+    f = min(2.0 * d ** 2 / s2, max(0.45 * seen / g ** 2, figures.f / 2.0))
+    return (d + 1.1 * (1.0 + 0.7 * math.log(g)) * _x(f, alpha, modes) * math.sqrt(s2)
+            + _contradicted(figures, _flat(times, p)))
+
+
+def stated_bound_of_runs(runs: list[Plain], times: list[float], alpha: float) -> float:
+    """Return U of several runs whose lengths in slowest errors are stated. S.18."""
+    together = pool(runs)
+    w = np.array([r.n for r in runs], dtype=float) / together.n
+    d = 0.0
+    for r, t, share in zip(runs, times, w):
+        p = r.order
+        first, last = (1, 8) if p == 0 else (p + 1, p + 4)
+        bent = (last - first + 1) / sum(1.0 / (1.0 + (j * math.pi / t) ** 2)
+                                        for j in range(first, last + 1))
+        swallowed = r.mean_variance_deg2 if p == 0 else (1 + p) * r.low_deg2
+        d += share * (r.d_deg2 - swallowed + bent * swallowed)
+    g = max(1.0, sum(share * r.k4 for r, share in zip(runs, w)) / 3.0)
+    flat = sum(share * _flat(t, r.order) for r, t, share in zip(runs, times, w))
+    return (d + (1.0 + 0.5 * math.log(g)) * _x(together.f, alpha, together.student_dof)
+            * together.s_deg2 + _contradicted(together, flat))
+
+
+def scatter_of_runs(runs: list[Plain], means_deg: np.ndarray, alpha: float) -> float:
+    """Return U from the scatter of the runs. S.19."""
+    m = len(runs)
+    w = np.array([r.n for r in runs], dtype=float)
+    w /= w.sum()
+    means = np.asarray(means_deg, dtype=float)
+    squares = np.array([r.d_deg2 - r.mean_variance_deg2 for r in runs]) + (
+        means - np.sum(w * means)) ** 2
+    middle = float(np.sum(w * squares))
+    s = math.sqrt(m / (m - 1) * float(np.sum((w * (squares - middle)) ** 2)))
+    q = middle + float(np.var(means, ddof=1)) * float(np.sum(w ** 2))
+    return q + _x(min(2.0 * q ** 2 / s ** 2, pool(runs).f), alpha, m - 1) * s

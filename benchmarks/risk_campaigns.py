@@ -20,11 +20,19 @@ from dataclasses import dataclass
 import math
 from typing import Callable
 
-from error_processes import ar1, as_laplace, as_student5, Errors, sea_state, white
+from error_processes import (
+    ar1,
+    as_laplace,
+    as_student5,
+    Errors,
+    narrow_band,
+    sea_state,
+    white,
+)
 from former_rule import former_rule
 import numpy as np
 from risk_measures import batches, Bounds, fails, rate, Result, runs_for, SIGMAS
-from risk_rows import band, half
+from risk_rows import band, half, JUDGED_FROM
 
 from heading_intercompare.core.decision.sequential import Looks
 from heading_intercompare.core.settings import Risk
@@ -34,6 +42,8 @@ from heading_intercompare.core.statistics.variance_uncertainty import (
     estimate_spread,
     lower_bound,
     pool,
+    scatter_of_runs,
+    Spread,
     upper_bound,
 )
 
@@ -221,7 +231,147 @@ def table_b() -> list[Campaign]:
             _power('0.5 white + 0.5 narrow band', 60, half(band(60.0)))]
 
 
+STATED_LENGTHS = tuple(round(20 * 2.0 ** (k / 2.0)) for k in range(10))
+
+
+def _stated_power(name: str, samples: int, errors: Errors) -> Campaign:
+    """Return a row of the lengths needed: rule that knows D, not stated, stated."""
+    def measure(rng: np.random.Generator, wanted: int | None, alpha: float) -> Result:
+        shares = np.empty((3, len(SIGMAS), len(STATED_LENGTHS)))
+        for k, times in enumerate(STATED_LENGTHS):
+            found, n = [], times * samples
+            for many in batches(errors, n, runs_for(n, wanted), rng):
+                for x in many:
+                    cells = Cells.of(x)
+                    f = estimate_spread(cells)
+                    found.append((f.d_deg2, upper_bound(f, alpha),
+                                  upper_bound(estimate_spread(cells, 0, times), alpha)))
+            d, alone, stated = np.array(found).T
+            for i, upper in enumerate((d / np.quantile(d, alpha), alone, stated)):
+                shares[i, :, k] = [np.mean(s * s * upper <= 1.0) for s in SIGMAS]
+        return Result((name, *(' / '.join(_length(shares[i, j], STATED_LENGTHS)
+                                          for i in range(3)) for j in range(len(SIGMAS)))))
+    return Campaign(name, measure)
+
+
+def _stated_processes(samples: float) -> dict[str, Errors]:
+    """Return processes with one correlation time of this many samples."""
+    return {'AR(1)': ar1(samples), 'narrow band': band(samples),
+            'damped swing': narrow_band(samples, 2.2 * samples),
+            '0.5 white + 0.5 AR(1)': half(ar1(samples)),
+            '0.5 white + 0.5 narrow band': half(band(samples)),
+            'Laplace AR(1)': as_laplace(ar1(samples)),
+            'Student-5 AR(1)': as_student5(ar1(samples)),
+            'sea state of sd 0.7, white': sea_state(0.7, samples, white)}
+
+
+def table_stated_lengths() -> list[Campaign]:
+    """Return the rows of the lengths needed if the slowest error is stated."""
+    return [_stated_power(name, 30, errors) for name, errors in _stated_processes(30.0).items()]
+
+
+def _stated_runs(name: str, times: tuple[float, ...], samples: int, errors: Errors) -> Campaign:
+    name = f'{name}; {len(times)} of {"/".join(f"{t:g}" for t in dict.fromkeys(times))}'
+
+    def measure(rng: np.random.Generator, wanted: int | None, alpha: float) -> Result:
+        lengths = [round(t * samples) for t in times]
+        count = runs_for(sum(lengths), wanted)
+        runs = [(x for many in batches(errors, n, count, child) for x in many)
+                for n, child in zip(lengths, rng.spawn(len(times)))]
+        rows = []
+        for together in zip(*runs):
+            f = [estimate_spread(Cells.of(x), 0, t) for x, t in zip(together, times)]
+            means = [float(x.mean()) for x in together]
+            between = between_runs(f, means, alpha)
+            rows.append((upper_bound(pool(f), alpha),
+                         upper_bound(pool(f, by_statement=True), alpha), between,
+                         max(between, scatter_of_runs(f, means, alpha))))
+        upper = np.array(rows).T
+        is_pooled = min(times) >= JUDGED_FROM
+        judged = (False, is_pooled, False, min(times) >= 10.0)
+        cells = []
+        for u, is_judged in zip(upper, judged):
+            cells += [rate(u < 1.0, alpha, is_judged), _accepts(u)]
+        return Result((name, str(count), *cells),
+                      any(is_judged and fails(u < 1.0, alpha)
+                          for u, is_judged in zip(upper, judged)))
+    return Campaign(name, measure)
+
+
+def table_stated_runs() -> list[Campaign]:
+    """Return the rows of several runs if the slowest error is stated."""
+    kinds = ((20.0,) * 5, (20.0,) * 10, (20.0,) * 30, (10.0,) * 5, (10.0,) * 10, (10.0,) * 20,
+             (20.0, 40.0) * 3, (8.0,) * 10, (6.0,) * 10, (4.5,) * 10, (3.0,) * 10, (1.0,) * 10,
+             (0.1,) * 10)
+    rows = []
+    for name in ('AR(1)', 'narrow band', '0.5 white + 0.5 AR(1)', 'Student-5 AR(1)',
+                 'sea state of sd 0.7, white'):
+        for times in kinds:
+            # At least 600 samples in a run.
+            samples = max(30, round(600 / min(times)))
+            rows.append(_stated_runs(name, times, samples,
+                                     _stated_processes(float(samples))[name]))
+    return rows
+
+
+LONGER = (2, 4, 8)
+RATIOS_SEEN = ((0.0, 12.0), (12.0, 30.0), (30.0, math.inf))
+LEVELS_SEEN = ((0.0, 0.6), (0.6, 0.8), (0.8, 1.0))
+TRUE_LEVELS = (0.4, 0.5, 0.6, 0.7, 0.8)
+
+
+def _longer(low_r: float, high_r: float) -> Campaign:
+    """
+    Return a row of runs that a slow part leaves open, when they go on.
+
+    They hold 3 to 30 correlation times of four processes. Those with a ratio R in these bounds
+    are sorted by the standard deviation that they show, over the root of the limit.
+    """
+    name = f'R from {low_r:g} to {high_r:g}'
+
+    def measure(rng: np.random.Generator, wanted: int | None, alpha: float) -> Result:
+        certified: list[list[tuple[bool, ...]]] = [[] for _ in LEVELS_SEEN]
+        for times in (3, 5, 10, 20, 30):
+            n = 60 * times
+            for process in ('AR(1)', '0.5 white + 0.5 AR(1)', 'Laplace AR(1)', 'damped swing'):
+                errors = _stated_processes(60.0)[process]
+                for many in batches(errors, LONGER[-1] * n, runs_for(n, wanted), rng):
+                    for x in many:
+                        first = estimate_spread(Cells.of(x[:n]))
+                        if first is not None and low_r <= first.r_slow < high_r:
+                            _go_on(x, first, alpha, certified)
+        cells = []
+        for found in certified:
+            shares = np.mean(found, axis=0) if found else np.full(len(LONGER), math.nan)
+            cells.append(f'{len(found)}: ' + ' / '.join(f'{s:.2f}' for s in shares))
+        return Result((name, *cells))
+    return Campaign(name, measure)
+
+
+def _go_on(x: np.ndarray, first: Spread, alpha: float,
+           certified: list[list[tuple[bool, ...]]]) -> None:
+    """Add which multiples of an open run are certified, by the level that it shows."""
+    n, d, slow = first.n, first.d_deg2, first.slow_allowance_deg2
+    upper = upper_bound(first, alpha)
+    later = [upper_bound(estimate_spread(Cells.of(x[:r * n])), alpha) for r in LONGER]
+    for level in TRUE_LEVELS:
+        limit = 1.0 / level ** 2
+        if upper <= limit or not (upper - slow <= limit or d <= limit < d + slow):
+            continue
+        for (low, high), found in zip(LEVELS_SEEN, certified):
+            if low <= math.sqrt(d / limit) < high:
+                found.append(tuple(u <= limit for u in later))
+
+
+def table_longer() -> list[Campaign]:
+    """Return the rows of runs that a slow part leaves open, when they go on."""
+    return [_longer(*ratios) for ratios in RATIOS_SEEN]
+
+
 CAMPAIGNS = {
+    'longer': (table_longer, ('R of the open run', *(
+        f'seen at {low:g}-{high:g}: runs: certified at 2 / 4 / 8 times the length'
+        for low, high in LEVELS_SEEN))),
     'runs': (table_runs, ('errors of each run', 'm', 'campaigns', 'every run: hi / lo',
                           'accepts', 'pooled: hi / lo', 'accepts', 'with the means: hi',
                           'accepts')),
@@ -231,6 +381,11 @@ CAMPAIGNS = {
     'looks': (table_looks, ('errors', 'runs', 'ever accepted', 'ever rejected',
                             'risk not shared', 'accepted at (share of plan)',
                             'accepted by the end')),
+    'stated_lengths': (table_stated_lengths, (
+        'errors', *(f'accept {s:g}: known / not stated / stated' for s in SIGMAS))),
+    'stated_runs': (table_stated_runs, (
+        'errors; runs of lengths', 'campaigns', 'S.12: hi', 'accepts', 'S.18: hi', 'accepts',
+        'S.13: hi', 'accepts', 'S.13 and S.19: hi', 'accepts')),
     'B': (table_b, ('errors', *(f'{"accept" if s < 1.0 else "reject"} {s:g}: '
                                 'former / rule / known' for s in TARGETS)))}
 """Tables of several runs, looks or lengths: rows and heads of columns."""

@@ -34,7 +34,7 @@ from heading_intercompare.core.statistics.variance_uncertainty import (
 )
 
 __all__ = ['batches', 'Bounds', 'COLUMNS', 'fails', 'measure_row', 'rate', 'Result', 'runs_of',
-           'SIGMAS']
+           'SIGMAS', 'STATED_COLUMNS']
 
 SIGMAS = (0.5, 0.7, 0.85)
 """True standard deviations, as shares of the limit, for which acceptance is counted."""
@@ -44,6 +44,9 @@ LARGEST_RATE = 0.06
 
 COLUMNS = ('errors', 'n', 'runs', 'rule hi', 'rule lo', 'median L / U',
            'accepts 0.5 / 0.7 / 0.85', 'former: open: hi / lo; accepts')
+
+STATED_COLUMNS = ('errors', 'n', 'runs', 'stated: hi', 'lo', 'median L / U',
+                  'accepts 0.5 / 0.7 / 0.85', 'not stated: hi', 'accepts')
 
 _SAMPLES_AT_ONCE = 4_000_000
 
@@ -150,10 +153,11 @@ def runs_of(row: Row, count: int, rng: np.random.Generator,
             yield x, stamps, order
 
 
-def bounds_of(x: np.ndarray, stamps: np.ndarray | None, order: int,
-              alpha: float) -> tuple[float, float]:
+def bounds_of(x: np.ndarray, stamps: np.ndarray | None, order: int, alpha: float,
+              times: float | None = None) -> tuple[float, float]:
     """Return L and U of one run; 0 and infinity if the rule makes no statement."""
-    figures = estimate_spread(Cells.of(x) if stamps is None else Cells.of(x, stamps), order)
+    figures = estimate_spread(Cells.of(x) if stamps is None else Cells.of(x, stamps), order,
+                              times)
     if figures is None:
         return 0.0, math.inf
     return lower_bound(figures, alpha), upper_bound(figures, alpha)
@@ -162,21 +166,29 @@ def bounds_of(x: np.ndarray, stamps: np.ndarray | None, order: int,
 def measure_row(row: Row, rng: np.random.Generator, wanted: int | None, alpha: float) -> Result:
     """Return a row of a table of single runs."""
     now, former, opened = [], [], 0
+    unstated: list[tuple[float, float]] = []
     for x, stamps, order in runs_of(row, runs_for(row.n, wanted), rng):
-        now.append(bounds_of(x, stamps, order, alpha))
+        # Times count data, a statement counts the whole span.
+        times = row.times / row.stated * row.n / x.size if row.stated else None
+        now.append(bounds_of(x, stamps, order, alpha, times))
+        if row.stated:
+            unstated.append(bounds_of(x, stamps, order, alpha))
         if row.has_former:
             judged = former_rule(x, alpha, order)
             opened += judged.is_open
             former.append((judged.lower_deg2, judged.upper_deg2) if judged.is_open
                           else (0.0, math.inf))
     bounds = Bounds.of(now)
-    beside = '-'
+    beside: tuple[str, ...] = ('-',)
+    if unstated:
+        b = Bounds.of(unstated)
+        beside = rate(b.hi, alpha, False), b.accepts
     if former:
         f = Bounds.of(former)
         beside = (f'{opened / len(former):.3f}: {np.mean(f.hi):.4f} / {np.mean(f.lo):.4f}; '
-                  f'{f.accepts}')
+                  f'{f.accepts}',)
     sides = (bounds.hi, bounds.lo)
     return Result((row.name if row.is_judged else f'({row.name})', str(row.n), str(len(now)),
                    *(rate(side, alpha, row.is_judged) for side in sides), bounds.medians,
-                   bounds.accepts, beside),
+                   bounds.accepts, *beside),
                   row.is_judged and any(fails(side, alpha) for side in sides))

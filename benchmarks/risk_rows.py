@@ -78,6 +78,8 @@ class Row:
         The instants that have a sample.
     rate_hz : float
         Rate of the instants; 0 for samples without stamps.
+    stated : float
+        Slowest error stated to the rule, in correlation times; 0: none.
 
     """
 
@@ -89,16 +91,17 @@ class Row:
     drift: int = 0
     sampling: Sampling | None = None
     rate_hz: float = 0.0
+    stated: float = 0.0
 
     @property
     def is_judged(self) -> bool:
-        """Whether the row can fail."""
-        return self.times >= JUDGED_FROM
+        """Whether the row can fail: long enough, and no error slower than stated."""
+        return self.times >= JUDGED_FROM and not 0.0 < self.stated < 1.0
 
     @property
     def has_former(self) -> bool:
         """Whether to compare with the former rule, which is slow and cannot use stamps."""
-        return self.n <= LONGEST_FORMER and self.sampling is None
+        return self.n <= LONGEST_FORMER and self.sampling is None and not self.stated
 
 
 def band(coherence: float) -> Errors:
@@ -250,6 +253,51 @@ def table_e() -> Iterator[Row]:
                           mixed(share, ar1(n / times), white), times)
 
 
+def table_stated() -> Iterator[Row]:
+    """Yield the rows of a run whose slowest error is stated: rightly, too slow, too fast."""
+    made = {
+        'AR(1)': (30, ar1), 'narrow band': (60, band),
+        '0.5 white + 0.5 AR(1)': (30, lambda tau: half(ar1(tau))),
+        '0.8 white + 0.2 AR(1)': (30, lambda tau: mixed(0.8, white, ar1(tau))),
+        '0.5 white + 0.5 narrow band': (60, lambda tau: half(band(tau))),
+        '0.5 AR(1) + 0.5 AR(1) 30 times slower':
+            (60, lambda tau: mixed(0.5, ar1(tau / 30.0), ar1(tau))),
+        'damped swing': (60, lambda tau: narrow_band(tau, 2.2 * tau)),
+        'Laplace AR(1)': (20, lambda tau: as_laplace(ar1(tau))),
+        'Student-5 AR(1)': (20, lambda tau: as_student5(ar1(tau))),
+        'sea state of sd 0.7, white': (60, lambda tau: sea_state(0.7, tau, white)),
+        'sea state of sd 0.7, AR(1) 30 times faster':
+            (60, lambda tau: sea_state(0.7, tau, ar1(tau / 30.0)))}
+    for name, (samples, process) in made.items():
+        for times in (20, 30, 50, 100):
+            yield Row(f'{name}, {times}', samples * times, process(float(samples)), times,
+                      stated=1.0)
+    for order in (1, 2, 3):
+        for name in ('AR(1)', '0.5 white + 0.5 AR(1)'):
+            for times in (20, 50):
+                yield Row(f'{name}, {times}; drift of order {order} removed', 30 * times,
+                          made[name][1](30.0), times, order, order, stated=1.0)
+    for name, sampling, kept in (('five gaps of 6 %', five_gaps, 0.7),
+                                 ('half of it missing', half_missing, 0.5)):
+        for times in (20, 50):
+            n = round(30 * times / kept)
+            yield Row(f'AR(1), {times}; {name}', n, ar1(30.0), times, sampling=sampling,
+                      rate_hz=10.0, stated=1.0)
+    for stated in (2.0, 0.5, 0.25):
+        for name, times in (('AR(1)', 40), ('0.5 white + 0.5 AR(1)', 40),
+                            ('Student-5 AR(1)', 40), ('AR(1)', 100),
+                            ('sea state of sd 0.7, white', 40)):
+            samples, process = made[name]
+            yield Row(f'{name}, {times}; stated {stated:g} of it', samples * times,
+                      process(float(samples)), times, stated=stated)
+    for times in (4, 10):
+        yield Row(f'sea state of sd 0.7, AR(1), {times}; stated 0.2 of it', 60 * times,
+                  sea_state(0.7, 60.0, ar1(12.0)), times, stated=0.2)
+    for stated in (0.05, 0.02):
+        yield Row(f'0.5 slow, 1; stated {stated:g} of it', 3000, half(ar1(3000.0)), 1,
+                  stated=stated)
+
+
 ROWS = {'A': table_a, 'cells': table_cells, 'drift': table_drift, 'gaps': table_gaps,
-        'short': table_short, 'rates': table_rates, 'E': table_e}
+        'short': table_short, 'rates': table_rates, 'E': table_e, 'stated': table_stated}
 """Tables of rows of one run each."""

@@ -33,6 +33,7 @@ from heading_intercompare.core.statistics.variance_uncertainty import (
     estimate_spread,
     lower_bound,
     pool,
+    scatter_of_runs,
     upper_bound,
 )
 
@@ -55,7 +56,9 @@ import sound_ships  # noqa: E402
 QUICK = {'A': '^AR.1., 20$', 'cells': '^AR.1., 20$', 'drift': '^AR.1., 20; (order 3|auto)',
          'gaps': '^AR.1., 20; five', 'short': 'white, n = 128$', 'rates': '^10 Hz, n = 512: sea',
          'E': '0.5 slow, 1, n = 600', 'runs': '^AR.1., 50$', 'means': '^1, 2 runs',
-         'looks': '^white; 4', 'B': '^AR'}
+         'looks': '^white; 4', 'B': '^AR', 'stated': '^AR.1., 20$', 'stated_lengths': '^AR',
+         'longer': '^R from 0',
+         'stated_runs': '^AR.1.; 5 of 20$'}
 
 ERRORS = {'white': processes.white, 'AR(1)': processes.ar1(25.0),
           'Laplace': processes.as_laplace(processes.ar1(10.0)),
@@ -275,6 +278,11 @@ def test_the_rule_is_that_of_the_plain_loop(errors, sampling, rng):
                 plain_rule.upper_bound(plain, alpha), rel=1e-10)
             assert lower_bound(found, alpha) == pytest.approx(
                 plain_rule.lower_bound(plain, alpha), rel=1e-10)
+            for times in (20.0, 70.0, 500.0):
+                stated = estimate_spread(Cells.of(x, stamps), order, times)
+                assert upper_bound(stated, alpha) == pytest.approx(
+                    plain_rule.stated_bound(plain, times, alpha), rel=1e-10)
+                assert lower_bound(stated, alpha) == lower_bound(found, alpha)
 
 
 def test_several_runs_are_judged_as_by_the_plain_loop(rng):
@@ -285,8 +293,21 @@ def test_several_runs_are_judged_as_by_the_plain_loop(rng):
     for bound in ('upper_bound', 'lower_bound'):
         assert globals()[bound](pool(found), 0.05) == pytest.approx(
             getattr(plain_rule, bound)(plain_rule.pool(plain), 0.05), rel=1e-10)
-    assert between_runs(found, means, 0.05) == pytest.approx(
-        plain_rule.between_runs(plain, means, 0.05), rel=1e-10)
+    for bound, as_plain in ((between_runs, plain_rule.between_runs),
+                            (scatter_of_runs, plain_rule.scatter_of_runs)):
+        assert bound(found, means, 0.05) == pytest.approx(as_plain(plain, means, 0.05), rel=1e-10)
+
+
+@pytest.mark.parametrize('order', [0, 1, 3])
+def test_several_runs_with_a_statement_are_judged_as_by_the_plain_loop(order, rng):
+    lengths = (600, 1500, 3000, 600, 900)
+    runs, times = [ERRORS['slow'](rng, 1, n)[0] for n in lengths], [n / 30.0 for n in lengths]
+    found = [estimate_spread(Cells.of(x), order, t) for x, t in zip(runs, times)]
+    plain = [plain_rule.spread(x, order) for x in runs]
+    assert upper_bound(pool(found, by_statement=True), 0.05) == pytest.approx(
+        plain_rule.stated_bound_of_runs(plain, times, 0.05), rel=1e-10)
+    assert upper_bound(pool(found), 0.05) == pytest.approx(
+        plain_rule.upper_bound(plain_rule.pool(plain), 0.05), rel=1e-10)
 
 
 def test_the_former_rule_is_frozen():

@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 import math
 from typing import Sequence
 
@@ -25,8 +25,10 @@ from heading_intercompare.core.settings import Risk
 from heading_intercompare.core.statistics.confidence_bounds import rate_lower
 from heading_intercompare.core.statistics.variance_uncertainty import (
     between_runs,
+    LEAST_TIMES,
     lower_bound,
     pool,
+    scatter_of_runs,
     upper_bound,
 )
 
@@ -35,10 +37,13 @@ from .criteria import Limits
 from .guarded import count_risk, Evidence, variance_risk
 
 __all__ = ['CAMPAIGN_REASONS', 'conclude_every_run', 'conclude_sensor', 'judge_together',
-           'LEAST_RUNS', 'Together']
+           'LEAST_RUNS', 'LEAST_TIMES_OF_MEANS', 'Together']
 
 LEAST_RUNS = 5
 """Fewest runs whose means can bound errors slower than a run."""
+
+LEAST_TIMES_OF_MEANS = 10.0
+"""Least length of such runs in slowest errors; in shorter ones heavy tails need half the risk."""
 
 CAMPAIGN_REASONS = {
     'no_run': 'there is no run',
@@ -88,16 +93,23 @@ class Together:
     slow_allowance_deg2 : float
         Allowance of `pooled_upper_bound_deg2` for a visible slow part, square degrees.
     pooled_upper_bound_deg2 : float
-        Upper bound from the variation within each run, square degrees. S.12.
+        Upper bound from the variation within each run, square degrees. S.12, S.18.
     between_upper_bound_deg2 : float or None
         Upper bound that takes the slow part from the means of the runs, square degrees; None in
         variants A and C, for fewer than five runs, and for runs too close to each other. S.13.
     upper_bound_deg2, lower_bound_deg2 : float
-        The bounds that decide, square degrees; the upper one is that of S.13 if there is one.
+        The bounds that decide, square degrees; the upper one is the larger of those of S.13 and
+        S.19, if there are such.
     acceptance_limit_deg2, rejection_limit_deg2 : float
         The limits that they are compared with, square degrees.
     rate_plus_lower : float
         Lower bound of the rate of extreme deviations. S.14.
+    scatter_upper_bound_deg2 : float or None
+        Upper bound from the scatter of the runs, square degrees; None where that of the means
+        is. S.19.
+    stated_times : float or None
+        Length of the shortest run in slowest errors stated, if `pooled_upper_bound_deg2` rests
+        on the statement (S.18); otherwise None.
 
     """
 
@@ -116,6 +128,9 @@ class Together:
     acceptance_limit_deg2: float
     rejection_limit_deg2: float
     rate_plus_lower: float
+    scatter_upper_bound_deg2: float | None = field(
+        default=None, metadata={'left_out': True})
+    stated_times: float | None = field(default=None, metadata={'left_out': True})
 
 
 def judge_together(runs: Sequence[Evidence], limits: Sequence[Limits], risk: Risk, variant: str,
@@ -143,9 +158,13 @@ def judge_together(runs: Sequence[Evidence], limits: Sequence[Limits], risk: Ris
     Together or None
         None if no run has 128 differences.
 
+    Notes
+    -----
+    The means of runs shorter than ten times the slowest error stated have half the risk.
+
     References
     ----------
-    S.12, S.13 of ``docs/risk.md``.
+    S.12, S.13, S.18, S.19 of ``docs/risk.md``.
 
     """
     some = [(e, lim) for e, lim in zip(runs, limits) if e.spread is not None]
@@ -153,19 +172,26 @@ def judge_together(runs: Sequence[Evidence], limits: Sequence[Limits], risk: Ris
         return None
     spreads = [e.spread for e in runs if e.spread is not None]
     means_deg = [e.mean_deg for e, _ in some if e.mean_deg is not None]
-    pooled = pool(spreads)
-    upper = upper_bound(pooled, risk.alpha_consumer)
-    between = None
-    if variant == 'B' and len(some) >= LEAST_RUNS and apart_s > least_apart_s(risk):
-        between = between_runs(spreads, means_deg, risk.alpha_consumer)
+    are_many, alpha = len(some) >= LEAST_RUNS, risk.alpha_consumer
+    pooled = pool(spreads, by_statement=variant != 'B' and are_many and all(
+        spread.times is not None and spread.times >= LEAST_TIMES for spread in spreads))
+    upper = pooled_upper = upper_bound(pooled, alpha)
+    between = scatter = None
+    if variant == 'B' and are_many and apart_s > least_apart_s(risk):
+        if any(s.times is not None and s.times < LEAST_TIMES_OF_MEANS for s in spreads):
+            alpha *= 0.5
+        between = between_runs(spreads, means_deg, alpha)
+        scatter = scatter_of_runs(spreads, means_deg, alpha)
+        upper = max(between, scatter)
     n_plus = sum(e.n_plus for e, _ in some)
     return Together(
         len(some), pooled.n, math.fsum(e.span_s for e, _ in some), apart_s, pooled.d_deg2,
-        pooled.nu, pooled.f, pooled.slow_allowance_deg2, upper, between,
-        upper if between is None else between, lower_bound(pooled, variance_risk(risk)),
+        pooled.nu, pooled.f, pooled.slow_allowance_deg2, pooled_upper, between, upper,
+        lower_bound(pooled, variance_risk(risk)),
         math.fsum(e.n * lim.tightened_limit_deg2 for e, lim in some) / pooled.n,
         some[0][1].rejection_limit_deg2,
-        rate_lower(pooled.nu * n_plus / pooled.n, pooled.nu, count_risk(risk)))
+        rate_lower(pooled.nu * n_plus / pooled.n, pooled.nu, count_risk(risk)),
+        scatter, None if pooled.stated is None else pooled.times)
 
 
 def conclude_every_run(alone: Sequence[Outcome],

@@ -16,17 +16,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Mapping
+from dataclasses import dataclass, field
+from typing import Mapping, Sequence
 
 from heading_intercompare.core.settings import Risk
+from heading_intercompare.core.statistics.variance_uncertainty import LEAST_TIMES
+
+from .scope import Scope
 
 __all__ = ['Coverage', 'coverage_of', 'least_apart_s', 'least_duration_s', 'least_duration_words',
-           'LEAST_TIMES', 'least_together_s', 'SENSOR_CLASSES', 'SensorClass', 'slowest_error_s',
+           'least_together_s', 'SEA_STATE_S', 'SENSOR_CLASSES', 'SensorClass', 'slowest_error_s',
            'span_words']
 
-LEAST_TIMES = 20.0
-"""Least length of a record in correlation times; in shorter records the risks do not hold."""
+SEA_STATE_S = 1800.0
+"""
+Time in which the sea state changes, and the size of the errors with it, seconds.
+
+Wave buoys take the sea as steady over records of half an hour.
+"""
 
 _UNSTATED_LEAST_S = 600.0
 """Least duration of a run if the slowest error is not stated, seconds."""
@@ -41,7 +48,7 @@ class SensorClass:
     ----------
     title : str
         The instruments.
-    slowest_s : float
+    error_s : float
         Time in which the correlation of the slowest error falls to 1/e, seconds. For an
         oscillation this is its coherence time, never its period.
     source : str
@@ -52,9 +59,14 @@ class SensorClass:
     """
 
     title: str
-    slowest_s: float
+    error_s: float
     source: str
     trial: str
+
+    @property
+    def slowest_s(self) -> float:
+        """Return the slowest time of everything: the errors, and how their size changes."""
+        return max(self.error_s, SEA_STATE_S)
 
     @property
     def least_s(self) -> float:
@@ -67,23 +79,23 @@ SENSOR_CLASSES: Mapping[str, SensorClass] = {
         'gyrocompass, Schuler-tuned and damped', 2300.0,
         'a swing of 84.4 min, damped to a third at each half swing, falls to 1/e in '
         '42.2 min / ln 3 = 38.4 min',
-        'one run of 12.8 h, or at least five runs with campaign.rule sensor'),
+        'ten runs of 6.4 h with campaign.rule sensor, or one of at least 12.8 h'),
     'ins': SensorClass(
         'inertial navigation system, unaided', 86164.0,
         'Schuler, Foucault and Earth-rate oscillations are undamped: they stay coherent for at '
         'least a sidereal day',
-        'no single run can certify it (20 days); at least five runs, with a new alignment before '
+        'no single run can certify it (20 days); at least ten runs, with a new alignment before '
         'each, with campaign.rule sensor'),
     'ins_aided': SensorClass(
         'inertial navigation system, aided by GNSS', 1800.0,
         'only manoeuvres make the heading observable; 30 min is a typical time constant of that '
         "filter state, to be replaced by the manufacturer's figure",
-        'one run of 10 h, or at least five runs with campaign.rule sensor'),
+        'ten runs of 5 h with campaign.rule sensor, or one of at least 10 h'),
     'gnss_compass': SensorClass(
         'GNSS compass', 300.0,
         'multipath from a reflector at 2 m changes by one wavelength of 0.19 m in 340 s, because '
         'a satellite moves by 0.14 mrad/s; nearer reflectors are slower and weaker',
-        'one run of 100 min'),
+        'ten runs of 5 h with campaign.rule sensor, or one of at least 10 h'),
 }
 """The classes by their names in `risk.sensor_class`."""
 
@@ -106,6 +118,8 @@ class Coverage:
         Least duration of a run that may comply, seconds.
     by_run_means : bool
         Whether the means of several runs cover slower errors.
+    scope : Scope or None
+        Fast errors, headings, latitude, mean and risk; None for a verdict of an older version.
 
     """
 
@@ -114,16 +128,20 @@ class Coverage:
     stated_s: float | None
     least_duration_s: float
     by_run_means: bool = False
+    scope: Scope | None = field(default=None, metadata={'left_out': True})
 
     @property
     def words(self) -> str:
         """Return the line of a certificate that states its coverage."""
         covered = f'for errors that change within {span_words(self.longest_s)}'
+        if self.scope is not None and self.scope.shortest_s is not None:
+            covered += f' and not faster than {span_words(self.scope.shortest_s)}'
+        covered += ', and that come at least three times in the run'
         if self.by_run_means:
-            covered += ', from run to run'
-        if self.stated_s is None:
-            return f'{covered}; slower errors are not covered'
-        return f'{covered}; the slowest stated is {span_words(self.stated_s)}'
+            covered += ', or from run to run'
+        covered += ('; slower errors are not covered' if self.stated_s is None
+                    else f'; the slowest stated is {span_words(self.stated_s)}')
+        return f'{covered}; {self.scope.words}' if self.scope is not None else covered
 
 
 def span_words(span_s: float) -> str:
@@ -203,7 +221,8 @@ def least_duration_words(risk: Risk) -> str:
     return f'{text}: {LEAST_TIMES:g} times its slowest error, {span_words(slowest)}'
 
 
-def coverage_of(span_s: float, risk: Risk, *, apart_s: float | None = None) -> Coverage:
+def coverage_of(span_s: float, risk: Risk, *, apart_s: float | None = None,
+                scopes: Sequence[Scope] = ()) -> Coverage:
     """
     Return the errors that a record of this length covers.
 
@@ -215,10 +234,13 @@ def coverage_of(span_s: float, risk: Risk, *, apart_s: float | None = None) -> C
         Its slowest errors stated, and the risks.
     apart_s : float, optional
         Shortest time between runs, seconds, if their means cover slower errors.
+    scopes : sequence of Scope
+        Those of the runs.
 
     """
-    longest = span_s / LEAST_TIMES
+    longest, scope = span_s / LEAST_TIMES, Scope.join(scopes)
     if apart_s is None:
-        return Coverage(span_s, longest, slowest_error_s(risk), least_duration_s(risk))
+        return Coverage(span_s, longest, slowest_error_s(risk), least_duration_s(risk),
+                        scope=scope)
     return Coverage(span_s, max(longest, apart_s), slowest_error_s(risk), least_together_s(risk),
-                    True)
+                    True, scope)

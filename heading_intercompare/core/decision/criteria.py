@@ -91,6 +91,8 @@ class Limits:
     ts_variance_factor : float
         Factor by which interpolation reduces the white-noise variance of the TS; applies where a
         small variance is to prove compliance.
+    rs_variance_factor : float
+        The same for the RS, already in `m_low`.
     limit_deg2, tightened_limit_deg2 : float
         GK (5), (5').
     k, k_tightened : float
@@ -108,11 +110,29 @@ class Limits:
     k: float
     k_tightened: float
     ts_variance_factor: float = 1.0
+    rs_variance_factor: float = 1.0
+
+    def m_low_for(self, variance_deg2: float) -> float | None:
+        """
+        Return the least lower bound of M with which a variance would be within the limit.
+
+        Returns
+        -------
+        float or None
+            None if it is within the limit now, or would not be even at the upper bound of M.
+
+        """
+        needed_deg2 = variance_deg2 - self.ts_variance_factor * self.sigma_max_deg ** 2
+        ref_deg2 = self.rs_variance_factor * self.sigma_ref_max_deg ** 2
+        if variance_deg2 <= self.tightened_limit_deg2 or needed_deg2 > self.m_up ** 2 * ref_deg2:
+            return None
+        return math.sqrt(needed_deg2 / ref_deg2) if ref_deg2 > 0.0 else None
 
     def with_rs_factor(self, factor: float) -> 'Limits':
         """Return the limits after interpolation reduced the RS noise variance once more."""
         lost = (1.0 - factor) * (self.m_low * self.sigma_ref_max_deg) ** 2
         return replace(self, m_low=self.m_low * math.sqrt(factor),
+                       rs_variance_factor=self.rs_variance_factor * factor,
                        tightened_limit_deg2=self.tightened_limit_deg2 - lost)
 
     def with_model(self, model: str) -> 'Limits':
@@ -192,7 +212,7 @@ class Limits:
             k = coverage_factor(model, ratio, norms.probability)
             k_tightened = coverage_factor(model, low * ratio / shrunk, norms.probability)
         return cls(sigma_max, sigma_ref_max, low, up, norms.probability, limit, tightened,
-                   k, k_tightened, ts_variance_factor)
+                   k, k_tightened, ts_variance_factor, rs_variance_factor)
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 import math
 
 import scipy
@@ -115,8 +115,11 @@ class Guarded:
     r_slow, slow_variance_deg2, slow_allowance_deg2 : float or None
         Excess power of the lowest half-periods, the variance in it, and the allowance of the
         upper bound for it. S.8, S.9.
+    stated_times : float or None
+        Length of the run in slowest errors stated, if the upper bound rests on the statement
+        (S.17); otherwise None.
     upper_bound_deg2, lower_bound_deg2 : float or None
-        Bounds U at the consumer's and L at the producer's risk. S.10, S.11.
+        Bounds U at the consumer's and L at the producer's risk. S.10, S.17; S.11.
     acceptance_limit_deg2, rejection_limit_deg2 : float
         The limits A and R that they are compared with.
     sigma_ts_lower_deg, sigma_ts_upper_deg : float or None
@@ -129,6 +132,9 @@ class Guarded:
     duration_factor, hours_needed : float or None
         Factor by which the run must grow to decide, other things being equal, and the length that
         gives.
+    m_low_needed : float or None
+        Least `norms.m_low` with which a run that is long enough would comply as it is; None if
+        none would, or if it complies.
     bias_u_deg, bias_interval_deg, bias_significant : float, pair of float, bool or None
         Standard uncertainty of the mean, its 95 % interval, and whether that excludes 0.
     rate_plus, rate_plus_plus : float or None
@@ -149,6 +155,7 @@ class Guarded:
     r_slow: float | None = None
     slow_variance_deg2: float | None = None
     slow_allowance_deg2: float | None = None
+    stated_times: float | None = field(default=None, metadata={'left_out': True})
     upper_bound_deg2: float | None = None
     lower_bound_deg2: float | None = None
     acceptance_limit_deg2: float
@@ -160,6 +167,7 @@ class Guarded:
     conformance_probability: float | None = None
     duration_factor: float | None = None
     hours_needed: float | None = None
+    m_low_needed: float | None = field(default=None, metadata={'left_out': True})
     bias_u_deg: float | None = None
     bias_interval_deg: tuple[float, float] | None = None
     bias_significant: bool | None = None
@@ -174,7 +182,7 @@ class Guarded:
 
 def gather_evidence(cells: Cells, *, n_plus: int, n_plus_plus: int, span_s: float,
                     mean_deg: float | None, offset_u_deg: float = 0.0, order: int = 0,
-                    drift_left_deg2: float = 0.0) -> Evidence:
+                    drift_left_deg2: float = 0.0, slowest_s: float | None = None) -> Evidence:
     """
     Gather the figures of a run that the decision uses.
 
@@ -194,10 +202,13 @@ def gather_evidence(cells: Cells, *, n_plus: int, n_plus_plus: int, span_s: floa
         Order of the polynomial to allow for; see `estimate_spread`.
     drift_left_deg2 : float
         Upper 95 % bound of the variance of the drift not removed, square degrees.
+    slowest_s : float or None
+        Slowest error stated, seconds; None if none is stated.
 
     """
-    return Evidence(cells.n, estimate_spread(cells, order), mean_deg, offset_u_deg, span_s, n_plus,
-                    n_plus_plus, drift_left_deg2)
+    spread = estimate_spread(cells, order, span_s / slowest_s if slowest_s else None)
+    return Evidence(cells.n, spread, mean_deg, offset_u_deg, span_s, n_plus, n_plus_plus,
+                    drift_left_deg2)
 
 
 def variance_risk(risk: Risk) -> float:
@@ -234,7 +245,7 @@ def decide(evidence: Evidence, limits: Limits, risk: Risk) -> Guarded:
 
     References
     ----------
-    S.10, S.11, S.14 and the table of ``docs/risk.md``; JCGM 106:2012, guarded acceptance and
+    S.10, S.11, S.14, S.17 and the table of ``docs/risk.md``; JCGM 106:2012, guarded acceptance and
     rejection.
 
     """
@@ -266,6 +277,7 @@ def decide(evidence: Evidence, limits: Limits, risk: Risk) -> Guarded:
         d_hat_deg2=found.d_deg2, nu=found.nu, f=found.f, corner_j=found.corner_j,
         r_slow=found.r_slow, slow_variance_deg2=found.slow_variance_deg2,
         slow_allowance_deg2=found.slow_allowance_deg2,
+        stated_times=None if found.stated is None else found.times,
         upper_bound_deg2=upper, lower_bound_deg2=lower,
         acceptance_limit_deg2=accept, rejection_limit_deg2=reject,
         sigma_ts_lower_deg=math.sqrt(max(0.0, lower - up_deg ** 2)),
@@ -276,6 +288,7 @@ def decide(evidence: Evidence, limits: Limits, risk: Risk) -> Guarded:
         conformance_probability=mean_confidence(
             found, math.sqrt(limits.ts_variance_factor) * limits.sigma_max_deg, low_deg, up_deg),
         duration_factor=factor, hours_needed=factor * evidence.span_s / 3600.0,
+        m_low_needed=limits.m_low_for(upper) if is_long and lower <= reject else None,
         bias_u_deg=bias_u_deg, bias_interval_deg=(low_bias_deg, up_bias_deg),
         bias_significant=not low_bias_deg <= 0.0 <= up_bias_deg,
         rate_plus=rates[0], rate_plus_plus=rates[1],
@@ -331,7 +344,7 @@ def decide_variance(found: Spread, span_s: float, limits: Limits, risk: Risk,
             return Outcome.INDETERMINATE, 'drift_left_in'
         return Outcome.COMPLIANT, 'upper_bound_within_acceptance_limit'
     slow = found.slow_allowance_deg2
-    if upper - slow <= accept or found.d_deg2 <= accept < found.d_deg2 + slow:
+    if upper - slow <= accept or found.above.d_deg2 <= accept < found.above.d_deg2 + slow:
         return Outcome.INDETERMINATE, 'slow_errors_not_resolved'
     if lower > accept and upper <= reject:
         return Outcome.INDETERMINATE, 'reference_limited'

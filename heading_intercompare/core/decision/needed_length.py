@@ -18,10 +18,11 @@ from __future__ import annotations
 
 import math
 
+from heading_intercompare.core.settings import Risk
 from heading_intercompare.core.statistics.cells import LEAST_CELLS
 
-from .campaign import Together
-from .coverage import Coverage, LEAST_TIMES, span_words
+from .campaign import LEAST_RUNS, LEAST_TIMES_OF_MEANS, Together
+from .coverage import Coverage, least_apart_s, span_words
 from .guarded import Guarded
 
 __all__ = ['describe_need', 'describe_need_together']
@@ -30,6 +31,10 @@ _YEAR_H = 8766.0
 
 _BETWEEN = ('no length decides while the variance stays between the limits; better knowledge of '
             'sigma_ref does')
+
+_OPEN_BY_VARIANCE = ('slow_errors_not_resolved', 'data_limited', 'reference_limited')
+
+_UNSTATED_APART_S = least_apart_s(Risk())
 
 _NO_LENGTH = {
     'reference_limited': 'no length helps',
@@ -40,15 +45,23 @@ _NO_LENGTH = {
 }
 
 
-def _longest_visible_s(span_s: float) -> float:
-    """Return the length of a run that covers errors as slow as a record of this length."""
-    return LEAST_TIMES * span_s
+_CHANCES = (
+    (12.0, ((0.6, (0.67, 0.78, 0.85)), (0.8, (0.45, 0.71, 0.83)), (1.0, (0.22, 0.58, 0.77)))),
+    (30.0, ((0.6, (0.43, 0.63, 0.75)), (0.8, (0.22, 0.54, 0.72)), (1.0, (0.03, 0.34, 0.68)))),
+    (math.inf, ((0.6, (0.25, 0.54, 0.70)), (0.8, (0.09, 0.37, 0.62)), (1.0, (0.01, 0.18, 0.51)))))
+"""
+Measured chances that a run which a slow part leaves open is certified at 2, 4, 8 times its length.
+
+Rows: up to which ratio R (S.8), that is how far the slow part stands out. In a row: up to which
+standard deviation, over the root of the acceptance limit. From ``docs/risk.md``.
+"""
 
 
 def describe_need(reason: str, guarded: Guarded, coverage: Coverage, *, n: int,
-                  drift_left_deg2: float | None, drifts: bool | None) -> str:
+                  drift_left_deg2: float | None, drifts: bool | None,
+                  warm_up_s: float = 0.0) -> str:
     """
-    Say what would decide an open run.
+    Say what would decide an open run, the cheapest first.
 
     Parameters
     ----------
@@ -64,20 +77,36 @@ def describe_need(reason: str, guarded: Guarded, coverage: Coverage, *, n: int,
         Upper bound of the variance of the drift that is not removed, square degrees.
     drifts : bool or None
         Whether the slope of the differences is significant; None if unknown.
+    warm_up_s : float
+        Length of a warm-up that was found and not left out, seconds; 0 if there is none.
 
     Returns
     -------
     str
-        The length of a run that would decide, from its start, or why no length does; empty for
-        other reasons.
+        What the same record lacks; then the length of a run that would decide, from its start, or
+        why no length does. Empty for other reasons.
 
     Notes
     -----
-    A slow part that fills the room below the acceptance limit gives no length by itself. It shows
-    in the record, so it is no slower than the record, and a run twenty times as long covers it.
-    The bound of a drift that is not significant is uncertainty, which falls with the length.
+    The allowance for a slow part falls as the record grows past it. How fast depends on how far
+    that part stands out, so the lengths have chances that were measured. The bound of a drift
+    that is not significant is uncertainty, which falls with the length.
 
     """
+    first = []
+    if reason in _OPEN_BY_VARIANCE and warm_up_s > 0.0:
+        first.append(f'a warm-up of {span_words(warm_up_s)} was found: runs.stabilization_s=auto '
+                     'leaves it out')
+    if reason in _OPEN_BY_VARIANCE and guarded.m_low_needed is not None:
+        first.append('this record certifies if the RS is known to have at least '
+                     f'{math.ceil(100.0 * guarded.m_low_needed) / 100.0:.2f} of its norm '
+                     '(norms.m_low)')
+    need = _describe_length(reason, guarded, coverage, n, drift_left_deg2, drifts)
+    return '; '.join([*first, need] if need else first)
+
+
+def _describe_length(reason: str, guarded: Guarded, coverage: Coverage, n: int,
+                     drift_left_deg2: float | None, drifts: bool | None) -> str:
     if reason.startswith('void.'):
         return 'no longer record of this kind helps: remove the cause and measure again'
     if reason in _NO_LENGTH:
@@ -89,11 +118,11 @@ def describe_need(reason: str, guarded: Guarded, coverage: Coverage, *, n: int,
     hours = guarded.hours_needed
     is_known = hours is not None and math.isfinite(hours)
     if reason == 'slow_errors_not_resolved':
-        needed_s = hours * 3600.0 if hours is not None and is_known else _longest_visible_s(
-            coverage.span_s)
-        return f'{_measure(max(needed_s, coverage.least_duration_s))}, or at least five runs'
+        return _describe_slow(guarded, coverage)
     if reason == 'insufficient_duration':
         least = _measure(coverage.least_duration_s)
+        if coverage.stated_s:
+            least = f'{_several(coverage)}, or {least}'
         if hours is None or not is_known:
             return f'{least}, but {_describe_no_length(guarded)}'
         if hours * 3600.0 <= coverage.least_duration_s * (1.0 + 1e-9):
@@ -140,7 +169,11 @@ def describe_need_together(reason: str, found: Together | None,
     if reason == 'insufficient_duration':
         return _measure(coverage.least_duration_s)
     if reason == 'slow_errors_not_resolved':
-        return f'{_measure(_longest_visible_s(found.span_s))}, or at least five runs'
+        more = LEAST_RUNS - found.runs
+        return (f'measure {more} more {"run" if more == 1 else "runs"} like these, further apart '
+                f'than {span_words(coverage.stated_s or _UNSTATED_APART_S)}' if more > 0
+                else f'{_measure(2.0 * found.span_s)}, or runs further apart than '
+                f'{span_words(coverage.stated_s or _UNSTATED_APART_S)} (variant B)')
     if reason != 'data_limited':
         return ''
     d, slow = found.d_hat_deg2, found.slow_allowance_deg2
@@ -155,6 +188,31 @@ def describe_need_together(reason: str, found: Together | None,
     else:
         return _BETWEEN
     return f'{_measure(max(1.0, root * root) * found.span_s)} if the errors stay as they are'
+
+
+def _several(coverage: Coverage) -> str:
+    """Return the advice of several short runs."""
+    apart_s = coverage.stated_s or _UNSTATED_APART_S
+    runs = ('five or more runs like this one' if coverage.stated_s is None else
+            f'ten runs of {span_words(LEAST_TIMES_OF_MEANS * coverage.stated_s)}')
+    return f'{runs}, further apart than {span_words(apart_s)}, with campaign.rule=sensor'
+
+
+def _describe_slow(guarded: Guarded, coverage: Coverage) -> str:
+    """Say what decides a run with a visible slow part: several runs, or lengths and chances."""
+    if guarded.stated_times is not None and coverage.stated_s is not None:
+        return (f'the errors are slower than the stated {span_words(coverage.stated_s)}: state '
+                'what is true (risk.slowest_error_s), and plan again')
+    d, ratio = guarded.d_hat_deg2, guarded.r_slow
+    level = math.sqrt(d / guarded.acceptance_limit_deg2) if d is not None else 1.0
+    by_level = next(row for most, row in _CHANCES if ratio is not None and ratio <= most
+                    or most == math.inf)
+    chances = next((found for most, found in by_level if level <= most), by_level[-1][1])
+    told = [(factor, chance) for factor, chance in zip((2, 4, 8), chances) if chance >= 0.5]
+    lengths = ', or '.join(
+        f'{_in_all(max(factor * coverage.span_s, coverage.least_duration_s))} '
+        f'(certifies {100.0 * chance:.0f} of 100 such runs)' for factor, chance in told[:2])
+    return f'{_several(coverage)}, or measure {lengths}'
 
 
 def _measure(span_s: float) -> str:
@@ -180,7 +238,7 @@ def _describe_no_length(guarded: Guarded) -> str:
     d = guarded.d_hat_deg2
     if d is not None and guarded.acceptance_limit_deg2 < d <= guarded.rejection_limit_deg2:
         return _BETWEEN
-    return 'no length decides while the errors stay as they are; at least five runs may'
+    return 'no length decides while the errors stay as they are; five or more runs may'
 
 
 def _describe_more_data(coverage: Coverage, n: int) -> str:

@@ -15,9 +15,9 @@
 """
 How long to measure: the probability of each outcome before a trial, by simulation.
 
-Simulated records go through the decision of a run. The errors are normal. A share of the TS
-variance belongs to the slowest error stated, whose correlation falls exponentially. The rest, and
-the errors of the RS, are white.
+Simulated records go through the decision of a run, or of several runs together. The errors are
+normal. A share of the TS variance belongs to the slowest error stated, whose correlation falls
+exponentially. The rest, and the errors of the RS, are white.
 """
 
 from __future__ import annotations
@@ -33,11 +33,15 @@ from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.records import Reals
 from heading_intercompare.core.settings import Settings, SettingsError
 from heading_intercompare.core.statistics.cells import Cells
-from heading_intercompare.core.statistics.variance_uncertainty import estimate_spread
+from heading_intercompare.core.statistics.variance_uncertainty import (
+    estimate_spread,
+    LEAST_TIMES,
+)
 
+from .campaign import conclude_sensor, judge_together, LEAST_TIMES_OF_MEANS
 from .coverage import least_duration_s, slowest_error_s
 from .criteria import Limits
-from .guarded import decide_variance
+from .guarded import decide_variance, Evidence
 
 __all__ = ['Chance', 'LEVELS', 'plan_trial', 'simulate_differences', 'TrialPlan']
 
@@ -47,6 +51,9 @@ LEVELS = (0.5, 0.7, 0.85)
 _TIMES = (1.0, 1.5, 2.0, 3.0, 4.0, 6.0, 8.0, 12.0, 16.0)
 """Durations that are tried, in least durations."""
 
+_RUNS = (5, 10, 20)
+"""Numbers of short runs that are tried."""
+
 _MOST = 4096
 """Most differences of a simulated record; a faster sensor is simulated at a lower rate."""
 
@@ -54,16 +61,18 @@ _MOST = 4096
 @dataclass(frozen=True, slots=True)
 class Chance:
     """
-    Probabilities of the outcomes of one run; they add up to 1.
+    Probabilities of the outcomes of one run, or of several together; they add up to 1.
 
     Attributes
     ----------
     level : float
         Standard deviation of the TS as a share of its norm.
     duration_s : float
-        Length of the run, seconds.
+        Length of a run, seconds.
     compliant, non_compliant, indeterminate : float
         The probabilities.
+    runs : int
+        Number of runs; several are judged by `campaign.rule: sensor`.
 
     """
 
@@ -72,6 +81,7 @@ class Chance:
     compliant: float
     non_compliant: float
     indeterminate: float
+    runs: int = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,9 +102,14 @@ class TrialPlan:
     wanted : float
         Probability of certifying that is aimed at.
     advised_s : tuple of float or None
-        For each of `LEVELS` the shortest duration tried that reaches `wanted`; None if none does.
+        For each of `LEVELS` the shortest single run tried that reaches `wanted`; None if none
+        does.
+    short_s : float
+        Length of one of several short runs, seconds.
+    advised_runs : tuple of int or None
+        For each of `LEVELS` the fewest short runs tried that reach `wanted`; None if none do.
     chances : tuple of Chance
-        By duration, then by level.
+        Several runs by number, then single runs by duration; then by level.
 
     """
 
@@ -104,6 +119,8 @@ class TrialPlan:
     trials: int
     wanted: float
     advised_s: tuple[float | None, ...]
+    short_s: float
+    advised_runs: tuple[int | None, ...]
     chances: tuple[Chance, ...]
 
 
@@ -112,7 +129,7 @@ def plan_trial(settings: Settings, rng: np.random.Generator, *, rate_hz: float =
                times: Sequence[float] = _TIMES,
                progress: Callable[[str], None] = lambda text: None) -> TrialPlan:
     """
-    Return the probabilities of the outcomes for runs of several lengths.
+    Return the probabilities of the outcomes for several short runs, and for single runs.
 
     Parameters
     ----------
@@ -148,8 +165,9 @@ def plan_trial(settings: Settings, rng: np.random.Generator, *, rate_hz: float =
 
     Notes
     -----
-    Only the variance decides, in one run without looks. The RS is at the upper bound of what is
-    known of it, where certifying is hardest.
+    Only the variance decides, without looks. The RS is at the upper bound of what is known of it,
+    where certifying is hardest. Short runs have ten times the slowest error where their means
+    count (variant B), otherwise twenty times. They lie far apart.
 
     """
     limits = Limits.of(settings.norms, settings.model)
@@ -163,31 +181,59 @@ def plan_trial(settings: Settings, rng: np.random.Generator, *, rate_hz: float =
         if not 0.0 <= share <= 1.0:
             raise ValueError(f'{name} = {share!r}: must be from 0 to 1')
     sigma_ref_deg = limits.m_up * limits.sigma_ref_max_deg
+
+    def one_run(duration_s: float, level: float) -> Evidence:
+        x_deg, _ = simulate_differences(rng, duration_s, rate_hz, sigma_ref_deg, slowest,
+                                        level * limits.sigma_max_deg, slow_share)
+        spread = estimate_spread(Cells.of(x_deg), times=duration_s / slowest)
+        return Evidence(len(x_deg), spread, float(x_deg.mean()), 0.0, duration_s, 0, 0)
+
+    def alone(evidence: Evidence) -> Outcome:
+        if evidence.spread is None:
+            return Outcome.INDETERMINATE
+        return decide_variance(evidence.spread, evidence.span_s, limits, settings.risk)[0]
+
+    def together(runs: Sequence[Evidence]) -> Outcome:
+        each = [limits] * len(runs)
+        found = judge_together(runs, each, settings.risk, settings.variant)
+        return conclude_sensor(found, each, True, settings.risk)[0]
+
+    def chance(level: float, duration_s: float, outcomes: Sequence[Outcome],
+               runs: int = 1) -> Chance:
+        share = {outcome: outcomes.count(outcome) / trials for outcome in Outcome}
+        return Chance(level, duration_s, share[Outcome.COMPLIANT], share[Outcome.NON_COMPLIANT],
+                      share[Outcome.INDETERMINATE], runs)
+
     least_s = least_duration_s(settings.risk)
+    short_s = (LEAST_TIMES_OF_MEANS if settings.variant == 'B' else LEAST_TIMES) * slowest
+    steps = len(_RUNS) + len(times)
     chances: list[Chance] = []
-    advised: list[float | None] = [None] * len(LEVELS)
-    for done, factor in enumerate(times):
-        duration_s = factor * least_s
-        progress(f'{done} of {len(times)} durations')
+    advised_runs: list[int | None] = [None] * len(LEVELS)
+    trial_runs: list[list[list[Evidence]]] = [[[] for _ in range(trials)] for _ in LEVELS]
+    for done, m in enumerate(_RUNS):
+        progress(f'{done} of {steps} plans')
         for place, level in enumerate(LEVELS):
-            found = dict.fromkeys(Outcome, 0)
-            for _ in range(trials):
-                x_deg, _ = simulate_differences(
-                    rng, duration_s, rate_hz, sigma_ref_deg, slowest,
-                    level * limits.sigma_max_deg, slow_share)
-                spread = estimate_spread(Cells.of(x_deg))
-                outcome = (Outcome.INDETERMINATE if spread is None else decide_variance(
-                    spread, duration_s, limits, settings.risk)[0])
-                found[outcome] += 1
-            chances.append(Chance(level, duration_s, *(
-                found[outcome] / trials for outcome in (
-                    Outcome.COMPLIANT, Outcome.NON_COMPLIANT, Outcome.INDETERMINATE))))
-            if advised[place] is None and chances[-1].compliant >= wanted:
-                advised[place] = duration_s
-        if None not in advised:
+            for runs in trial_runs[place]:
+                runs += [one_run(short_s, level) for _ in range(m - len(runs))]
+            chances.append(chance(level, short_s, [together(runs) for runs in trial_runs[place]],
+                                  m))
+            if advised_runs[place] is None and chances[-1].compliant >= wanted:
+                advised_runs[place] = m
+        if None not in advised_runs:
             break
-    return TrialPlan(least_s, slowest, sigma_ref_deg, trials, wanted, tuple(advised),
-                     tuple(chances))
+    advised_s: list[float | None] = [None] * len(LEVELS)
+    for done, factor in enumerate(times, start=len(_RUNS)):
+        duration_s = factor * least_s
+        progress(f'{done} of {steps} plans')
+        for place, level in enumerate(LEVELS):
+            chances.append(chance(level, duration_s, [
+                alone(one_run(duration_s, level)) for _ in range(trials)]))
+            if advised_s[place] is None and chances[-1].compliant >= wanted:
+                advised_s[place] = duration_s
+        if None not in advised_s:
+            break
+    return TrialPlan(least_s, slowest, sigma_ref_deg, trials, wanted, tuple(advised_s), short_s,
+                     tuple(advised_runs), tuple(chances))
 
 
 def simulate_differences(rng: np.random.Generator, duration_s: float, rate_hz: float,

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from heading_intercompare.core.decision.coverage import slowest_error_s
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.gk import apply_gk, Printed
 from heading_intercompare.core.decision.guarded import decide, Evidence, gather_evidence
@@ -111,7 +112,8 @@ def _compute(part: RunSeries | Rolling, limits: Limits,
     evidence = gather_evidence(
         part.cells(), n_plus=printed.counts.n_plus, n_plus_plus=printed.counts.n_plus_plus,
         span_s=part.span_s, mean_deg=moments.mean_deg,
-        offset_u_deg=settings.installation_offset_u_deg)
+        offset_u_deg=settings.installation_offset_u_deg,
+        slowest_s=slowest_error_s(settings.risk))
     now = decide(evidence, limits, settings.risk)
     return {
         **name_moments(moments),

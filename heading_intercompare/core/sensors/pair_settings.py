@@ -19,6 +19,7 @@ from __future__ import annotations
 from dataclasses import replace
 from itertools import combinations
 
+from heading_intercompare.core.decision.coverage import least_duration_s, slowest_error_s
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.norm_presets import sigma_max_deg
 from heading_intercompare.core.rows.sensor_table import find_tested, read_sensors, Sensor
@@ -63,7 +64,7 @@ def settings_of_pair(settings: Settings, ts: Sensor, rs: Sensor) -> Settings:
             partner = sigma_max_deg(settings.norms, settings.model)
         norms = replace(norms, sigma_ref_max_deg=partner, sigma_ref_deg=None, m_low=0.0, m_up=1.0)
     found = replace(
-        settings, sensors=None, norms=norms, risk=risk_of(ts, settings.risk),
+        settings, sensors=None, norms=norms, risk=_risk_of_pair(ts, rs, settings.risk),
         installation_offset_deg=ts.installation_offset_deg - rs.installation_offset_deg,
         installation_offset_u_deg=(ts.installation_offset_u_deg ** 2
                                    + rs.installation_offset_u_deg ** 2) ** 0.5,
@@ -89,6 +90,25 @@ def risk_of(sensor: Sensor, risk: Risk) -> Risk:
         if sensor.slowest_error_s is None:
             risk = replace(risk, slowest_error_s=None)
     return risk
+
+
+def _risk_of_pair(ts: Sensor, rs: Sensor, risk: Risk) -> Risk:
+    """
+    Return the risks of a judgement on a pair.
+
+    A statement must hold for all errors in the differences. Where the partner has slower ones,
+    or none stated, that of the TS only says how long a run must be.
+    """
+    of_ts = risk_of(ts, risk)
+    slowest = slowest_error_s(of_ts)
+    is_silent = rs.slowest_error_s is None and rs.sensor_class is None
+    if slowest is None or (rs.is_reference and is_silent):
+        return of_ts
+    other = slowest_error_s(risk_of(rs, risk))
+    if other is not None and other <= slowest:
+        return of_ts
+    return replace(of_ts, slowest_error_s=None, sensor_class=None,
+                   min_duration_s=least_duration_s(of_ts))
 
 
 def check_sensors(settings: Settings) -> tuple[Sensor, ...]:

@@ -17,12 +17,13 @@ How well the variance of correlated differences is known, from the spectrum of t
 
 The squares of the deviations are a signal whose mean is the variance. Its power at the lowest
 frequencies of the record says how far that mean may be off. The frequency at which the power falls
-off says how many independent fluctuations of the errors the record holds.
+off says how many independent fluctuations of the errors the record holds. If the slowest error is
+stated beforehand, that number is known, and the upper bound lies closer.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import math
 from typing import Sequence
 
@@ -31,11 +32,14 @@ import scipy
 
 from .cells import Cells, CellValues
 
-__all__ = ['between_runs', 'estimate_spread', 'excess', 'lower_bound', 'MEAN_DOF', 'pool',
-           'Spread', 'upper_bound']
+__all__ = ['Above', 'between_runs', 'estimate_spread', 'excess', 'LEAST_TIMES', 'lower_bound',
+           'MEAN_DOF', 'pool', 'scatter_of_runs', 'Spread', 'upper_bound']
 
 MEAN_DOF = 8
 """Degrees of freedom of the variance of the mean: the number of low frequencies averaged. S.1."""
+
+LEAST_TIMES = 20.0
+"""Least length of a record in correlation times; in shorter records the risks do not hold."""
 
 _STUDENT_DOF = 12
 _BANDS = (6, 12, 24)
@@ -51,6 +55,40 @@ _NORMAL_KURTOSIS = 3.0
 _MOST_ALLOWANCE = 254.3
 _ALLOWANCE_GROWTH = 8.0
 _MANY = 1e8
+
+# If the slowest error is stated.
+_FEWEST_MODES, _MOST_MODES = 8, 128
+_TIMES_PER_MODE = 3.0
+_WIDER, _WIDER_PER_TAIL, _POOLED_PER_TAIL = 1.1, 0.7, 0.5
+_CONTRADICTS = 3.0
+
+
+@dataclass(frozen=True, slots=True)
+class Above:
+    """
+    What an upper bound is made of: d + widening x(f) s + allowance; S.10, S.17, S.18.
+
+    Attributes
+    ----------
+    d_deg2, s_deg2 : float
+        The variance and its standard error, square degrees.
+    f : float
+        Degrees of freedom of the slow part.
+    student_dof : float
+        Degrees of freedom of `s_deg2`.
+    widening : float
+        Factor for what the figures do not show.
+    allowance_deg2 : float
+        Allowance for a slow part that the record shows but cannot measure, square degrees.
+
+    """
+
+    d_deg2: float
+    s_deg2: float
+    f: float
+    student_dof: float
+    widening: float = 1.0
+    allowance_deg2: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,6 +118,13 @@ class Spread:
         Mean variance of the four lowest half-periods, and of the 13th to 28th. S.8.
     student_dof : int
         Degrees of freedom of `s_deg2`: 12 per run.
+    kurtosis : float
+        Mean fourth power of the deviations over the square of their mean square.
+    times : float or None
+        Length of the record, or of the shortest of several, in slowest errors stated; None if
+        none is stated.
+    stated : Above or None
+        The upper bound that rests on the statement; None if it is that of the record alone.
 
     """
 
@@ -94,6 +139,22 @@ class Spread:
     low_deg2: float
     middle_deg2: float
     student_dof: int = _STUDENT_DOF
+    kurtosis: float = _NORMAL_KURTOSIS
+    times: float | None = None
+    stated: Above | None = None
+
+    @property
+    def above(self) -> Above:
+        """Return what the upper bound is made of; S.10, S.17, S.18."""
+        if self.stated is not None:
+            return self.stated
+        return Above(self.d_deg2, self.s_deg2, self.f, self.student_dof,
+                     allowance_deg2=self._visible_allowance_deg2)
+
+    @property
+    def absorbed_deg2(self) -> float:
+        """Return the part of D that mean and polynomial have absorbed, square degrees; S.2."""
+        return self.mean_variance_deg2 if self.order == 0 else (1 + self.order) * self.low_deg2
 
     @property
     def cv(self) -> float:
@@ -114,14 +175,20 @@ class Spread:
 
     @property
     def slow_allowance_deg2(self) -> float:
-        """Return the allowance G of the upper bound for the slow part, square degrees. S.9."""
+        """Return the allowance of the upper bound for the slow part, square degrees. S.9, S.17."""
+        return self.above.allowance_deg2
+
+    @property
+    def _visible_allowance_deg2(self) -> float:
+        """Return G, which assumes nothing of the errors, square degrees; S.9."""
         slow = self.slow_variance_deg2
         if slow == 0.0:
             return 0.0
         return min(_MOST_ALLOWANCE, self.r_slow ** 2 / _ALLOWANCE_GROWTH) * slow
 
 
-def estimate_spread(cells: Cells | CellValues, order: int = 0) -> Spread | None:
+def estimate_spread(cells: Cells | CellValues, order: int = 0,
+                    times: float | None = None) -> Spread | None:
     """
     Return the variance of a run and how well it is known.
 
@@ -132,6 +199,9 @@ def estimate_spread(cells: Cells | CellValues, order: int = 0) -> Spread | None:
     order : int
         Order of that polynomial; 0 for none, because the mean is removed here. If the data chose
         the order, the highest order that could have been chosen.
+    times : float, optional
+        Length of the record in slowest errors stated; None if none is stated. From 20 on the
+        upper bound rests on the statement.
 
     Returns
     -------
@@ -140,8 +210,8 @@ def estimate_spread(cells: Cells | CellValues, order: int = 0) -> Spread | None:
 
     References
     ----------
-    S.1 to S.6, S.8 of ``docs/risk.md``. Cosine estimates of a long-run variance: Lazarus, Lewis,
-    Stock & Watson 2018.
+    S.1 to S.6, S.8, S.17 of ``docs/risk.md``. Cosine estimates of a long-run variance: Lazarus,
+    Lewis, Stock & Watson 2018.
 
     Examples
     --------
@@ -166,13 +236,41 @@ def estimate_spread(cells: Cells | CellValues, order: int = 0) -> Spread | None:
         free = float(n - lost)
         return Spread(n, order, 0.0, v, 0.0, free, free, math.inf, low, middle)
     # Relative to D, because the squares of small variances underflow to 0.
-    relative = (1.0 + _FEW / n) * max(
-        w / k / d / d + 6.0 * (lost * v / d) ** 2 / record.occupied, 2.0 / n)
+    swallowed = 6.0 * (lost * v / d) ** 2 / record.occupied
+
+    def squared(relative: float) -> float:
+        return (1.0 + _FEW / n) * max(relative, 2.0 / n)
+
+    relative = squared(w / k / d / d + swallowed)
     s, nu = d * math.sqrt(relative), 2.0 / relative
     corner, slow = _corner(c)
     heavy = max(1.0, record.kurtosis / _NORMAL_KURTOSIS)
-    return Spread(n, order, d, v, s, nu, min(nu, slow * record.occupied / heavy ** 2), corner, low,
-                  middle)
+    f = min(nu, slow * record.occupied / heavy ** 2)
+    found = Spread(n, order, d, v, s, nu, f, corner, low, middle, kurtosis=record.kurtosis,
+                   times=times)
+    if times is None or times < LEAST_TIMES:
+        return found
+    # A gap shows nothing of the errors, so it does not count.
+    seen = times * record.occupied
+    modes = min(_MOST_MODES, k // 4, max(_FEWEST_MODES, int(seen / _TIMES_PER_MODE)))
+    # No errors as fast as stated have a larger variance of D; what exceeds it is noise of C.
+    largest = (max(record.kurtosis, _NORMAL_KURTOSIS) - 1.0) / seen
+    relative = squared(min(float(c[:modes].mean()) / k / d / d + swallowed, largest))
+    f = min(2.0 / relative, max(_PER_CORNER * seen / heavy ** 2, 0.5 * f))
+    return replace(found, stated=Above(
+        d, d * math.sqrt(relative), f, modes, _WIDER * (1.0 + _WIDER_PER_TAIL * math.log(heavy)),
+        _allowance_deg2(found, _flat_ratio(times, order))))
+
+
+def _flat_ratio(times: float, order: int = 0) -> float:
+    """Return R0, the ratio of S.8 in a record of AR(1) errors of this many correlation times."""
+    low, middle = ((order + j) * math.pi / times for j in (2.5, 20.5))
+    return (1.0 + middle ** 2) / (1.0 + low ** 2)
+
+
+def _allowance_deg2(found: Spread, flat_ratio: float) -> float:
+    """Return the allowance of S.9 if the record contradicts the statement, otherwise 0."""
+    return found._visible_allowance_deg2 if found.r_slow > _CONTRADICTS * flat_ratio else 0.0
 
 
 def _power(values: np.ndarray, floor: float = 0.0) -> np.ndarray:
@@ -195,7 +293,7 @@ def _corner(c: np.ndarray) -> tuple[float, float]:
     return corner, least
 
 
-def excess(f: float, alpha: float, student_dof: int = _STUDENT_DOF) -> float:
+def excess(f: float, alpha: float, student_dof: float = _STUDENT_DOF) -> float:
     """
     Return the distance of the upper bound from the variance, in standard errors.
 
@@ -205,7 +303,7 @@ def excess(f: float, alpha: float, student_dof: int = _STUDENT_DOF) -> float:
         Degrees of freedom of the slow part, greater than 0.
     alpha : float
         Risk that the variance exceeds the bound; up to 0.5.
-    student_dof : int
+    student_dof : float
         Degrees of freedom of the standard error.
 
     Returns
@@ -249,13 +347,14 @@ def upper_bound(found: Spread, alpha: float) -> float:
 
     References
     ----------
-    S.10 of ``docs/risk.md``.
+    S.10, S.17, S.18 of ``docs/risk.md``.
 
     """
     if found.d_deg2 == 0.0:
         return 0.0
-    return (found.d_deg2 + excess(found.f, alpha, found.student_dof) * found.s_deg2
-            + found.slow_allowance_deg2)
+    above = found.above
+    return (above.d_deg2 + above.allowance_deg2
+            + above.widening * excess(above.f, alpha, above.student_dof) * above.s_deg2)
 
 
 def lower_bound(found: Spread, alpha: float) -> float:
@@ -264,7 +363,7 @@ def lower_bound(found: Spread, alpha: float) -> float:
     return found.d_deg2 * math.exp(float(scipy.special.stdtrit(found.student_dof, alpha)) * cv)
 
 
-def pool(runs: Sequence[Spread]) -> Spread:
+def pool(runs: Sequence[Spread], *, by_statement: bool = False) -> Spread:
     """
     Return the common variance of several runs, and how well they know it together.
 
@@ -272,12 +371,17 @@ def pool(runs: Sequence[Spread]) -> Spread:
     ----------
     runs : sequence of Spread
         One or more runs, independent of each other.
+    by_statement : bool
+        Whether the upper bound may rest on the slowest error stated: each run must be at least
+        20 times as long.
 
     References
     ----------
-    S.12 of ``docs/risk.md``: the cumulants of independent runs add up.
+    S.12, S.18 of ``docs/risk.md``: the cumulants of independent runs add up.
 
     """
+    if len(runs) == 1:
+        return runs[0]
     n = sum(r.n for r in runs)
     weights = [r.n / n for r in runs]
 
@@ -289,13 +393,31 @@ def pool(runs: Sequence[Spread]) -> Spread:
     skewness = math.fsum((w * r.s_deg2 / s) ** 3 * math.sqrt(8.0 / r.f)
                          for w, r in zip(weights, runs)) if s > 0.0 else 0.0
     free = math.fsum(r.n - 1 - r.order for r in runs)
-    return Spread(
+    times = [r.times for r in runs if r.times is not None]
+    found = Spread(
         n, max(r.order for r in runs), d,
         math.fsum(w * w * r.mean_variance_deg2 for w, r in zip(weights, runs)), s,
         2.0 * (d / s) ** 2 if s > 0.0 else free,
         8.0 / skewness ** 2 if skewness > 0.0 else free,
         min(r.corner_j for r in runs), mean([r.low_deg2 for r in runs]),
-        mean([r.middle_deg2 for r in runs]), sum(r.student_dof for r in runs))
+        mean([r.middle_deg2 for r in runs]), sum(r.student_dof for r in runs),
+        mean([r.kurtosis for r in runs]), min(times) if len(times) == len(runs) else None)
+    if not by_statement or found.times is None:
+        return found
+    # What mean and polynomial absorb is low where the errors are not flat over the lowest modes.
+    bent = mean([r.d_deg2 + (_bend(t, r.order) - 1.0) * r.absorbed_deg2
+                 for r, t in zip(runs, times)])
+    ratio = mean([_flat_ratio(t, r.order) for r, t in zip(runs, times)])
+    heavy = max(1.0, found.kurtosis / _NORMAL_KURTOSIS)
+    return replace(found, stated=Above(
+        bent, s, found.f, found.student_dof, 1.0 + _POOLED_PER_TAIL * math.log(heavy),
+        _allowance_deg2(found, ratio)))
+
+
+def _bend(times: float, order: int) -> float:
+    """Return c, the power at frequency 0 over that of the modes which S.2 uses, for AR(1)."""
+    modes = range(1, 1 + MEAN_DOF) if order == 0 else range(order + 1, order + 1 + _LOW_MODES)
+    return len(modes) / math.fsum(1.0 / (1.0 + (j * math.pi / times) ** 2) for j in modes)
 
 
 def between_runs(runs: Sequence[Spread], means_deg: Sequence[float], alpha: float) -> float:
@@ -331,3 +453,42 @@ def between_runs(runs: Sequence[Spread], means_deg: Sequence[float], alpha: floa
         if together.s_deg2 > 0.0 else 0.0
     return (together.d_deg2 - inside + between
             + math.hypot(within, ((m - 1) / quantile - 1.0) * between))
+
+
+def scatter_of_runs(runs: Sequence[Spread], means_deg: Sequence[float], alpha: float) -> float:
+    """
+    Return an upper bound of the variance from the scatter of the runs, whatever their spectra.
+
+    Parameters
+    ----------
+    runs : sequence of Spread
+        At least 2 runs, many correlation times of the slow part apart.
+    means_deg : sequence of float
+        Their mean differences, degrees, assumed to share one expected value.
+    alpha : float
+        Risk that the variance exceeds the bound; up to 0.5.
+
+    Returns
+    -------
+    float
+        Square degrees.
+
+    References
+    ----------
+    S.19 of ``docs/risk.md``.
+
+    """
+    m, n = len(runs), sum(r.n for r in runs)
+    weights = [r.n / n for r in runs]
+    centre = math.fsum(w * mean for w, mean in zip(weights, means_deg))
+    plain = math.fsum(means_deg) / m
+    between = math.fsum((mean - plain) ** 2 for mean in means_deg) / (m - 1)
+    squares = [r.d_deg2 - r.mean_variance_deg2 + (mean - centre) ** 2
+               for r, mean in zip(runs, means_deg)]
+    q = math.fsum(w * square for w, square in zip(weights, squares))
+    scatter = math.sqrt(m / (m - 1) * math.fsum(
+        (w * (square - q)) ** 2 for w, square in zip(weights, squares)))
+    q += between * math.fsum(w * w for w in weights)
+    if not scatter > 0.0:
+        return q
+    return q + excess(min(2.0 * (q / scatter) ** 2, pool(runs).f), alpha, m - 1) * scatter

@@ -132,7 +132,8 @@ def explain(run: RunVerdict, reason: str | None = None) -> str:
     interval = None if line is None else line.interval_deg_per_h
     need = describe_need(
         reason, run.guarded, run.coverage, n=run.n, drift_left_deg2=run.drift.left_deg2,
-        drifts=None if interval is None else not interval[0] <= 0.0 <= interval[1])
+        drifts=None if interval is None else not interval[0] <= 0.0 <= interval[1],
+        warm_up_s=0.0 if run.drift.warm_up is None else run.drift.warm_up.stabilization_s)
     return f'{words}; {need}' if need else words
 
 

@@ -28,10 +28,11 @@ from heading_intercompare.core.decision.campaign import (
     conclude_sensor,
     judge_together,
 )
-from heading_intercompare.core.decision.coverage import Coverage, coverage_of
+from heading_intercompare.core.decision.coverage import Coverage, coverage_of, slowest_error_s
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.gk import apply_gk, Printed
 from heading_intercompare.core.decision.guarded import decide, Evidence, gather_evidence, Guarded
+from heading_intercompare.core.decision.scope import Scope
 from heading_intercompare.core.decision.sequential import Look, LookVerdict, risk_at_the_end
 from heading_intercompare.core.decision.taken_out import Stretch, TakenOut
 from heading_intercompare.core.diagnostics.prepare import (
@@ -230,7 +231,8 @@ class _Decision:
         auto = settings.drift_order == 'auto'
         evidence = gather_evidence(
             cells, n_plus=printed.counts.n_plus, n_plus_plus=printed.counts.n_plus_plus,
-            span_s=data.span_s, offset_u_deg=settings.installation_offset_u_deg,
+            span_s=data.span_s, slowest_s=slowest_error_s(self._risk),
+            offset_u_deg=settings.installation_offset_u_deg,
             order=HIGHEST_ORDER_REMOVED if auto else data.order,
             mean_deg=data.moments.mean_deg if data.moments.n else None,
             drift_left_deg2=drift_left_deg2)
@@ -335,7 +337,8 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
     judged = examine(Examined(columns, found, settings, outcome, guarded, decision.outcome,
                               checked))
     told(_BEFORE + 0.9 * (1.0 - _BEFORE))
-    coverage = coverage_of(data.span_s, risk)
+    coverage = coverage_of(data.span_s, risk,
+                           scopes=[Scope.of(data.stamp_ns, data.rs_deg, settings)])
     direction, length = circular_mean(data.x_deg) if n else (None, None)
     verdict = RunVerdict(
         run=number, source=source, start_ns=run.start_ns, end_ns=run.end_ns,
@@ -451,6 +454,7 @@ def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,
     sound = [r for r in results if r.verdict.validity_effect != VOID]
     shared = judge_together([r.evidence for r in sound], [r.limits for r in sound], risk,
                             settings.variant, _apart_s([r.verdict for r in sound]))
+    scopes = [scope for r in results if (scope := r.verdict.coverage.scope) is not None]
     if settings.campaign.rule == 'sensor':
         met = all(r.printed.total.outcome in (None, Outcome.COMPLIANT) for r in results)
         outcome, reason = conclude_sensor(shared, [r.limits for r in results], met, risk)
@@ -458,13 +462,13 @@ def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,
             outcome, reason = Outcome.INDETERMINATE, 'a_run_repeated'
         coverage = None if shared is None else coverage_of(
             shared.span_s, risk, apart_s=None if shared.between_upper_bound_deg2 is None
-            else shared.apart_s)
+            else shared.apart_s, scopes=scopes)
     else:
         outcome, reason = conclude_every_run(
             [r.verdict.outcome for r in results],
             [r.outcome_among(len(results), settings) for r in results])
         spans = [r.evidence.span_s for r in results]
-        coverage = coverage_of(min(spans), risk) if spans else None
+        coverage = coverage_of(min(spans), risk, scopes=scopes) if spans else None
     if len(sound) < len(results) and outcome is not Outcome.NON_COMPLIANT:
         outcome, reason = Outcome.INDETERMINATE, 'a_run_void'
     if incomplete and outcome is Outcome.COMPLIANT:

@@ -172,7 +172,9 @@ def _coverage(verdict: Verdict) -> Coverage | None:
     if shared is None:
         return None
     return coverage_of(shared.span_s, risk, apart_s=None if shared.between_upper_bound_deg2 is None
-                       else shared.apart_s)
+                       else shared.apart_s, scopes=[
+                           run.coverage.scope for run in verdict.runs
+                           if run.coverage.scope is not None])
 
 
 def _list_runs(verdict: Verdict) -> list[str]:

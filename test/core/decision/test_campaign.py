@@ -43,6 +43,7 @@ from heading_intercompare.core.statistics.variance_uncertainty import (
     between_runs,
     lower_bound,
     pool,
+    scatter_of_runs,
     upper_bound,
 )
 
@@ -54,11 +55,12 @@ S = 1_000_000_000
 T0 = 1_400_000_000 * S
 
 
-def run(x, n_plus=0, span_s=None, mean=None):
+def run(x, n_plus=0, span_s=None, mean=None, slowest_s=None):
     """Return the evidence of a run of these differences."""
     return gather_evidence(Cells.of(x), n_plus=n_plus, n_plus_plus=n_plus,
                            span_s=float(len(x)) if span_s is None else span_s,
-                           mean_deg=float(np.mean(x)) if mean is None else mean)
+                           mean_deg=float(np.mean(x)) if mean is None else mean,
+                           slowest_s=slowest_s)
 
 
 def white(rng, m, sigma=1.0, n=2000):
@@ -231,8 +233,11 @@ def test_the_shared_figures_follow_from_the_runs(rng):
     assert (found.runs, found.n, found.span_s) == (5, 7000, 7000.0)
     assert (found.d_hat_deg2, found.nu, found.f) == (shared.d_deg2, shared.nu, shared.f)
     assert found.pooled_upper_bound_deg2 == upper_bound(shared, 0.02)
-    assert found.upper_bound_deg2 == found.between_upper_bound_deg2 == between_runs(
-        [e.spread for e in runs], [e.mean_deg for e in runs], 0.02)
+    spreads, means = [e.spread for e in runs], [e.mean_deg for e in runs]
+    assert found.between_upper_bound_deg2 == between_runs(spreads, means, 0.02)
+    assert found.scatter_upper_bound_deg2 == scatter_of_runs(spreads, means, 0.02)
+    assert found.upper_bound_deg2 == max(found.between_upper_bound_deg2,
+                                         found.scatter_upper_bound_deg2)
     assert found.lower_bound_deg2 == pytest.approx(lower_bound(shared, 0.09), rel=1e-12)
     assert found.acceptance_limit_deg2 == pytest.approx((6500 * 1.2025 + 500 * 1.1) / 7000)
     assert found.rejection_limit_deg2 == pytest.approx(1.25)
@@ -244,8 +249,31 @@ def test_the_shared_figures_follow_from_the_runs(rng):
 def test_the_means_speak_only_in_variant_b_and_of_five_runs_or_more(variant, m, has, rng):
     found = judge_together(white(rng, m), [LIMITS] * m, Risk(), variant)
     assert (found.between_upper_bound_deg2 is not None) is has
+    assert (found.scatter_upper_bound_deg2 is not None) is has
     if not has:
         assert found.upper_bound_deg2 == found.pooled_upper_bound_deg2
+
+
+@pytest.mark.parametrize('slowest_s, alpha', [(None, 0.05), (200.0, 0.05), (201.0, 0.025)])
+def test_the_means_of_runs_shorter_than_ten_slowest_errors_have_half_the_risk(
+        slowest_s, alpha, rng):
+    runs = [run(rng.standard_normal(2000), slowest_s=slowest_s) for _ in range(5)]
+    found = judge_together(runs, [LIMITS] * 5, Risk(slowest_error_s=slowest_s), 'B')
+    spreads, means = [e.spread for e in runs], [e.mean_deg for e in runs]
+    assert found.upper_bound_deg2 == max(between_runs(spreads, means, alpha),
+                                         scatter_of_runs(spreads, means, alpha))
+
+
+@pytest.mark.parametrize('variant, slowest_s, m, has', [
+    ('A', 100.0, 5, True), ('C', 100.0, 5, True), ('B', 100.0, 5, False), ('A', 101.0, 5, False),
+    ('A', 100.0, 4, False), ('A', None, 5, False)])
+def test_a_statement_counts_together_in_a_and_c_of_five_runs_of_twenty_times(
+        variant, slowest_s, m, has, rng):
+    runs = [run(rng.standard_normal(2000), slowest_s=slowest_s) for _ in range(m)]
+    found = judge_together(runs, [LIMITS] * m, Risk(slowest_error_s=slowest_s), variant)
+    assert found.stated_times == (20.0 if has else None)
+    assert found.pooled_upper_bound_deg2 == upper_bound(
+        pool([e.spread for e in runs], by_statement=has), 0.05)
 
 
 def test_runs_too_short_are_not_among_the_five(rng):

@@ -22,6 +22,7 @@ from heading_intercompare.core.decision.coverage import (
     coverage_of,
     least_duration_s,
     least_duration_words,
+    SEA_STATE_S,
     SENSOR_CLASSES,
     slowest_error_s,
     span_words,
@@ -33,13 +34,15 @@ def test_a_twentieth_of_the_record_is_covered():
     found = coverage_of(624.0, Risk())
     assert (found.span_s, found.longest_s, found.stated_s, found.least_duration_s) == (
         624.0, 31.2, None, 600.0)
-    assert found.words == 'for errors that change within 31 s; slower errors are not covered'
+    assert found.words == ('for errors that change within 31 s, and that come at least three '
+                           'times in the run; slower errors are not covered')
 
 
 def test_a_statement_takes_the_place_of_the_default():
     assert least_duration_s(Risk(slowest_error_s=2.0)) == 40.0
     assert coverage_of(100.0, Risk(slowest_error_s=2.0)).words == \
-        'for errors that change within 5 s; the slowest stated is 2 s'
+        'for errors that change within 5 s, and that come at least three times in the run; ' \
+        'the slowest stated is 2 s'
 
 
 @pytest.mark.parametrize('given, least', [
@@ -75,13 +78,20 @@ def test_the_swing_of_a_gyrocompass_by_hand():
     assert SENSOR_CLASSES['gyrocompass'].slowest_s == pytest.approx(by_hand_s, rel=0.005)
 
 
+def test_no_class_is_faster_than_the_changes_of_the_sea_state():
+    """Multipath changes in 5 min, but the sea state, and the size of the errors, in 30."""
+    assert SENSOR_CLASSES['gnss_compass'].error_s == 300.0
+    assert SENSOR_CLASSES['gnss_compass'].slowest_s == SEA_STATE_S
+    assert min(one.slowest_s for one in SENSOR_CLASSES.values()) == SEA_STATE_S
+
+
 @pytest.mark.parametrize('risk, words', [
     (Risk(), 'a run must last 10 min to comply; its slowest error is not stated '
      '(risk.slowest_error_s)'),
     (Risk(slowest_error_s=60.0, min_duration_s=3600.0),
      'a run must last 60 min to comply (risk.min_duration_s)'),
     (Risk(sensor_class='gnss_compass'),
-     'a run must last 100 min to comply: 20 times its slowest error, 5 min')])
+     'a run must last 10.0 h to comply: 20 times its slowest error, 30 min')])
 def test_the_length_is_said_before_the_trial(risk, words):
     assert least_duration_words(risk) == words
 
@@ -96,7 +106,8 @@ def test_means_of_runs_stand_in_for_slow_errors():
     found = coverage_of(9000.0, Risk(), apart_s=3600.0)
     assert (found.longest_s, found.least_duration_s, found.by_run_means) == (3600.0, 600.0, True)
     assert found.words == \
-        'for errors that change within 60 min, from run to run; slower errors are not covered'
+        'for errors that change within 60 min, and that come at least three times in the run, ' \
+        'or from run to run; slower errors are not covered'
     stated = coverage_of(9000.0, Risk(sensor_class='gyrocompass', min_duration_s=7200.0),
                          apart_s=3600.0)
     assert stated.least_duration_s == 7200.0

@@ -179,3 +179,15 @@ def test_the_tightened_count_limit_is_never_above_the_limit(model, sigma, ref, m
     ([GOOD, GOOD], GOOD), ([GOOD, OPEN], OPEN), ([OPEN, BAD], BAD), ([], OPEN)])
 def test_the_worst_outcome_decides(outcomes, combined):
     assert worst(outcomes) is combined
+
+
+def test_the_knowledge_of_the_rs_that_a_variance_needs_by_hand():
+    """0.2^2 + m^2 0.1^2 = 0.0464 needs m = 0.8; interpolation to 0.64 of the noise, m = 1."""
+    limits = Limits.of(Norms(sigma_max_deg=0.2, sigma_ref_max_deg=0.1, m_low=0.5), 'NN')
+    assert limits.m_low_for(0.0464) == pytest.approx(0.8)
+    assert limits.m_low_for(0.0425) is None and limits.m_low_for(0.0501) is None
+    halved = Limits.of(Norms(sigma_max_deg=0.2, sigma_ref_max_deg=0.1, m_low=0.5), 'NN', 0.64)
+    assert halved.m_low_for(0.0464) == pytest.approx(1.0)
+    assert limits.with_rs_factor(0.64).m_low_for(0.0464) == pytest.approx(1.0)
+    exact = Limits.of(Norms(sigma_max_deg=0.2, sigma_ref_max_deg=0.0), 'NN')
+    assert exact.m_low_for(0.05) is None

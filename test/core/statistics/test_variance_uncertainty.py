@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 import math
 
 import numpy as np
@@ -30,6 +31,7 @@ from heading_intercompare.core.statistics.variance_uncertainty import (
     excess,
     lower_bound,
     pool,
+    scatter_of_runs,
     Spread,
     upper_bound,
 )
@@ -52,9 +54,9 @@ def waves(power):
                for j, p in enumerate(power))
 
 
-def record(a, c, n=1280, q=1.0, kurtosis=3.0, rounding_deg=0.0):
+def record(a, c, n=1280, q=1.0, kurtosis=3.0, rounding_deg=0.0, occupied=1.0):
     """Return 128 cells with this power of the deviations and of the squares."""
-    return CellValues(n, 0.0, q, kurtosis, rounding_deg, waves(a), q + waves(c))
+    return CellValues(n, 0.0, q, kurtosis, rounding_deg, waves(a), q + waves(c), occupied)
 
 
 FLAT, LOW = [12.8] * 127, [32.0] * 16 + [2.0] * 111
@@ -433,3 +435,86 @@ def test_an_offset_of_all_means_does_not_matter():
     runs = [made()] * 4
     assert between_runs(runs, [1.0, 2.0, 4.0, 3.0], 0.05) == pytest.approx(
         between_runs(runs, [171.0, 172.0, 174.0, 173.0], 0.05))
+
+
+# --- the slowest error is stated: S.17 to S.19 ---
+
+def test_the_bound_with_a_stated_error_by_hand():
+    """
+    S.17, 60 slowest errors, 128 cells: B = 20 modes of the squares, (16 x 4 + 4 x 0.25) / 20.
+
+    v = 0.01, D = 1.01. W / K + 6 v^2 = 3.25 / 128 + 0.0006 = 0.025991 is below
+    2 D^2 / 60 = 0.034003. f = min(nu, max(0.45 x 60, f_S / 2)) = 27.
+    """
+    cells = record([1.28] * 127, [4.0] * 16 + [0.25] * 111, n=100_000)
+    found = estimate_spread(cells, times=60.0)
+    s2 = (1.0 + 3e-4) * (3.25 / 128.0 + 0.0006)
+    assert found.above.s_deg2 == pytest.approx(math.sqrt(s2), rel=1e-12)
+    assert (found.above.student_dof, found.above.f) == (20, pytest.approx(27.0))
+    assert upper_bound(found, 0.05) == pytest.approx(
+        1.01 + 1.1 * excess(27.0, 0.05, 20) * math.sqrt(s2), rel=1e-12)
+
+
+def test_no_noise_of_the_squares_exceeds_what_the_stated_errors_can_do():
+    """Power 32 in the squares would give s = 0.56; errors of 20 times give D sqrt(2 / 20)."""
+    found = estimate_spread(record(FLAT, LOW, n=100_000), times=20.0)
+    assert found.above.s_deg2 == pytest.approx(1.1 * math.sqrt(0.1 * 1.0003), rel=1e-12)
+    tails = estimate_spread(record(FLAT, LOW, n=100_000, kurtosis=6.0), times=20.0)
+    assert tails.above.s_deg2 == pytest.approx(1.1 * math.sqrt(0.25 * 1.0003), rel=1e-12)
+    assert tails.above.widening == pytest.approx(1.1 * (1.0 + 0.7 * math.log(2.0)))
+
+
+def test_a_statement_changes_nothing_but_the_upper_bound(rng):
+    cells = Cells.of(noise(3000, 30.0, rng))
+    alone, stated = estimate_spread(cells), estimate_spread(cells, times=100.0)
+    assert replace(stated, stated=None, times=None) == alone
+    assert lower_bound(stated, 0.05) == lower_bound(alone, 0.05)
+    assert upper_bound(stated, 0.05) < upper_bound(alone, 0.05)
+    for times in (None, 19.9):
+        assert upper_bound(estimate_spread(cells, times=times), 0.05) == upper_bound(alone, 0.05)
+
+
+def test_a_record_that_contradicts_the_statement_keeps_its_allowance():
+    """R0(100) = 1.40: above three times that the lowest modes deny errors that fast."""
+    flat = (1.0 + (0.205 * math.pi) ** 2) / (1.0 + (0.025 * math.pi) ** 2)
+    for ratio, keeps in ((2.99 * flat, False), (3.01 * flat, True)):
+        cells = record([ratio] * 4 + [1.0] * 123, LOW)
+        alone, stated = estimate_spread(cells), estimate_spread(cells, times=100.0)
+        assert alone.slow_allowance_deg2 > 0.0
+        assert stated.slow_allowance_deg2 == (alone.slow_allowance_deg2 if keeps else 0.0)
+
+
+def test_a_gap_does_not_count_as_time_that_was_seen():
+    whole, half = (estimate_spread(record(FLAT, LOW, occupied=share), times=100.0)
+                   for share in (1.0, 0.5))
+    assert half.above.student_dof == 16 and whole.above.student_dof == 32
+    assert half.above.f == pytest.approx(22.5) and whole.above.f == pytest.approx(45.0)
+
+
+def test_the_pooled_bound_with_a_stated_error_by_hand():
+    """S.18: v = 0.01 is low by c(20) = 8 / sum of 1 / (1 + (j pi / 20)^2) = 1.4788."""
+    runs = [replace(made(f=1e300), times=20.0, kurtosis=3.0 * math.e)] * 5
+    c = 8.0 / sum(1.0 / (1.0 + (j * math.pi / 20.0) ** 2) for j in range(1, 9))
+    assert c == pytest.approx(1.4788, abs=1e-4)
+    found = pool(runs, by_statement=True)
+    assert upper_bound(found, 0.05) == pytest.approx(
+        1.0 + (c - 1.0) * 0.01 + 1.5 * student.ppf(0.95, 60) * 0.2 / math.sqrt(5.0), rel=1e-9)
+    assert lower_bound(found, 0.05) == lower_bound(pool(runs), 0.05)
+
+
+def test_the_scatter_of_runs_by_hand():
+    """S.19: mean squares 0.8, 1.0, 1.2 of runs with equal means: s_Q^2 = 3/2 x 0.08 / 9."""
+    runs = [made(d=d, v=0.0, f=1e300) for d in (0.8, 1.0, 1.2)]
+    scatter = math.sqrt(0.12 / 9.0)
+    assert scatter_of_runs(runs, [0.5] * 3, 0.05) == pytest.approx(
+        1.0 + excess(2.0 / scatter ** 2, 0.05, 2) * scatter, rel=1e-12)
+    apart = scatter_of_runs([made(d=1.0, v=0.0, f=1e300)] * 3, [-0.3, 0.0, 0.3], 0.05)
+    squares = [1.09, 1.0, 1.09]
+    q, s2 = 1.06, 1.5 / 9.0 * sum((one - 1.06) ** 2 for one in squares)
+    assert apart == pytest.approx(
+        q + 0.03 + excess(2.0 * 1.09 ** 2 / s2, 0.05, 2) * math.sqrt(s2), rel=1e-12)
+
+
+def test_one_run_alone_is_itself_among_several():
+    one = made()
+    assert pool([one]) is one

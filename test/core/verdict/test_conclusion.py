@@ -132,10 +132,11 @@ def test_every_reason_has_words():
 
 
 @pytest.mark.parametrize('outcome, effects, words', [
-    (C, (), 'COMPLIANT for errors that change within 31 s; slower errors are not covered'),
+    (C, (), 'COMPLIANT for errors that change within 31 s, and that come at least three times '
+     'in the run; slower errors are not covered'),
     (N, (), f'NON-COMPLIANT ({REJECTION_SCOPE})'), (I, (), 'INDETERMINATE'),
-    (C, (DOUBTFUL,), 'COMPLIANT, DOUBTFUL: it 0 (for errors that change within 31 s; slower '
-     'errors are not covered)'),
+    (C, (DOUBTFUL,), 'COMPLIANT, DOUBTFUL: it 0 (for errors that change within 31 s, and that '
+     'come at least three times in the run; slower errors are not covered)'),
     (N, (DOUBTFUL, DOUBTFUL), f'NON-COMPLIANT, DOUBTFUL: it 0; it 1 ({REJECTION_SCOPE})'),
     (I, (HOLDS, VOID, VOID, DOUBTFUL), 'INDETERMINATE, VOID: it 1')])
 def test_the_headline_by_hand(outcome, effects, words):

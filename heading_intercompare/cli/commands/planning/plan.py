@@ -54,7 +54,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Simulate runs of several lengths, and print the chances of each outcome."""
+    """Simulate several short runs and single runs, and print the chances of each outcome."""
     settings = settings_for(load_config(arguments.config), arguments.set)
     if arguments.seed < 0:
         raise ValueError(f'--seed {arguments.seed}: must be at least 0')
@@ -80,24 +80,37 @@ def _table(plan: TrialPlan, settings: Settings, arguments: argparse.Namespace) -
     lines = [
         f'a run must last {span_words(plan.least_s)} to comply; the slowest error stated is '
         f'{span_words(plan.slowest_error_s)}',
-        f'RS at {plan.sigma_ref_deg:g} deg; {arguments.rate:g} pairs per second; '
+        f'RS at {plan.sigma_ref_deg:g} deg; pairs per second: {arguments.rate:g}; '
         f'{arguments.slow_share:g} of the TS variance is slow; risks: consumer '
         f'{risk.alpha_consumer:g}, producer {risk.alpha_producer:g}', '',
-        'chances of COMPLIANT / NON-COMPLIANT / INDETERMINATE, in percent',
-        'run of    ' + ''.join(f'  TS at {level:g} of norm' for level in LEVELS)]
-    rows: dict[float, list[str]] = {}
+        'chances of COMPLIANT / NON-COMPLIANT / INDETERMINATE, in percent']
+    rows: dict[tuple[int, float], list[str]] = {}
     for chance in plan.chances:
-        rows.setdefault(chance.duration_s, []).append(' / '.join(
+        rows.setdefault((chance.runs, chance.duration_s), []).append(' / '.join(
             f'{100.0 * p:3.0f}' for p in (chance.compliant, chance.non_compliant,
                                           chance.indeterminate)))
-    lines += [f'{span_words(duration_s):<10}' + ''.join(
+    width = max(len(_trial(*trial)) for trial in rows) + 2
+    lines += ['trial'.ljust(width) + ''.join(f'  TS at {level:g} of norm' for level in LEVELS)]
+    lines += [_trial(*trial).ljust(width) + ''.join(
         f'{cell:>{len(f"  TS at {level:g} of norm")}}' for level, cell in zip(LEVELS, cells))
-        for duration_s, cells in rows.items()]
-    longest = span_words(max(rows))
-    advice = ', '.join(f'{level:g} of the norm: ' + (
-        f'not within {longest}' if advised is None else span_words(advised))
-        for level, advised in zip(LEVELS, plan.advised_s))
+        for trial, cells in rows.items()]
+    most, longest = max(runs for runs, _ in rows), max(s for _, s in rows)
+    advice = []
+    for level, runs, advised_s in zip(LEVELS, plan.advised_runs, plan.advised_s):
+        several = (f'not by {most} short runs' if runs is None
+                   else f'{_trial(runs, plan.short_s)} ({span_words(runs * plan.short_s)} in all)')
+        single = (f'not by one run of {span_words(longest)}' if advised_s is None
+                  else f'one run of {span_words(advised_s)}')
+        advice.append(f'  {level:g} of its norm: {several}; or {single}')
     error = 50.0 / plan.trials ** 0.5
-    return '\n'.join([*lines, '', f'to certify with probability {plan.wanted:g} a TS at {advice}',
-                      f'each chance is from {plan.trials} simulated runs; its standard error is '
-                      f'at most {error:.0f} percent'])
+    return '\n'.join([
+        *lines, '', f'to certify with probability {plan.wanted:g} a TS at', *advice,
+        f'several runs: set campaign.rule=sensor, and wait at least '
+        f'{span_words(plan.slowest_error_s)} between runs',
+        f'each chance is from {plan.trials} simulated trials; its standard error is at most '
+        f'{error:.0f} percent'])
+
+
+def _trial(runs: int, duration_s: float) -> str:
+    length = span_words(duration_s)
+    return f'one run of {length}' if runs == 1 else f'{runs} runs of {length}'

@@ -32,10 +32,12 @@ def test_the_table_says_how_long_to_measure(capsys, tmp_path):
     out = capsys.readouterr().out
     plan = json.loads((tmp_path / 'p.json').read_text())
     assert out.startswith('a run must last 10 min to comply; the slowest error stated is 30 s\n')
-    assert '\n10 min ' in out
-    assert 'to certify with probability 0.8 a TS at 0.5 of the norm: ' in out
+    assert '\none run of 10 min ' in out and out.index('5 runs of 5 min ') < out.index('one run')
+    assert 'to certify with probability 0.8 a TS at\n  0.5 of its norm: 5 runs of 5 min (25 min ' \
+        'in all); or one run of 10 min\n' in out
+    assert 'set campaign.rule=sensor, and wait at least 30 s between runs' in out
     assert plan['least_s'] == 600.0 and plan['levels'] == [0.5, 0.7, 0.85]
-    assert len(out.splitlines()) == 8 + len(plan['chances']) // 3
+    assert len(out.splitlines()) == 12 + len(plan['chances']) // 3
     assert main(['plan', *GIVEN, '--json', '-']) == 0
     assert json.loads(capsys.readouterr().out) == plan
 
