@@ -30,7 +30,6 @@ from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSe
 from heading_intercompare.core.pairing.pair_sampling import PairSampler
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
-from heading_intercompare.core.record_conditions.left_out import judge_left_out
 from heading_intercompare.core.runs.growing_columns import Keep
 from heading_intercompare.core.runs.live_figures import (
     compute_figures,
@@ -41,18 +40,12 @@ from heading_intercompare.core.runs.record_pieces import RecordPieces
 from heading_intercompare.core.runs.rolling_window import Rolling
 from heading_intercompare.core.runs.run_cutter import RunCutter
 from heading_intercompare.core.runs.run_series import RunSeries
-from heading_intercompare.core.verdict.judge import (
-    compare_runs,
-    conclude_campaign,
-    judge_run,
-    look_at,
-    RunResult,
-)
-from heading_intercompare.core.verdict.recorded import find_left_out, judge_piece
+from heading_intercompare.core.verdict.all_runs import join
+from heading_intercompare.core.verdict.judge import judge_run, look_at, RunResult
+from heading_intercompare.core.verdict.recorded import judge_piece
 from heading_intercompare.core.verdict.verdict_document import Input, Verdict
 
 from .kept_state import KeptRun, KeptState
-from .outcome import Outcome, worst
 from .records import Differences, Headings, Losses, Motion, Pairs
 from .settings import Settings
 
@@ -394,38 +387,6 @@ class Compliance:
                 inputs: Sequence[Input] = ()) -> Verdict:
         """Return the verdict on the runs judged so far."""
         return join(self.results(ledger), self.settings, inputs)
-
-
-def join(results: Sequence[RunResult], settings: Settings,
-         inputs: Sequence[Input] = (), *, incomplete: bool = False) -> Verdict:
-    """
-    Return the verdict on runs, and number them in the order given.
-
-    Parameters
-    ----------
-    results : sequence of RunResult
-        Runs of one input or of several.
-    settings : Settings
-        By which the runs were judged.
-    inputs : sequence of Input
-        The sources of the runs.
-    incomplete : bool
-        Whether an input could not be judged; then the verdict is never compliant.
-
-    """
-    runs = compare_runs(results)
-    results = [r.place_among(at, runs) for at, r in enumerate(results, 1)]
-    outcome, coverage, campaign = conclude_campaign(results, runs, settings, incomplete)
-    left_out = find_left_out((piece for r in results for piece in r.pieces),
-                             (r.left_out for r in results), settings)
-    if left_out is not None:
-        campaign = replace(campaign, validity=(*(campaign.validity or ()), judge_left_out(
-            outcome, left_out, bool(settings.exclusions))))
-    whole = Verdict.of([r.verdict for r in results], outcome, campaign, coverage, settings, inputs)
-    whole = replace(whole, taken_out=left_out)
-    if incomplete:
-        whole = replace(whole, paper_outcome=worst([whole.paper_outcome, Outcome.INDETERMINATE]))
-    return whole
 
 
 class Intercomparison:

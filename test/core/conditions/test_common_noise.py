@@ -138,8 +138,6 @@ def test_any_rates_may_meet(method, ts_hz, rs_hz, rng):
 @pytest.mark.parametrize('share', [0.3, 1.0])
 def test_an_rs_that_repeats_the_ts_with_noise_of_its_own_is_found(share, rng, ar1):
     """Coherence s²/(1 + s²) = 0.08 and 0.5, and more where slow errors show: they cancel in x."""
-    Coherence s²/(1 + s²) = 0.08 and 0.5, and more where the slow errors show: they cancel in x.
-    """
     true = swell(np.arange(N) / RATE)
     ts = true + 0.3 * ar1(N, 120.0 * RATE) + share * 0.05 * rng.standard_normal(N)
     rs = ts + 0.05 * rng.standard_normal(N)
