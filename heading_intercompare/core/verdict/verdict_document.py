@@ -65,8 +65,8 @@ SCHEMA_VERSION = '2.7'
 """
 Major and minor version of the mapping.
 
-The minor version increases when keys are added, which readers ignore; the major version when a key
-disappears or changes its meaning.
+The minor version increases when keys are added, which readers ignore, or a key that may be absent
+goes; the major version when another key disappears or changes its meaning.
 """
 _MAJOR = int(SCHEMA_VERSION.partition('.')[0])
 SCHEMA = f'{_SCHEMA}{_MAJOR}'
@@ -382,8 +382,8 @@ class Verdict:
            coverage: Coverage | None, settings: Settings, inputs: Sequence[Input]) -> 'Verdict':
         """Build the verdict from runs and from their result together."""
         together = campaign.validity or ()
-        if (len(runs) == 1 and runs[0].outcome is outcome and campaign.rule == 'every_run'
-                and not any(f.words for f in together)):
+        is_alone = len(runs) == 1 and campaign.rule == 'every_run'
+        if is_alone and runs[0].outcome is outcome and not any(f.words for f in together):
             line = runs[0].headline
         else:
             findings = [*together, *(
