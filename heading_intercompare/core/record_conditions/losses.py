@@ -38,10 +38,20 @@ _REJECTED_SHARE = 0.01
 
 def _settle(finding: Finding | None, account: RunAccount) -> Finding:
     """Judge the readings that a run could not use; at a look, the gaps between the pairs alone."""
-    shares = [] if account.lost_share is None else [('lost', account.lost_share)]
+    shares = []
+    if account.lost_share is not None:
+        shares = [('lost', _take_unbridged(account.lost_share, account.inside))]
     if account.share is not None and account.inside is not None:
         shares += _ledger_shares(account, account.share, account.inside)
     return judge_losses(shares, account.settings)
+
+
+def _take_unbridged(lost_share: float, inside: LedgerSegment | None) -> float:
+    """Return the share of pairs missing without those whose readings came: they are not lost."""
+    n = 0 if inside is None else inside.unbridged
+    if inside is None or not n:
+        return lost_share
+    return max(0.0, lost_share - n / (n + inside.counts.get(LedgerKey.PAIRED, 0)))
 
 
 def warn_of_rejected(share: LedgerSegment) -> list[str]:

@@ -49,10 +49,21 @@ def losses_of(run):
 
 
 def test_lost_is_not_received_and_a_burst_is_rejected():
-    share = LedgerSegment(None, {'ts_lost.on_the_way': 3, 'ts_lost.at_source': 2,
+    share = LedgerSegment(None, {'ts_lost.on_the_way': 3, 'ts_lost.at_source': 2, 'gaps.ts': 5,
                                  'ts_rejected.burst': 4, 'ts_paired': 10, 'paired': 10})
     assert share.received('ts') == 14
     assert share.lost('ts') == {'on_the_way': 3, 'at_source': 2} and share.lost('rs') == {}
+
+
+@pytest.mark.parametrize('told, gaps, lost', [(73_449, 3, 3), (2, 3, 2), (73_449, 0, 0)])
+def test_no_more_readings_are_lost_at_the_source_than_the_stream_has_gaps(told, gaps, lost):
+    """A kernel counts datagrams, whatever they held."""
+    share = LedgerSegment(None, {'ts_lost.at_source': told, 'gaps.ts': gaps, 'ts_paired': 10})
+    assert share.lost('ts').get('at_source', 0) == lost
+
+
+def test_what_was_rejected_as_a_burst_is_received():
+    share = LedgerSegment(None, {'ts_rejected.burst': 4, 'ts_paired': 10, 'paired': 10})
     assert share.rejected('ts') == {'burst': 4}
 
 
