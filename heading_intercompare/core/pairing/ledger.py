@@ -208,16 +208,20 @@ class LedgerSegment:
                 if (n := self.counts.get(LedgerKey.of_rejected(stream, reason)))}
 
     def lost(self, stream: str) -> dict[str, int]:
-        """
-        Return how many readings of ``'ts'`` or ``'rs'`` were lost, by where.
+        """Return what of ``'ts'`` or ``'rs'`` was lost, by where: at the source datagrams."""
+        return {where: n for where in LOSSES
+                if (n := self.counts.get(LedgerKey.of_lost(stream, where)))}
 
-        A driver tells datagrams, and those of others too. No more readings can be lost at the
-        source than the gaps of the stream have room for.
+    def lost_at_source(self, stream: str) -> int:
         """
-        found = {where: self.counts.get(LedgerKey.of_lost(stream, where), 0) for where in LOSSES}
-        room = self.counts.get(LedgerKey.of_gaps(stream), 0) - found['on_the_way']
-        found['at_source'] = max(0, min(found['at_source'], room))
-        return {where: n for where, n in found.items() if n}
+        Return how many readings of ``'ts'`` or ``'rs'`` were lost at the source, at most.
+
+        A driver tells datagrams, whatever they held. No more readings can be lost than the gaps of
+        the stream have room for, beside those lost on the way.
+        """
+        lost = self.lost(stream)
+        room = self.counts.get(LedgerKey.of_gaps(stream), 0) - lost.get('on_the_way', 0)
+        return max(0, min(lost.get('at_source', 0), room))
 
     @property
     def unbridged(self) -> int:
