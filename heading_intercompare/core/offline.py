@@ -140,7 +140,7 @@ def _search(ts: Headings, rs: Headings, settings: Settings) -> float | None:
     if min(len(ts_track), len(rs_track)) < _LEAST_READINGS:
         return None
     _, found = find_apart(ts_track, rs_track, settings.alignment.clock_range_s,
-                          settings.pairing.max_gap_s)
+                          settings.pairing.longest_gap_s)
     return None if found is None else found.skew_s
 
 
@@ -221,7 +221,7 @@ def _readings_of(ts: Headings, rs: Headings, result: RunResult, settings: Settin
     known_ns = round(settings.alignment.skew_s * 1e9)
     run = result.verdict
     margin_ns = (round((settings.alignment.skew_range_s + apart_s) * 1e9) + abs(known_ns)
-                 + round(settings.pairing.max_gap_s * 1e9))
+                 + round(settings.pairing.longest_gap_s * 1e9))
     return (_between(ts, run.start_ns + known_ns, run.end_ns + known_ns),
             _between(rs, run.start_ns - margin_ns, run.end_ns + margin_ns))
 

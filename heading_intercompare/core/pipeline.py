@@ -70,6 +70,8 @@ class Compliance:
         during the run. Without it all pages stay in memory.
     progress : callable
         Called with the progress in words while a run is judged.
+    thins : bool
+        The pairs are chosen out of more: gaps between them are not lost.
 
     Attributes
     ----------
@@ -93,9 +95,10 @@ class Compliance:
     def __init__(self, settings: Settings, *, source: str = '',
                  table: Sequence[tuple[int, int]] | None = None,
                  keeper: Callable[[], Keep | None] = lambda: None,
-                 progress: Callable[[str], None] = lambda text: None) -> None:
+                 progress: Callable[[str], None] = lambda text: None,
+                 thins: bool = False) -> None:
         self.settings = settings
-        self._keeper, self._progress = keeper, progress
+        self._keeper, self._progress, self._thins = keeper, progress, thins
         self.newest_ns: int | None = None
         # The limits of the newest run also serve the rolling window, which ends in it.
         self._limits = Limits.of(settings.norms, settings.model)
@@ -250,6 +253,8 @@ class Compliance:
             run, self.settings, number, self._source, looks=looks, motion=self.motion.rows,
             told=lambda share: self._progress(f'{share:.0%} of run {number} judged'))
         result = replace(result, first_pair=self._first_pair)
+        if self._thins:
+            result = result.without_lost_share()
         self._limits = result.limits
         self.motion.end_run(run.end_ns)
         self._finished.append((result, run.cut_ns))
@@ -422,7 +427,8 @@ class Intercomparison:
                  table: Sequence[tuple[int, int]] | None = None,
                  progress: Callable[[str], None] = lambda text: None,
                  sampler: PairSampler | None = None) -> None:
-        self.compliance = Compliance(settings, source=source, table=table, progress=progress)
+        self.compliance = Compliance(settings, source=source, table=table, progress=progress,
+                                     thins=sampler is not None)
         self._table, self._sampler = table or (), sampler
         self._before = Incarnations()
         self._keep: Callable[[Pairs], None] = lambda pairs: None

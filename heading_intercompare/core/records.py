@@ -379,8 +379,8 @@ class Pairs(_Columns):
     lag_ns : ndarray of int64, shape (n,)
         RS stamp - TS stamp, nanoseconds; 0 where one of them is interpolated.
     rs_variance_factor, ts_variance_factor : ndarray of float64, shape (n,)
-        Factor by which interpolation reduces the white-noise variance of the RS, and of the TS:
-        (1-w)^2 + w^2, or 1 without interpolation.
+        Factor by which interpolation changes the white-noise variance of the RS, and of the TS:
+        the sum of the squared weights of the readings, or 1 without interpolation.
 
     """
 

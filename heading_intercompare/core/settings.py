@@ -98,6 +98,10 @@ class Norms(Checked):
                 f'norms.sigma_ref_max_deg = {self.sigma_ref_max_deg!r}; no verdict is possible')
 
 
+LONGEST_GAP_S = 3.0
+"""Readings further apart do not show the motion between them, unless the settings say so."""
+
+
 @dataclass(frozen=True, slots=True)
 class Pairing(Checked):
     """How TS and RS readings are paired."""
@@ -112,7 +116,13 @@ class Pairing(Checked):
     slow_rs_s: float = setting(
         0.25, 'an RS is slow if its step is longer than this, and than 1.5 TS steps [s]', 0.0,
         3600.0)
-    max_gap_s: float = setting(3.0, 'longest bracket interpolated, inclusive [s]', 0.0, 3600.0)
+    kernel: str = setting(
+        'band_limited', "'band_limited': interpolated by up to eight readings, which keeps the "
+        "motion; 'line': by the straight line between two, without a certificate where it lacks "
+        'motion', choices=('band_limited', 'line'))
+    max_gap_s: float | str = setting(
+        'auto', "longest bracket interpolated, inclusive [s]; 'auto': 1.5 usual steps of the "
+        'sensor, which also bounds a number', 0.0, 3600.0, choices=('auto',))
     tolerance_s: float = setting(0.05, "largest lag of a pair, method 'nearest' [s]", 0.0, 60.0)
     max_wait_s: float = setting(
         5.0, 'live only: how long a reading waits for its partner [s]', 0.0, 600.0)
@@ -125,6 +135,11 @@ class Pairing(Checked):
     def longest_wait_s(self) -> float:
         """Return how long a reading waits for its partner at most, live, seconds."""
         return max(self.max_wait_s, self.silent_wait_s)
+
+    @property
+    def longest_gap_s(self) -> float:
+        """Return how far readings may lie apart to show the motion between them, seconds."""
+        return self.max_gap_s if isinstance(self.max_gap_s, float) else LONGEST_GAP_S
 
 
 @dataclass(frozen=True, slots=True)

@@ -25,6 +25,7 @@ import pyarrow.parquet
 
 from heading_intercompare.bags.csv.stamp_cells import looks_like_unit
 from heading_intercompare.core.angles import wrap360
+from heading_intercompare.core.pairing.interpolation_kernel import LARGEST_FACTOR
 from heading_intercompare.core.records import Headings, Integers, Pairs, Reals
 from heading_intercompare.core.units.angle_units import find_named_unit
 from heading_intercompare.core.units.given_stamps import find_unit
@@ -205,8 +206,9 @@ class PairsParquet:
             column = (_reals(path, name, batch.column(name)) if name in self.names
                       else np.full(len(stamps), absent))
             column = np.where(np.isnan(column), absent, column)
-            if not ((column > 0.0) & (column <= 1.0)).all():
-                raise ReaderError(path, f'column {name}: must be above 0 and at most 1, or null')
+            if not ((column > 0.0) & (column <= LARGEST_FACTOR)).all():
+                raise ReaderError(path, f'column {name}: must be above 0 and at most '
+                                  f'{LARGEST_FACTOR:g}, or null')
             factors.append(column)
         lag_ns = None
         for name, unit_ns in (('lag_ns', 1), ('lag_s', _SECOND_NS)):

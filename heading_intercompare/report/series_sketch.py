@@ -148,7 +148,8 @@ class SeriesSketch:
                    settings: Settings) -> None:
         """Take what is not taken out by hand."""
         if self.shifts is None or self.spectra is None:
-            self.shifts = ShiftScan(settings.alignment.skew_range_s, settings.pairing.max_gap_s)
+            self.shifts = ShiftScan(settings.alignment.skew_range_s,
+                                    settings.pairing.longest_gap_s)
             self.spectra = Spectra(settings.runs.gap_s)
             self.offset_deg = settings.installation_offset_deg
         self.n += len(x_deg)

@@ -57,7 +57,8 @@ def real(logs):
     """Return a function that gives pairs and differences of two logs, 'gyr1-s330'."""
     def of(name):
         ts, rs = (logs[part] for part in name.split('-'))
-        pairs, _ = pair(ts, rs, Settings.from_mapping({'pairing.method': 'interpolate'}))
+        pairs, _ = pair(ts, rs, Settings.from_mapping({
+            'pairing.method': 'interpolate', 'pairing.kernel': 'line'}))
         return pairs, subtract(pairs).x_deg
     return of
 

@@ -145,7 +145,7 @@ def observe(recording: str | None, table: str, settings: Settings, *,
         recording, settings, DriverSettings() if driver is None else driver)
     step = rows.ts_step_deg if stated.ts_step_deg is None else stated.ts_step_deg
     corrections = find_corrections(
-        rows.observations, ts, max_gap_s=settings.pairing.max_gap_s,
+        rows.observations, ts, max_gap_s=settings.pairing.longest_gap_s,
         latency_s=settings.alignment.skew_s, offset_deg=settings.installation_offset_deg,
         step_deg=step)
     error = judge_corrections(

@@ -23,6 +23,7 @@ from typing import Callable, Iterable, Iterator
 
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.pairing.difference import subtract
+from heading_intercompare.core.pairing.interpolation_kernel import LARGEST_FACTOR
 from heading_intercompare.core.records import Pairs
 
 from .csv_rows import CsvRows
@@ -62,7 +63,7 @@ def _heading(text: str) -> float:
 def _factor(text: str) -> float:
     """Return a variance factor; 1 if the text is empty."""
     factor = float(text) if text else 1.0
-    if not 0.0 < factor <= 1.0:
+    if not 0.0 < factor <= LARGEST_FACTOR:
         raise ValueError
     return factor
 

@@ -288,7 +288,7 @@ class ComparisonWatch:
             return Sign(None)
         found = estimate_clock_drift(window.stamp_ns, window.x_deg, window.rs_deg,
                                      range_s=alignment.skew_range_s,
-                                     max_gap_s=self._settings.pairing.max_gap_s)
+                                     max_gap_s=self._settings.pairing.longest_gap_s)
         if found.kind != 'stepped':
             return Sign(None if found.kind == 'not_testable' else False)
         step = max(found.steps, key=lambda one: abs(one.after_s - one.before_s))

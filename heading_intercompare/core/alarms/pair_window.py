@@ -75,8 +75,8 @@ class PairWindow:
         at = slice(self._hi, self._hi + n)
         self._stamps[at] = pairs.stamp_ns
         factors = pairs.rs_variance_factor, pairs.ts_variance_factor
-        self._columns[:, at] = differences.x_deg, pairs.rs_deg, np.minimum(*factors)
-        self.interpolates_ts = bool(factors[1].sum() < factors[0].sum())
+        self._columns[:, at] = differences.x_deg, pairs.rs_deg, factors[0] * factors[1]
+        self.interpolates_ts = bool((factors[1] != 1.0).sum() > (factors[0] != 1.0).sum())
         self._hi += n
         first_ns = int(self._stamps[self._hi - 1]) - self._window_ns
         self._lo = max(self._lo, self._hi - self._most)

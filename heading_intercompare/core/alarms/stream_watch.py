@@ -34,6 +34,8 @@ _KEPT, _LEAST, _SPEEDS = 60, 5, 9
 _STEPS, _LEAST_READINGS, _UNKNOWN_S = 3.0, 3, 20.0
 # Beyond the steps of both sensors, arrival may be this late; and what a step must last.
 _LATE_S, _TWICE = 0.5, 2
+# The least share of a step that shows in the stamps of the readings.
+_MOVED = 0.5
 
 
 class StreamWatch:
@@ -54,6 +56,10 @@ class StreamWatch:
     from its median than half a second and the steps of both sensors. If stamps pass faster than
     time, as in a fast replay, that bound grows with the speed: readings come in larger pieces.
 
+    Readings that come late put the offset there, too, as after a driver had garbage to read. Their
+    stamps go on in usual steps, though. So at least half of the change must show as a step of the
+    stamps beyond the usual one of each reading.
+
     """
 
     def __init__(self, stale_s: float, apart_s: float) -> None:
@@ -63,6 +69,9 @@ class StreamWatch:
         self._first_s: list[float] = [0.0, 0.0]
         self._look_s: float | None = None
         self._last_ns: list[int] | None = None
+        self._counted = [0, 0]
+        self._steps: tuple[deque[float], deque[float]] = deque(maxlen=_KEPT), deque(maxlen=_KEPT)
+        self._moved_s = 0.0
         self._usual: deque[float] = deque(maxlen=_KEPT)
         self._speeds: deque[float] = deque(maxlen=_SPEEDS)
         self._odd = 0
@@ -118,9 +127,12 @@ class StreamWatch:
     def _judge_offset(self, newest_ns: list[int], come: Sequence[int], passed_s: float) -> Sign:
         offset_s = (newest_ns[0] - newest_ns[1]) / 1e9
         last_ns, self._last_ns = self._last_ns, newest_ns
+        n = [new - old for new, old in zip(self._received, self._counted)]
+        self._counted = list(self._received)
         if last_ns is None:
             return Sign(None)
-        passed = max(new - old for new, old in zip(newest_ns, last_ns)) / 1e9
+        gone_s = [(new - old) / 1e9 for new, old in zip(newest_ns, last_ns)]
+        passed = max(gone_s)
         # A step shows in a single look.
         self._speeds.append(passed / passed_s)
         speed = max(1.0, median(self._speeds))
@@ -132,12 +144,18 @@ class StreamWatch:
         else:
             size_s = offset_s - usual_s
             far = abs(size_s) > (0.5 * bound_s if self._stepped else bound_s)
+            beyond_s = [gone - count * median(steps)
+                        for gone, count, steps in zip(gone_s, n, self._steps)]
+            self._moved_s += beyond_s[0] - beyond_s[1]
         self._odd = self._odd + 1 if far else 0
         if not far:
             self._usual.append(offset_s)
-            self._stepped = False
+            for steps, gone, count in zip(self._steps, gone_s, n):
+                steps.append(gone / max(count, 1))
+            self._stepped, self._moved_s = False, 0.0
             return Sign(False)
-        self._stepped = self._stepped or self._odd >= _TWICE
+        has_moved = usual_s is None or self._moved_s / size_s >= _MOVED
+        self._stepped = self._stepped or (self._odd >= _TWICE and has_moved)
         if not self._stepped:
             return Sign(None)
         words = (f'the stamps of TS and RS lie {abs(offset_s):.1f} s apart' if usual_s is None else

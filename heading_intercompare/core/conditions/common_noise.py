@@ -17,12 +17,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from itertools import product
 import math
+from typing import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from heading_intercompare.core.angles import unwrap_deg
+from heading_intercompare.core.pairing.interpolation_kernel import interpolated_response
 from heading_intercompare.core.timing.bracketing_readings import (
     pairs_per_reading,
     readings_per_pair,
@@ -216,21 +219,25 @@ def find_common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, 
         step_deg = steps[sensor]
         if step_deg is None and factors[sensor] < 1.0 - _INTERPOLATED:
             step_deg = steps[other]
-        noises.append(_follow(frequency, spectrum, coherence, factors[sensor], step_deg or 0.0,
+        # A sensor faster than the pairs folds its noise, which is then as white as it was.
+        responses = [interpolated_response(factors[sensor], round(1e9 * step_s),
+                                           frequency / frequency[-1])]
+        if factors[sensor] < 1.0 - _INTERPOLATED:
+            responses.append(np.ones(frequency.size))
+        noises.append(_follow(frequency, spectrum, coherence, responses, step_deg or 0.0,
                               segments))
     return CommonNoise('', segments, *noises)
 
 
-def _follow(frequency: np.ndarray, power: np.ndarray, coherence: np.ndarray, factor: float,
-            step_deg: float, segments: int) -> FollowedNoise:
+def _follow(frequency: np.ndarray, power: np.ndarray, coherence: np.ndarray,
+            responses: Sequence[np.ndarray], step_deg: float, segments: int) -> FollowedNoise:
     """Judge how much of the noise of the sensor with this spectrum shows in the other."""
-    response = 1.0 - (1.0 - factor) * (1.0 - np.cos(np.pi * frequency / frequency[-1]))
     edges = np.unique(np.linspace(1, frequency.size, _GROUPS + 1).astype(np.int64))
     grouped = _Groups(edges)
-    level = grouped(power) / np.maximum(grouped(response), _RESPONSE)
     middle = grouped(frequency)
     sine = np.sin(0.5 * np.pi * middle / frequency[-1])
-    for exponent, lowest_hz in _COLOURS:
+    for response, (exponent, lowest_hz) in product(responses, _COLOURS):
+        level = grouped(power) / np.maximum(grouped(response), _RESPONSE)
         usable = (grouped(response) >= _RESPONSE) & (middle >= lowest_hz)
         if np.count_nonzero(usable) < _LEAST_GROUPS:
             continue

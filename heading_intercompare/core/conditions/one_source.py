@@ -85,8 +85,7 @@ def find_one_source(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
     x_deg, rs_deg : array_like, shape (n,)
         Differences and headings of the RS, finite, degrees.
     factor : array_like, shape (n,), optional
-        Factor by which interpolation reduces the variance of white noise, (1-w)^2 + w^2;
-        default 1.
+        Factor by which interpolation changes the variance of white noise; default 1.
     interpolates_ts : bool
         Whether the TS is interpolated, not the RS.
     share : float

@@ -174,7 +174,8 @@ class Limits:
         model : {'NN', 'UN', 'NU', 'UU'}
             Error distributions of TS and RS.
         rs_variance_factor, ts_variance_factor : float
-            Mean of (1-w)^2 + w^2 over the pairs; 1 where that sensor is not interpolated.
+            Mean of the factors of white noise over the pairs; 1 where that sensor is not
+            interpolated.
 
         Raises
         ------

@@ -111,7 +111,7 @@ class RunColumns:
             return Skew(0)
         return estimate_skew(self.stamp_ns, self.x_deg, self.rs_deg,
                              range_s=alignment.skew_range_s,
-                             max_gap_s=self.settings.pairing.max_gap_s,
+                             max_gap_s=self.settings.pairing.longest_gap_s,
                              clock_range_s=alignment.clock_range_s, tracks=self.tracks)
 
     @cached_property

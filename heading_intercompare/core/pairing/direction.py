@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-The choice of the sensor to interpolate, from the stamps of the first minute alone.
+What the stamps of the first minute tell: the usual steps, and the sensor to interpolate.
 
 Halfway between two readings h apart, linear interpolation misses the curvature of the heading:
 about (pi h / T)^2 / 2 of the amplitude of a yaw of period T. So the sensor to interpolate is the
@@ -28,10 +28,16 @@ import numpy as np
 
 from heading_intercompare.core.settings import Pairing
 
-__all__ = ['Direction', 'is_slower', 'typical_step_ns']
+__all__ = ['Direction', 'is_slower', 'typical_step_ns', 'usual_step_ns', 'UsualSteps']
 
 _RATIO = (3, 2)
 """An RS is slower if its step exceeds that of the TS by this factor, numerator and denominator."""
+
+_USUAL = 0.6
+#: Where the usual steps cover less of the time than this, one part in, they are those in bursts.
+_COVERED = 10
+#: The least number of steps for which a slow sensor is watched.
+_LEAST_STEPS = 4
 
 
 def typical_step_ns(stamp_ns: np.ndarray) -> int | None:
@@ -64,6 +70,141 @@ def typical_step_ns(stamp_ns: np.ndarray) -> int | None:
     steps = np.sort(np.diff(stamp_ns))
     bridged = np.cumsum(steps)
     return int(steps[np.searchsorted(2 * bridged, bridged[-1])])
+
+
+def usual_step_ns(stamp_ns: np.ndarray) -> int | None:
+    """
+    Return the usual step of a sensor: its own step, even if a third of its readings is missing.
+
+    Parameters
+    ----------
+    stamp_ns : ndarray of int64, shape (n,)
+        Increasing stamps, nanoseconds.
+
+    Returns
+    -------
+    int or None
+        Nanoseconds; None for fewer than 2 stamps.
+
+    Notes
+    -----
+    The lower quantile 0.6 of the steps. If steps of that length cover less than a tenth of the
+    time, the readings come in bursts, and the result is the typical step.
+
+    Examples
+    --------
+    >>> usual_step_ns(np.array([0, 10, 20, 40, 50, 60, 80]))
+    10
+
+    """
+    if len(stamp_ns) < 2:
+        return None
+    steps = np.diff(stamp_ns)
+    usual = int(np.quantile(steps, _USUAL, method='lower'))
+    if _COVERED * int(steps[2 * steps <= 3 * usual].sum()) < int(steps.sum()):
+        return typical_step_ns(stamp_ns)
+    return usual
+
+
+class UsualSteps:
+    """
+    The usual step of one sensor in each stretch of its stream.
+
+    A stretch starts with the first reading, and with the first one after a silence. Its step is
+    that of its first minute, or of its first four steps if they last longer. So it depends on the
+    stream alone, however it is cut into chunks.
+
+    Parameters
+    ----------
+    silence_ns : int
+        A longer step is a silence, nanoseconds.
+    watched_ns : int
+        How long a stretch is watched, nanoseconds.
+
+    Notes
+    -----
+    A step of 0 is that of a stretch of one reading.
+
+    """
+
+    def __init__(self, silence_ns: int, watched_ns: int) -> None:
+        self._silence_ns, self._watched_ns = silence_ns, watched_ns
+        self._starts: list[int] = []
+        self._steps: list[int | None] = []
+        self._watched = np.empty(0, np.int64)
+
+    def note(self, stamp_ns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """
+        Take the stamps of new readings, n >= 1.
+
+        Returns
+        -------
+        stamp_ns, n : ndarray of int64, shape (m,)
+            Readings after a gap, and how many usual steps without a reading the gap has; as far
+            as the usual steps are now known.
+
+        """
+        stamps = np.concatenate((self._watched, stamp_ns))
+        begins = np.flatnonzero(np.diff(stamps) > self._silence_ns) + 1
+        if not self._starts:
+            self._begin(int(stamps[0]))
+        gaps = []
+        for lo, hi in zip([0, *begins], [*begins, len(stamps)]):
+            part = stamps[lo:hi]
+            if lo:
+                if usual := self._steps[-1]:
+                    # A silence lies in its middle, between the runs that it parts.
+                    silence_ns = int(part[0] - stamps[lo - 1])
+                    gaps.append((part[:1] - silence_ns // 2,
+                                 np.array([(silence_ns + usual // 2) // usual - 1])))
+                self._begin(int(part[0]))
+            is_over = hi < len(stamps)
+            if self._steps[-1] is None:
+                self._decide(part, is_over)
+            gaps.append(self._find_gaps(part))
+            self._watched = part if self._steps[-1] is None else part[-1:]
+        stamps, n = (np.concatenate(column) for column in zip(*gaps))
+        return stamps, n
+
+    def end(self) -> tuple[np.ndarray, np.ndarray]:
+        """End the stream; return the gaps that are known only now."""
+        if self._steps and self._steps[-1] is None:
+            self._decide(self._watched, True)
+            return self._find_gaps(self._watched)
+        return np.empty(0, np.int64), np.empty(0, np.int64)
+
+    def _begin(self, stamp_ns: int) -> None:
+        self._starts.append(stamp_ns)
+        self._steps.append(None)
+
+    def _decide(self, stamps: np.ndarray, is_over: bool) -> None:
+        until = int(np.searchsorted(stamps, self._starts[-1] + self._watched_ns, side='right'))
+        until = max(until, _LEAST_STEPS + 1)
+        if is_over or len(stamps) > until:
+            self._steps[-1] = usual_step_ns(stamps[:until]) or 0
+
+    def _find_gaps(self, stamps: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        usual = self._steps[-1]
+        if not usual:
+            return np.empty(0, np.int64), np.empty(0, np.int64)
+        steps = np.diff(stamps)
+        long = 2 * steps > 3 * usual
+        return stamps[1:][long], (steps[long] + usual // 2) // usual - 1
+
+    @property
+    def newest_ns(self) -> int:
+        """The newest usual step, nanoseconds; 0 if unknown."""
+        return next((step for step in reversed(self._steps) if step is not None), 0)
+
+    def stretches(self, from_ns: int) -> list[tuple[int, int | None]]:
+        """Return start and usual step, None if unknown, of the stretches of a time and after."""
+        first = max(0, int(np.searchsorted(self._starts, from_ns, side='right')) - 1)
+        return [*zip(self._starts[first:], self._steps[first:])]
+
+    def forget(self, before_ns: int) -> None:
+        """Forget the stretches that end before a stamp."""
+        n = max(0, int(np.searchsorted(self._starts, before_ns, side='right')) - 1)
+        del self._starts[:n], self._steps[:n]
 
 
 def is_slower(ts_step_ns: int | None, rs_step_ns: int | None, slow_ns: int) -> bool | None:
@@ -126,7 +267,7 @@ class Direction:
         self.interpolates_ts: bool | None = None
         self.start_ns: int | None = None
         self._before: bool | None = False
-        self._silence_ns = max(gap_ns, round(rule.max_gap_s * 1e9))
+        self._silence_ns = max(gap_ns, round(rule.longest_gap_s * 1e9))
         self._watched_ns = round(rule.auto_s * 1e9)
         self._slow_ns = round(rule.slow_rs_s * 1e9)
         self._starts: list[int] = []

@@ -33,10 +33,13 @@ from numpy.typing import ArrayLike
 
 from .stamp_jumps import SetBack
 
-__all__ = ['Ledger', 'LedgerKey', 'LedgerSegment', 'LOSSES', 'REASONS']
+__all__ = ['APART_DEG2', 'Ledger', 'LedgerKey', 'LedgerSegment', 'LOSSES', 'REASONS']
 
 REASONS = ('invalid', 'out_of_range', 'no_stamp', 'stamp_not_increasing', 'jump', 'burst')
 """Reasons to reject a reading before pairing; its driver rejects a `burst`."""
+
+APART_DEG2 = 1e-9
+"""Unit of the squared distances between values interpolated in two ways, square degrees."""
 
 LOSSES = ('on_the_way', 'at_source', 'before_start')
 """
@@ -52,13 +55,21 @@ class LedgerKey(str, Enum):
     `PAIRED` counts pairs. Every other key counts readings of one sensor: in a pair without
     interpolation (`TS_PAIRED`), only used for interpolation (`TS_USED`), either (`RS_USED`),
     neither (`TS_UNPAIRED`, `RS_UNUSED`), undecided (`TS_PENDING`, `RS_PENDING`), rejected, or
-    lost. Lost readings are not received.
+    lost. Lost readings are not received. `TS_UNBRIDGED` and `RS_UNBRIDGED` also have no pair,
+    because a few readings of the other sensor are missing there.
+
+    Some keys count no readings. `TS_GAPS` and `RS_GAPS` count the usual steps of a sensor without
+    a reading: no more can be lost. The `BRIDGED` keys count the pairs by the number of readings
+    interpolated, and `STEP` sums up the usual steps of the sensor interpolated, microseconds.
+    `COMPARED` counts the pairs at which the value by the most readings is compared with those by
+    fewer; the `APART` keys sum up the squared distances, units of `APART_DEG2`.
     """
 
     PAIRED = 'paired'
     TS_PAIRED = 'ts_paired'
     TS_USED = 'ts_used'
     TS_UNPAIRED = 'ts_unpaired'
+    TS_UNBRIDGED = 'ts_unbridged'
     TS_PENDING = 'ts_pending'
     TS_INVALID = 'ts_rejected.invalid'
     TS_OUT_OF_RANGE = 'ts_rejected.out_of_range'
@@ -71,6 +82,7 @@ class LedgerKey(str, Enum):
     TS_LOST_BEFORE_START = 'ts_lost.before_start'
     RS_USED = 'rs_used'
     RS_UNUSED = 'rs_unused'
+    RS_UNBRIDGED = 'rs_unbridged'
     RS_PENDING = 'rs_pending'
     RS_INVALID = 'rs_rejected.invalid'
     RS_OUT_OF_RANGE = 'rs_rejected.out_of_range'
@@ -81,6 +93,17 @@ class LedgerKey(str, Enum):
     RS_LOST_ON_THE_WAY = 'rs_lost.on_the_way'
     RS_LOST_AT_SOURCE = 'rs_lost.at_source'
     RS_LOST_BEFORE_START = 'rs_lost.before_start'
+    TS_GAPS = 'gaps.ts'
+    RS_GAPS = 'gaps.rs'
+    BRIDGED_8 = 'bridged.8'
+    BRIDGED_6 = 'bridged.6'
+    BRIDGED_4 = 'bridged.4'
+    BRIDGED_2 = 'bridged.2'
+    STEP = 'bridged.step'
+    COMPARED = 'compared'
+    APART_6 = 'apart.6'
+    APART_4 = 'apart.4'
+    APART_2 = 'apart.2'
 
     def __str__(self) -> str:
         return self.value
@@ -109,6 +132,11 @@ class LedgerKey(str, Enum):
         return cls(f'{stream}_lost.{where}')
 
     @classmethod
+    def of_gaps(cls, stream: str) -> 'LedgerKey':
+        """Return the key of the usual steps without a reading of ``'ts'`` or ``'rs'``."""
+        return cls(f'gaps.{stream}')
+
+    @classmethod
     def of_told(cls, stream: str, lost_as: str) -> 'LedgerKey':
         """Return the key of what the driver of a sensor tells, such as ``lost.at_source``."""
         return cls(f'{stream}_{lost_as}')
@@ -127,8 +155,8 @@ class LedgerKey(str, Enum):
 
     @property
     def stream(self) -> str:
-        """Return the sensor of these readings, ``'ts'`` or ``'rs'``; '' for pairs."""
-        return '' if self is LedgerKey.PAIRED else self.value[:2]
+        """Return the sensor of these readings, ``'ts'`` or ``'rs'``; '' for no readings."""
+        return self.value[:2] if self.value[:3] in ('ts_', 'rs_') else ''
 
     @property
     def reason(self) -> str:
@@ -180,9 +208,26 @@ class LedgerSegment:
                 if (n := self.counts.get(LedgerKey.of_rejected(stream, reason)))}
 
     def lost(self, stream: str) -> dict[str, int]:
-        """Return how many readings of ``'ts'`` or ``'rs'`` were lost, by where."""
+        """Return what of ``'ts'`` or ``'rs'`` was lost, by where: at the source datagrams."""
         return {where: n for where in LOSSES
                 if (n := self.counts.get(LedgerKey.of_lost(stream, where)))}
+
+    def lost_at_source(self, stream: str) -> int:
+        """
+        Return how many readings of ``'ts'`` or ``'rs'`` were lost at the source, at most.
+
+        A driver tells datagrams, whatever they held. No more readings can be lost than the gaps of
+        the stream have room for, beside those lost on the way.
+        """
+        lost = self.lost(stream)
+        room = self.counts.get(LedgerKey.of_gaps(stream), 0) - lost.get('on_the_way', 0)
+        return max(0, min(lost.get('at_source', 0), room))
+
+    @property
+    def unbridged(self) -> int:
+        """Number of readings without a pair because the other sensor lacks some around them."""
+        return sum(self.counts.get(key, 0)
+                   for key in (LedgerKey.TS_UNBRIDGED, LedgerKey.RS_UNBRIDGED))
 
 
 class Ledger:
@@ -229,7 +274,11 @@ class Ledger:
                 self._cut_at_pairs()
 
     def lose(self, key: LedgerKey, stamp_ns: np.ndarray, n: np.ndarray) -> None:
-        """Count `n` readings at each stamp that were lost, or rejected before they were sent."""
+        """
+        Count `n` at each stamp: readings lost, or rejected before they were sent.
+
+        Also what is no count of readings.
+        """
         if len(stamp_ns):
             gaps = self._gaps.setdefault(key, [])
             gaps.append((stamp_ns, n))
@@ -237,7 +286,7 @@ class Ledger:
                 # Told for times that never come: later cuts no longer divide them.
                 self._fold(self._counts, key, *(np.concatenate(column) for column in zip(*gaps)))
                 gaps.clear()
-            if not key.lost:
+            if key.stream and not key.lost:
                 self._received[key.stream] += int(n.sum())
 
     def set_pending(self, stream: str, n: int) -> None:
@@ -301,11 +350,11 @@ class Ledger:
 
     def _fold(self, counts: list[Counter[LedgerKey]], key: LedgerKey,
               stamp_ns: np.ndarray, n: np.ndarray | None = None) -> None:
-        if n is None and len(stamp_ns):
+        if len(stamp_ns):
             ends = stamp_ns.min(), stamp_ns.max()
             first, last = np.searchsorted(self._starts, ends, side='right').tolist()
             if first == last:
-                counts[first][key] += len(stamp_ns)
+                counts[first][key] += len(stamp_ns) if n is None else int(n.sum())
                 return
         where = np.searchsorted(self._starts, stamp_ns, side='right')
         sums = np.bincount(where, minlength=len(counts))

@@ -25,20 +25,27 @@ from functools import partial
 
 import numpy as np
 
-from heading_intercompare.core.angles import wrap180, wrap360
+from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.records import Headings, Losses, Pairs
 from heading_intercompare.core.settings import Settings
 
-from .direction import Direction
-from .ledger import Ledger, LedgerKey
-from .pending_readings import BRACKET, PAIRED, Stream
+from .direction import Direction, UsualSteps
+from .interpolation_kernel import Bridged, find_left, interpolate, longest_step_ns, reach
+from .ledger import APART_DEG2, Ledger, LedgerKey
+from .pending_readings import BRACKET, PAIRED, Stream, UNBRIDGED
 from .stamp_jumps import NEVER
 
 __all__ = ['pair', 'Pairer']
 
 _Rows = np.ndarray | slice
-#: Which stamps have a bracket, the readings before and after each, and where between them.
-_Brackets = tuple[_Rows, _Rows, _Rows, np.ndarray]
+_BRIDGED = {4: LedgerKey.BRIDGED_8, 3: LedgerKey.BRIDGED_6, 2: LedgerKey.BRIDGED_4,
+            1: LedgerKey.BRIDGED_2}
+_APART = (LedgerKey.APART_6, LedgerKey.APART_4, LedgerKey.APART_2)
+#: A larger distance of two values counts as this one, so that sums stay within 64 bits.
+_FARTHEST_DEG2 = 100.0
+#: A kernel begins with up to four readings before the stamp.
+_BEFORE = 4
+_NO_LIMIT = 1 << 62
 #: The judging node may lag behind the ledger, so this keeps more than a verdict covers.
 _SPANS_KEPT = 2
 
@@ -61,9 +68,12 @@ class Pairer:
 
     Notes
     -----
-    ``interpolate``: interpolates the RS heading linearly on the circle between the two RS
-    readings around the TS stamp. These are at most `pairing.max_gap_s` apart; nothing is
-    extrapolated. A TS stamp equal to an RS stamp takes that reading, whatever the gap.
+    ``interpolate``: interpolates the RS heading on the circle between the RS readings around the
+    TS stamp, by up to four on either side, see `interpolation_kernel`. Neighbours of these are at
+    most 1.5 usual steps and `pairing.max_gap_s` apart; nothing is extrapolated. A TS stamp equal
+    to an RS stamp takes that reading, whatever the gap. A TS reading between two RS readings that
+    are too far apart is unbridged; in a silence of the RS it is unpaired. With the `kernel`
+    ``line`` two readings are enough.
     ``interpolate_ts``: the same with TS and RS exchanged, so the pairs have the RS stamps.
     ``auto``: chooses one of these for each stretch of the streams, see `direction.Direction`;
     until then the readings wait and count as pending.
@@ -80,7 +90,10 @@ class Pairer:
         rule = settings.pairing
         self.ledger = Ledger()
         self._method = rule.method
-        self._max_gap_ns = round(rule.max_gap_s * 1e9)
+        self._max_gap_ns = _NO_LIMIT if rule.max_gap_s == 'auto' else round(
+            rule.longest_gap_s * 1e9)
+        self._is_line = rule.kernel == 'line'
+        self._silence_steps = settings.detectors.silence_steps
         self._tolerance_ns = round(rule.tolerance_s * 1e9)
         self._max_wait_s = rule.max_wait_s
         self._silent_wait_s = rule.longest_wait_s
@@ -88,8 +101,11 @@ class Pairer:
         self._run_gap_ns = round(settings.runs.gap_s * 1e9)
         self._clock = settings.runs.clock_cuts()
         self._horizon_ns = partial(settings.runs.horizon_ns, spans=_SPANS_KEPT)
-        self._ts = Stream('ts', round(settings.alignment.skew_s * 1e9), rule.jump_s, self.ledger)
-        self._rs = Stream('rs', 0, rule.jump_s, self.ledger)
+        silence_ns = max(self._run_gap_ns, round(rule.longest_gap_s * 1e9))
+        self._ts, self._rs = (
+            Stream(name, round(skew_s * 1e9), rule.jump_s, self.ledger,
+                   UsualSteps(silence_ns, round(rule.auto_s * 1e9)))
+            for name, skew_s in (('ts', settings.alignment.skew_s), ('rs', 0.0)))
         self._direction = Direction(rule, self._run_gap_ns) if rule.method == 'auto' else None
         self._at, self._of = self._ts, self._rs
         if rule.method == 'interpolate_ts':
@@ -186,6 +202,9 @@ class Pairer:
             limit_ns = direction.limit_ns if direction else None
             if direction is None or limit_ns is None or not (end or direction.has_heard(limit_ns)):
                 break
+            if len(self._at) and self._at.stamp_ns[0] < limit_ns:
+                # Readings of the next stretch may still change the last pairs of this one.
+                break
             direction.leave()
         return Pairs.concatenate(found)
 
@@ -216,52 +235,78 @@ class Pairer:
         if ready == 0 or n == 0:
             return ready, np.empty(0, np.int64), Pairs.empty()
         t = at.stamp_ns[:ready]
-        which, left, right, w = self._find_alternating(of, t) or self._find_brackets(of, t)
-        if isinstance(which, np.ndarray):
-            t = t[which]
-        step = wrap180(of.heading_deg[right] - of.heading_deg[left])
-        of_deg = wrap360(of.heading_deg[left] + w * step)
-        at_deg, lag_ns = at.heading_deg[:ready][which], np.zeros(t.shape, np.int64)
-        factor, one = (1.0 - w) ** 2 + w ** 2, np.ones(t.shape)
+        left = find_left(of.stamp_ns, t)
+        is_node = of.stamp_ns[left] == t
+        stretches = self._find_stretches(of)
+        if not end:
+            is_open = ~is_node & (left > self._last_decided(of, *stretches[-1]))
+            if is_open.any():
+                ready = int(np.argmax(is_open))
+                t, left, is_node = t[:ready], left[:ready], is_node[:ready]
+        of_deg, factor = of.heading_deg[left], np.ones(ready)
+        has_pair = is_node & (left >= 0)
+        of.role[left[has_pair]] = PAIRED
+        for first, stop, step_ns in stretches:
+            between = ~is_node & (left >= first) & (left < stop - 1)
+            if step_ns and between.any():
+                which: _Rows = slice(None) if between.all() else np.flatnonzero(between)
+                found = self._bridge(of, slice(first, stop), step_ns, left[which], t[which],
+                                     at.role[:ready], which)
+                of_deg[which], factor[which] = found.heading_deg, found.factor
+                has_pair[which] = found.side > 0
+        paired: _Rows = slice(ready) if has_pair.all() else np.flatnonzero(has_pair)
+        t, of_deg, factor = t[paired], wrap360(of_deg[paired]), factor[paired]
+        at_deg, lag_ns = at.heading_deg[:ready][paired], np.zeros(t.shape, np.int64)
+        one = np.ones(t.shape)
         if at is self._ts:
-            return ready, which, Pairs(t, at_deg, of_deg, lag_ns, factor, one)
-        return ready, which, Pairs(t, of_deg, at_deg, lag_ns, one, factor)
+            return ready, paired, Pairs(t, at_deg, of_deg, lag_ns, factor, one)
+        return ready, paired, Pairs(t, of_deg, at_deg, lag_ns, one, factor)
 
-    def _find_alternating(self, of: Stream, t: np.ndarray) -> _Brackets | None:
-        """Return the brackets of stamps if one lies between each two readings; else None."""
-        first = int(np.searchsorted(of.stamp_ns, t[0], side='right')) - 1
-        left, right = slice(first, first + t.size), slice(first + 1, first + 1 + t.size)
-        if first < 0 or right.stop > len(of):
-            return None
-        before, after = of.stamp_ns[left], of.stamp_ns[right]
-        gap = after - before
-        if not ((before < t).all() and (t < after).all()) or (
-                gap.max() > self._max_gap_ns or of.broken[right].any()):
-            return None
-        for ends in (left, right):
-            np.maximum(of.role[ends], BRACKET, out=of.role[ends])
-        return slice(t.size), left, right, (t - before) / gap
+    def _find_stretches(self, of: Stream) -> list[tuple[int, int, int | None]]:
+        """Return the first reading, the end and the usual step of the stretches of a stream."""
+        starts_ns, steps_ns = zip(*of.steps.stretches(int(of.stamp_ns[0])))
+        firsts = [0, *np.searchsorted(of.stamp_ns, starts_ns[1:]).tolist()]
+        return [*zip(firsts, [*firsts[1:], len(of)], steps_ns)]
 
-    def _find_brackets(self, of: Stream, t: np.ndarray) -> _Brackets:
-        """Return the brackets of those stamps that have one, and note the use of the readings."""
-        n = len(of)
-        left = np.searchsorted(of.stamp_ns, t, side='right') - 1
-        right = np.minimum(left + 1, n - 1)
-        gap = of.stamp_ns[right] - of.stamp_ns[left]
-        node = of.stamp_ns[left] == t
-        bridged = (right > left) & (gap <= self._max_gap_ns) & ~of.broken[right]
-        usable = (left >= 0) & (node | bridged)
-        which = np.flatnonzero(usable)
-        if which.size < usable.size:
-            left, right, gap, node, t = (c[which] for c in (left, right, gap, node, t))
-        w = np.where(node, 0.0, (t - of.stamp_ns[left]) / np.where(gap > 0, gap, 1))
-        met = left[node]
-        bracket = np.zeros(n, np.uint8)
-        for ends in (left, right):
-            bracket[ends[~node] if met.size else ends] = BRACKET
-        np.maximum(of.role, bracket, out=of.role)
-        of.role[met] = PAIRED
-        return which, left, right, w
+    def _find_good(self, of: Stream, part: slice, step_ns: int) -> np.ndarray:
+        """Tell of each step of a stretch whether a kernel may bridge it."""
+        longest_ns = min(longest_step_ns(step_ns), self._max_gap_ns)
+        steps_ns = np.diff(of.stamp_ns[part])
+        return np.asarray((steps_ns <= longest_ns) & ~of.broken[part][1:])
+
+    def _last_decided(self, of: Stream, first: int, stop: int, step_ns: int | None) -> int:
+        """Return the last reading after which no later reading changes a kernel."""
+        if step_ns is None:
+            return first - 1
+        bad = np.flatnonzero(~self._find_good(of, slice(first, stop), step_ns))
+        return max(first - 1, stop - 1 - reach(step_ns), first + int(bad[-1]) if bad.size else -1)
+
+    def _bridge(self, of: Stream, part: slice, step_ns: int, left: np.ndarray, t: np.ndarray,
+                role: np.ndarray, which: _Rows) -> Bridged:
+        """Interpolate within a stretch; note the use of the readings, and how far kernels part."""
+        inside = left - part.start
+        found = interpolate(of.stamp_ns[part], of.heading_deg[part],
+                            self._find_good(of, part, step_ns), inside, t, step_ns,
+                            is_line=self._is_line)
+        side = found.side.astype(np.int64)
+        n = part.stop - part.start
+        used = np.cumsum(np.bincount(inside + 1 - side, minlength=n + 1)
+                         - np.bincount(inside + 1 + side, minlength=n + 1))[:n] > 0
+        np.maximum(of.role[part], np.where(used, BRACKET, 0).astype(np.uint8), out=of.role[part])
+        gap_ns = of.stamp_ns[left + 1] - of.stamp_ns[left]
+        missed = (side == 0) & (gap_ns <= self._silence_steps * step_ns)
+        if missed.any():
+            role[which] = np.where(missed, UNBRIDGED, role[which])
+        for number, key in _BRIDGED.items():
+            self.ledger.add(key, t[side == number])
+        bridged = t if side.all() else t[side > 0]
+        self.ledger.lose(LedgerKey.STEP, bridged, np.full(bridged.shape, step_ns // 1000))
+        compared = t[found.compared]
+        self.ledger.add(LedgerKey.COMPARED, compared)
+        squares = np.minimum(found.apart_deg2, _FARTHEST_DEG2) / APART_DEG2
+        for key, column in zip(_APART, np.rint(squares).astype(np.int64).T):
+            self.ledger.lose(key, compared, column)
+        return found
 
     def _nearest(self, end: bool) -> tuple[int, np.ndarray, Pairs]:
         """Return the number of decided TS readings, the indices of those paired, and the pairs."""
@@ -309,16 +354,20 @@ class Pairer:
 
     def _expire(self, now_s: float) -> None:
         """Drop readings that waited too long by the steady clock and are old by stamp."""
-        before_ns = max(self._ts.last_ns, self._rs.last_ns) - self._max_wait_ns
+        # A slow sensor is not late before its next reading is due.
+        max_wait_ns = max(self._max_wait_ns, 2 * self._ts.steps.newest_ns,
+                          2 * self._rs.steps.newest_ns)
+        max_wait_s = max_wait_ns / 1e9
+        before_ns = max(self._ts.last_ns, self._rs.last_ns) - max_wait_ns
         is_open = self._direction is not None and self._direction.interpolates_ts is None
         for stream, other in ((self._ts, self._rs), (self._rs, self._ts)):
-            behind = other.is_behind(now_s, self._max_wait_s)
-            before_s = now_s - (self._silent_wait_s if behind else self._max_wait_s)
+            behind = other.is_behind(now_s, max_wait_s)
+            before_s = now_s - (max(self._silent_wait_s, max_wait_s) if behind else max_wait_s)
             late = (stream.came_s < before_s) & (stream.stamp_ns <= before_ns)
             if self._method != 'nearest' or stream is self._rs:
                 # Readings up to the newest one of the other sensor wait only for a choice or for
                 # a held stamp, and so does the reading that closes the last bracket.
-                reach_ns = other.reach_ns(now_s - self._max_wait_s)
+                reach_ns = other.reach_ns(now_s - max_wait_s)
                 come = int(np.searchsorted(stream.stamp_ns, reach_ns, side='right'))
                 late[:come + 1 if is_open and come else come] = False
             given_up = np.flatnonzero(late)
@@ -338,9 +387,12 @@ class Pairer:
             limit_ns = self._direction.limit_ns if self._direction else None
             if limit_ns is not None:
                 oldest = min(oldest, limit_ns)
-            of.release(max(0, int(np.searchsorted(of.stamp_ns, oldest, side='right')) - 1))
+            before = 1 if self._method == 'nearest' else _BEFORE
+            of.release(max(0, int(np.searchsorted(of.stamp_ns, oldest, side='right')) - before))
         for stream in (self._ts, self._rs):
             self.ledger.set_pending(stream.name, stream.pending)
+            if len(stream):
+                stream.steps.forget(int(stream.stamp_ns[0]))
         if self._last_settled_ns != NEVER:
             # Readings dropped after the last pair belong to no run: cut before folding them.
             if (self._last_pair_ns is not None

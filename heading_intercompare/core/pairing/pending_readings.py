@@ -21,16 +21,19 @@ import numpy as np
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.records import Headings, Losses
 
+from .direction import UsualSteps
 from .ledger import Ledger, LedgerKey
 from .stamp_jumps import Decided, JumpFilter, NEVER
 
-__all__ = ['BRACKET', 'PAIRED', 'Stream']
+__all__ = ['BRACKET', 'PAIRED', 'Stream', 'UNBRIDGED']
 
-BRACKET, PAIRED = 1, 2
+UNBRIDGED, BRACKET, PAIRED = 1, 2, 3
 """How a reading was used: 0 is not at all; use in a pair outranks use in a bracket."""
 
-_KEYS = {'ts': (LedgerKey.TS_UNPAIRED, LedgerKey.TS_USED, LedgerKey.TS_PAIRED),
-         'rs': (LedgerKey.RS_UNUSED, LedgerKey.RS_USED, LedgerKey.RS_USED)}
+_KEYS = {'ts': (LedgerKey.TS_UNPAIRED, LedgerKey.TS_UNBRIDGED, LedgerKey.TS_USED,
+                LedgerKey.TS_PAIRED),
+         'rs': (LedgerKey.RS_UNUSED, LedgerKey.RS_UNBRIDGED, LedgerKey.RS_USED,
+                LedgerKey.RS_USED)}
 
 
 class Stream:
@@ -40,10 +43,12 @@ class Stream:
     Readings whose stamps jump are held until later stamps decide, see `JumpFilter`.
     """
 
-    def __init__(self, name: str, shift_ns: int, jump_s: float, ledger: Ledger) -> None:
+    def __init__(self, name: str, shift_ns: int, jump_s: float, ledger: Ledger,
+                 steps: UsualSteps) -> None:
         self.name = name
         self.shift_ns = shift_ns
         self.ledger = ledger
+        self.steps = steps
         self.last_ns = NEVER
         self.stamp_ns = np.empty(0, np.int64)
         self.heading_deg = np.empty(0)
@@ -76,7 +81,9 @@ class Stream:
 
     def end(self) -> np.ndarray:
         """Decide the held readings at the end of the stream; return the stamps of those kept."""
-        return self._accept(self._jumps.end(), np.nan)
+        stamps = self._accept(self._jumps.end(), np.nan)
+        self.ledger.lose(LedgerKey.of_gaps(self.name), *self.steps.end())
+        return stamps
 
     def _accept(self, decided: Decided[Headings], now_s: float) -> np.ndarray:
         for reason, stamps in (('stamp_not_increasing', decided.late_ns),
@@ -86,6 +93,7 @@ class Stream:
         stamp, heading = decided.accepted.stamp_ns, decided.accepted.heading_deg
         if stamp.size:
             self.last_ns = int(stamp[-1])
+            self.ledger.lose(LedgerKey.of_gaps(self.name), *self.steps.note(stamp))
             self.stamp_ns = np.concatenate((self.stamp_ns, stamp))
             self.heading_deg = np.concatenate((self.heading_deg, wrap360(heading)))
             self.came_s = np.concatenate((self.came_s, np.full(stamp.shape, now_s)))

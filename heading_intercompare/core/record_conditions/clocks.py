@@ -43,7 +43,7 @@ def _judge(e: Examined) -> Finding:
     apart_s = estimate.apart_s
     clock = estimate_clock_drift(
         c.stamp_ns, c.x_deg, c.rs_deg, range_s=e.settings.alignment.skew_range_s,
-        max_gap_s=e.settings.pairing.max_gap_s, near_s=estimate.about_s, tracks=c.tracks)
+        max_gap_s=e.settings.pairing.longest_gap_s, near_s=estimate.about_s, tracks=c.tracks)
     if clock.kind in ('drifting', 'stepped'):
         words, evidence = _describe_unsteady(clock, int(c.stamp_ns[0]))
         if apart_s is not None:

@@ -12,14 +12,15 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The condition that the slower sensor is fast enough for the motion."""
+"""The condition that the interpolated sensor is fast enough for the motion."""
 
 from __future__ import annotations
 
-import numpy as np
-
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.timing.interpolation_error import estimate_interpolation_error
+from heading_intercompare.core.timing.interpolation_error import (
+    estimate_interpolation_error,
+    InterpolationError,
+)
 from heading_intercompare.core.validity.condition import (
     Condition,
     Finding,
@@ -27,42 +28,85 @@ from heading_intercompare.core.validity.condition import (
     NOT_TESTABLE,
     VOID,
 )
-from heading_intercompare.core.validity.examined import Examined
+from heading_intercompare.core.validity.examined import RunAccount
 
-__all__ = ['INTERPOLATION']
+__all__ = ['INTERPOLATION', 'judge_interpolation']
+
+#: A smaller share of the limit A matters to no open run.
+_MATTERS = 0.1
+#: The line certifies nothing if it lacks motion of a larger share of A.
+_LINE_SHARE = 0.02
+#: Motion is resolved if its period has this number of steps or more.
+_FASTEST_STEPS = 3.3
 
 
-def _judge(e: Examined) -> Finding:
-    c = e.columns
-    both = (c.ts_deg, c.rs_deg) if c.interpolates_ts else (c.rs_deg, c.ts_deg)
-    error = estimate_interpolation_error(
-        c.stamp_ns, *both, np.ones(c.n) if c.factor is None else c.factor)
+def _settle(finding: Finding | None, account: RunAccount) -> Finding:
+    """Judge what interpolation adds; before the account is known, nothing shows it."""
+    error = InterpolationError('none' if account.interpolated is None else 'not_testable')
+    if account.inside is not None:
+        limits = account.limits
+        known = estimate_interpolation_error(
+            account.inside.counts,
+            limits.sigma_max_deg if account.interpolated == 'ts' else limits.sigma_ref_max_deg,
+            is_line=account.settings.pairing.kernel == 'line')
+        error = error if known.kind == 'none' else known
+    return judge_interpolation(error, account)
+
+
+def judge_interpolation(error: InterpolationError, account: RunAccount) -> Finding:
+    """
+    Judge whether interpolation, not the TS, decides.
+
+    Parameters
+    ----------
+    error : InterpolationError
+        What interpolation adds to the variance.
+    account : RunAccount
+        Uses the outcome, the bounds L and U of the variance, and the limits A and R.
+
+    Notes
+    -----
+    With b the variance added and b_u its upper bound, a rejection is void unless L > R + b_u. An
+    open run is void if U - b_u <= A < U, and b > 0.1 A or the motion is not resolved. A
+    certificate stands, for interpolation by a kernel only adds. The line also takes motion from
+    both sensors, and so hides errors of the TS.
+
+    """
     if error.kind == 'none':
         return INTERPOLATION.find(HOLDS, '', 'no reading is interpolated')
-    if error.kind == 'not_testable' or error.upper_deg2 is None:
+    if error.kind == 'not_testable' or error.step_s is None:
         return INTERPOLATION.find(NOT_TESTABLE, '', 'these pairs do not show how much '
                                   'interpolation adds')
-    evidence = (f'interpolation adds {error.variance_deg2:.2g} deg2 to the variance, at most '
-                f'{error.upper_deg2:.2g} deg2')
-    if error.folded:
-        evidence += '; the motion is so fast that the readings hardly show it'
-    if _would_decide(e, error.upper_deg2, error.folded):
+    limits, guarded = account.limits, account.guarded
+    least, most = limits.tightened_limit_deg2, limits.rejection_limit_deg2
+    evidence = f'interpolated between readings {error.step_s:.3g} s apart'
+    if not error.is_resolved:
+        evidence += ', which come too seldom to show the motion between them'
+    elif error.variance_deg2:
+        evidence += (f', which adds {error.variance_deg2:.2g} deg2 to the variance, at most '
+                     f'{error.upper_deg2:.2g} deg2')
+    else:
+        evidence += ', which no motion of a ship outruns'
+    if account.outcome is Outcome.COMPLIANT:
+        if error.is_line and (error.line_deg2 is None or error.line_deg2 > _LINE_SHARE * least):
+            return INTERPOLATION.find(
+                VOID, 'the line between two readings hides motion', f'{evidence}; it takes motion '
+                'from both sensors, and so may hide errors of the TS, which pairing.kernel '
+                'band_limited does not')
+        scope = '' if error.is_resolved else ('not how the TS follows motion faster than '
+                                              f'{_FASTEST_STEPS * error.step_s:.2g} s')
+        return INTERPOLATION.find(HOLDS, scope, evidence)
+    low, high = guarded.lower_bound_deg2, guarded.upper_bound_deg2
+    decides = not error.is_resolved or error.variance_deg2 is None or (
+        error.variance_deg2 > _MATTERS * least)
+    if account.outcome is Outcome.INDETERMINATE:
+        decides = decides and high is not None and high - error.upper_deg2 <= least < high
+    elif low is not None and low > most:
+        decides = low <= most + error.upper_deg2
+    if decides:
         return INTERPOLATION.find(VOID, 'the slower sensor is too slow for the motion',
                                   f'{evidence}: without this the outcome might differ')
     return INTERPOLATION.find(HOLDS, '', f'{evidence}; the outcome is the same without this')
-
-
-def _would_decide(e: Examined, added_deg2: float, folded: bool) -> bool:
-    """Tell whether the outcome might differ without the variance that interpolation adds."""
-    d_hat_deg2, lower_deg2, upper_deg2 = (
-        e.guarded.d_hat_deg2, e.guarded.lower_bound_deg2, e.guarded.upper_bound_deg2)
-    if (lower_deg2 is None or upper_deg2 is None or not d_hat_deg2
-            or e.outcome is Outcome.COMPLIANT):
-        return False
-    share = 0.0 if folded else max(0.0, 1.0 - added_deg2 / d_hat_deg2)
-    if e.outcome is Outcome.NON_COMPLIANT:
-        return share * lower_deg2 <= e.limits.rejection_limit_deg2 < lower_deg2
-    return not folded and (share * upper_deg2 <= e.limits.tightened_limit_deg2 < upper_deg2)
 
 
 INTERPOLATION = Condition(
@@ -70,6 +114,7 @@ INTERPOLATION = Condition(
     holds='the slower sensor is fast enough for the motion',
     void='void: the slower sensor is too slow for the motion, and that decides the outcome',
     void_when='the slower sensor is too slow for the motion, and without the interpolation error '
-              'the outcome would differ',
-    void_why='the difference comes from the method',
-    judge=_judge, is_permanent=True)
+              'the outcome might differ; or `pairing.kernel` is `line`, the run would comply, and '
+              'the line lacks motion of more than a fiftieth of the limit',
+    void_why='the difference comes from the method, or the method hides it',
+    settle=_settle, is_permanent=True)

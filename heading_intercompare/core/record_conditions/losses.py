@@ -38,10 +38,29 @@ _REJECTED_SHARE = 0.01
 
 def _settle(finding: Finding | None, account: RunAccount) -> Finding:
     """Judge the readings that a run could not use; at a look, the gaps between the pairs alone."""
-    shares = [] if account.lost_share is None else [('lost', account.lost_share)]
+    shares = []
+    if account.lost_share is not None:
+        shares = [('lost', _take_unbridged(account.lost_share, account.inside))]
+    elif account.inside is not None:
+        shares = [('lost', _find_gaps(account.inside, account.interpolated))]
     if account.share is not None and account.inside is not None:
         shares += _ledger_shares(account, account.share, account.inside)
     return judge_losses(shares, account.settings)
+
+
+def _take_unbridged(lost_share: float, inside: LedgerSegment | None) -> float:
+    """Return the share of pairs missing without those whose readings came: they are not lost."""
+    n = 0 if inside is None else inside.unbridged
+    if inside is None or not n:
+        return lost_share
+    return max(0.0, lost_share - n / (n + inside.counts.get(LedgerKey.PAIRED, 0)))
+
+
+def _find_gaps(inside: LedgerSegment, interpolated: str | None) -> float:
+    """Return the share of its usual steps in which the sensor that gives the stamps was silent."""
+    stream = 'rs' if interpolated == 'ts' else 'ts'
+    gaps = inside.counts.get(LedgerKey.of_gaps(stream), 0)
+    return gaps / max(1, gaps + inside.received(stream))
 
 
 def warn_of_rejected(share: LedgerSegment) -> list[str]:
@@ -100,7 +119,7 @@ def _ledger_shares(account: RunAccount, share: LedgerSegment,
         after = sum(share.counts.get(key, 0) - counts.get(key, 0) for key in late)
         lost = inside.lost(stream)
         missing = {'lost on the way': lost.get('on_the_way', 0),
-                   'lost at the source': lost.get('at_source', 0),
+                   'lost at the source': inside.lost_at_source(stream),
                    'rejected': sum(inside.rejected(stream).values()) + after,
                    'without partner': unpaired.get(stream, 0)}
         # What came before the first reading lies in no run.

@@ -151,7 +151,8 @@ class RunSeries:
         self.stamp_ns.append(x.stamp_ns)
         self.x_deg.append(x.x_deg)
         self.rs_deg.append(pairs.rs_deg)
-        self.factor.append(np.minimum(pairs.rs_variance_factor, pairs.ts_variance_factor))
+        # One of the two is 1.
+        self.factor.append(pairs.rs_variance_factor * pairs.ts_variance_factor)
         self._moments += Moments.of(x.x_deg)
         self._cells.update(x.x_deg, x.stamp_ns)
         self._lag_sum_ns += int(pairs.lag_ns.sum())
@@ -216,7 +217,7 @@ class RunSeries:
     def interpolates_ts(self) -> bool:
         """Whether the TS was interpolated, not the RS."""
         ts, rs = self.ts_variance_factor, self.rs_variance_factor
-        return ts is not None and rs is not None and ts < rs
+        return ts is not None and rs is not None and abs(1.0 - ts) > abs(1.0 - rs)
 
     def limits(self, norms: Norms, model: str) -> Limits:
         """Return the limits of the run so far; without differences, as if not interpolated."""

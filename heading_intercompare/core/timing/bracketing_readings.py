@@ -12,11 +12,10 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The readings from which a heading was interpolated, recovered from its pairs alone."""
+"""How many readings a slow sensor has per pair, recovered from its pairs alone."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 import math
 
 import numpy as np
@@ -24,38 +23,16 @@ from numpy.typing import ArrayLike
 
 from heading_intercompare.core.angles import unwrap_deg
 
-__all__ = ['Brackets', 'find_brackets', 'pairs_per_reading', 'readings_per_pair']
+__all__ = ['pairs_per_reading', 'readings_per_pair']
 
 _SLOPE = 1e-6
 _EQUAL_DEG = 1e-7
 _LOOKED_AT = 100_000
 _LEAST_SHARE = 0.1
 _PHASES = 4096
-_LEAST_POWER, _LEAST_VARIANCE = 0.5, 0.01
+_LEAST_POWER, _LEAST_CHANGE = 0.5, 0.01
 _SHORT = 0.05
 _REGULAR = 0.3
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Brackets:
-    """
-    Straight pieces of an interpolated heading, of at least three pairs each.
-
-    Attributes
-    ----------
-    first, last : ndarray of int64, shape (b,)
-        Index of the first and of the last pair of each straight piece, in order.
-    node_s, node_deg : ndarray, shape (b - 1,)
-        Where the lines of neighbouring pieces meet: the reading between them. Seconds after the
-        first stamp, unwrapped degrees; nan if the pieces are more than one reading apart, or in
-        line.
-
-    """
-
-    first: np.ndarray
-    last: np.ndarray
-    node_s: np.ndarray
-    node_deg: np.ndarray
 
 
 def _slopes(stamp_ns: np.ndarray, heading: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -63,52 +40,6 @@ def _slopes(stamp_ns: np.ndarray, heading: np.ndarray) -> tuple[np.ndarray, np.n
     slope = np.diff(heading) / np.maximum(np.diff(stamp_ns) / 1e9, 1e-9)
     kink = np.abs(np.diff(slope)) > _SLOPE * (1.0 + np.abs(slope[1:]))
     return slope, kink
-
-
-def find_brackets(stamp_ns: ArrayLike, heading_deg: ArrayLike) -> Brackets:
-    """
-    Find the straight pieces of a heading that was interpolated linearly.
-
-    Parameters
-    ----------
-    stamp_ns : array_like of int, shape (n,)
-        Stamps in increasing order, nanoseconds.
-    heading_deg : array_like, shape (n,)
-        The interpolated heading, finite, degrees.
-
-    Returns
-    -------
-    Brackets
-        Empty if no three pairs in a row lie between the same two readings.
-
-    Examples
-    --------
-    >>> found = find_brackets([0, 10**9, 2 * 10**9, 4 * 10**9, 5 * 10**9, 6 * 10**9],
-    ...                  [0.0, 1.0, 2.0, 3.0, 3.0, 3.0])
-    >>> found.first.tolist(), found.node_s.tolist(), found.node_deg.tolist()
-    ([0, 3], [3.0], [3.0])
-
-    """
-    stamps, heading = np.asarray(stamp_ns), unwrap_deg(heading_deg)
-    none = np.empty(0, np.int64)
-    if stamps.size < 3:
-        return Brackets(none, none, np.empty(0), np.empty(0))
-    slope, kink = _slopes(stamps, heading)
-    straight = np.flatnonzero(~kink)
-    begins = np.diff(straight, prepend=-2) > 1
-    first = straight[begins]
-    last = straight[np.append(begins[1:], True)[:begins.size]] + 2
-    t = (stamps - stamps[0]) / 1e9
-    a, b = slope[first[:-1]], slope[first[1:]]
-    with np.errstate(divide='ignore', invalid='ignore'):
-        # The line of each piece through its last pair meets that of the next through its first.
-        lead = (heading[first[1:]] - heading[last[:-1]]
-                - b * (t[first[1:]] - t[last[:-1]])) / (a - b)
-        node = t[last[:-1]] + lead
-        value = heading[last[:-1]] + a * lead
-    good = np.isfinite(node) & (first[1:] - last[:-1] <= 1)
-    good &= (node >= t[last[:-1]] - 1e-6) & (node <= t[first[1:]] + 1e-6)
-    return Brackets(first, last, np.where(good, node, np.nan), np.where(good, value, np.nan))
 
 
 def readings_per_pair(stamp_ns: ArrayLike, heading_deg: ArrayLike) -> int:
@@ -158,7 +89,7 @@ def pairs_per_reading(factor: ArrayLike) -> float:
     Parameters
     ----------
     factor : array_like, shape (n,)
-        Factor by which interpolation reduces the variance of white noise, (1-w)^2 + w^2.
+        Factor by which interpolation changes the variance of white noise.
 
     Returns
     -------
@@ -167,10 +98,10 @@ def pairs_per_reading(factor: ArrayLike) -> float:
 
     Notes
     -----
-    cos(2 pi w) follows from the factor. With even stamps it is a sine whose frequency is the
-    number of readings per pair, folded: 0.6 cannot be told from 0.4 or 1.4. The result is for the
-    slowest sensor with at most two pairs per reading. A slower one shows by three pairs in a
-    line, see `readings_per_pair`.
+    The factor depends on the place of a stamp between two readings alone. With even stamps it has
+    a period, whose frequency is the number of readings per pair, folded: 0.6 cannot be told from
+    0.4 or 1.4. The result is for the slowest sensor with at most two pairs per reading. A slower
+    one shows by three pairs in a line, see `readings_per_pair`.
 
     Examples
     --------
@@ -182,15 +113,14 @@ def pairs_per_reading(factor: ArrayLike) -> float:
     some = np.asarray(factor, dtype=np.float64)[:_PHASES]
     if some.size < _PHASES // 32:
         return 1.0
-    phase = -np.cos(np.pi * np.sqrt(np.clip(2.0 * some - 1.0, 0.0, 1.0)))
-    if float(np.var(phase)) < _LEAST_VARIANCE:
+    if float(np.std(some)) < _LEAST_CHANGE:
         return 1.0
-    power = np.abs(np.fft.rfft((phase - phase.mean()) * np.hanning(phase.size))) ** 2
+    power = np.abs(np.fft.rfft((some - some.mean()) * np.hanning(some.size))) ** 2
     at = int(np.argmax(power))
     near = slice(max(0, at - 2), at + 3)
     if power[near].sum() < _LEAST_POWER * power.sum():
         return 1.0
-    folded = float(np.arange(power.size)[near] @ power[near] / power[near].sum()) / phase.size
+    folded = float(np.arange(power.size)[near] @ power[near] / power[near].sum()) / some.size
     return 1.0 / (1.0 - min(0.5, folded))
 
 

@@ -19,6 +19,8 @@ from __future__ import annotations
 import numpy as np
 
 from heading_intercompare.core.angles import unwrap_deg
+from heading_intercompare.core.pairing.direction import usual_step_ns
+from heading_intercompare.core.pairing.interpolation_kernel import interpolate, longest_step_ns
 
 __all__ = ['move_pairs', 'realign']
 
@@ -45,15 +47,14 @@ def realign(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
         Stamps and differences, m <= n. Left out are pairs whose earlier time lies before the
         first pair, after the last, or between two pairs more than five typical steps apart.
     factor : float
-        Factor by which interpolation reduces the variance of white RS errors; 1 for m = 0.
+        Factor by which interpolation changes the variance of white RS errors; 1 for m = 0.
 
     """
     if not stamp_ns.size:
         return stamp_ns, x_deg, 1.0
-    kept, rs, earlier_rs, w = _read_earlier(stamp_ns, rs_deg, late_s)
+    kept, rs, earlier_rs, factor = _read_earlier(stamp_ns, rs_deg, late_s)
     x = (x_deg + rs - earlier_rs)[kept]
-    w = w[kept]
-    return stamp_ns[kept], x, float(np.mean((1.0 - w) ** 2 + w ** 2)) if w.size else 1.0
+    return stamp_ns[kept], x, float(np.mean(factor[kept])) if x.size else 1.0
 
 
 def move_pairs(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
@@ -81,16 +82,28 @@ def move_pairs(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
 
 def _read_earlier(stamp_ns: np.ndarray, rs_deg: np.ndarray, late_s: float | np.ndarray,
                   ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-    """Return which pairs stay, the RS, the RS read earlier, and where between two readings."""
-    t = (stamp_ns - stamp_ns[0]) / 1e9
-    earlier = t - late_s
-    steps = np.diff(t)
-    place = np.interp(earlier, t, np.arange(t.size, dtype=np.float64))
-    left = np.floor(place)
-    w = place - left
-    kept = (earlier >= t[0]) & (earlier <= t[-1])
-    if steps.size:
-        wide = np.append(steps > _FEW_STEPS * np.median(steps), False)
-        kept &= ~wide[left.astype(np.intp)] | (w == 0.0)
+    """Return which pairs stay, the RS, the RS read earlier, and the factors of its noise."""
+    earlier_ns = stamp_ns - np.round(1e9 * np.asarray(late_s)).astype(np.int64)
     rs = unwrap_deg(rs_deg)
-    return kept, rs, np.interp(earlier, t, rs), w
+    t, earlier = ((ns - stamp_ns[0]) / 1e9 for ns in (stamp_ns, earlier_ns))
+    left = np.clip(np.searchsorted(stamp_ns, earlier_ns, side='right') - 1, 0, t.size - 1)
+    right = np.minimum(left + 1, t.size - 1)
+    is_between = (stamp_ns[left] < earlier_ns) & (earlier_ns < stamp_ns[right])
+    kept = is_between | (stamp_ns[left] == earlier_ns)
+    steps_ns = np.diff(stamp_ns)
+    if steps_ns.size:
+        wide = steps_ns > _FEW_STEPS * np.median(steps_ns)
+        kept &= ~is_between | ~np.append(wide, False)[left]
+    value = np.interp(earlier, t, rs)
+    factor = np.ones(t.shape)
+    at = np.flatnonzero(kept & is_between)
+    if at.size:
+        w = (earlier[at] - t[left[at]]) / (t[right[at]] - t[left[at]])
+        factor[at] = (1.0 - w) ** 2 + w ** 2
+        step_ns = usual_step_ns(stamp_ns) or 0
+        found = interpolate(stamp_ns, rs, steps_ns <= longest_step_ns(step_ns), left[at],
+                            earlier_ns[at], step_ns)
+        # Where readings are missing, the line is better than nothing.
+        good = found.side > 0
+        value[at[good]], factor[at[good]] = found.heading_deg[good], found.factor[good]
+    return kept, rs, value, factor

@@ -67,6 +67,10 @@ def compose_headline(outcome: Outcome, findings: Sequence[Finding], coverage: Co
     # What is left out or removed is said whatever the outcome, unless it is among the doubts.
     taken_out = [f'; {f.words}' for f in findings if f.condition in ALWAYS_SAID and f.words
                  and (void or f.effect != DOUBTFUL)]
+    if outcome is Outcome.COMPLIANT and not void:
+        # The scope of a certificate, where it is narrower than others.
+        taken_out += [f'; {f.words}' for f in findings if f.condition == 'interpolation'
+                      and f.words]
     if outcome is Outcome.COMPLIANT and coverage is not None and not doubts:
         return f'{text} {coverage.words}' + ''.join(taken_out)
     if void:

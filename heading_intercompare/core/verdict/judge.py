@@ -173,6 +173,13 @@ class RunResult:
         by_hand = run.taken_out.stretches if run.taken_out is not None else ()
         return (*self.outside, *([settling] if settling.n else []), *by_hand)
 
+    def without_lost_share(self) -> 'RunResult':
+        """Return the result of pairs chosen out of more: their gaps do not show what was lost."""
+        correlation = self.verdict.correlation
+        stamps = replace(correlation.stamps, lost_share=None)
+        return replace(self, verdict=replace(
+            self.verdict, correlation=replace(correlation, stamps=stamps))).conclude()
+
     def conclude(self) -> 'RunResult':
         """Return the result with outcome and headline after findings and looks."""
         verdict, (alone, _) = self.verdict, self.alone

@@ -107,15 +107,18 @@ class PairingFigures:
     max_lag_s: float | None
     rs_variance_factor: float | None
     ts_variance_factor: float | None
-    #: None in verdicts of version 2.1 and before.
-    lost: LostReadings | None = leave_out_none()
+    lost: LostReadings | None = leave_out_none()  # None until 2.1, the others until 2.6.
+    ts_unbridged: int | None = leave_out_none()
+    rs_unbridged: int | None = leave_out_none()
 
     def find_interpolated(self, method: str) -> str | None:
         """Return the sensor, 'ts' or 'rs', that a method interpolated; None for none or both."""
+        factors = self.rs_variance_factor, self.ts_variance_factor
+        if method == 'nearest' or factors == (1.0, 1.0):
+            return None
         found = {'interpolate': 'rs', 'interpolate_ts': 'ts'}.get(method)
-        if method == 'auto' and self.rs_variance_factor != self.ts_variance_factor:
-            alone = 1.0 in (self.rs_variance_factor, self.ts_variance_factor)
-            found = None if not alone else 'ts' if self.rs_variance_factor == 1.0 else 'rs'
+        if method == 'auto' and 1.0 in factors:
+            return 'ts' if factors[0] == 1.0 else 'rs'
         return found
 
     @classmethod
@@ -134,7 +137,9 @@ class PairingFigures:
                    rejected=RejectedReadings(share.rejected('ts'), share.rejected('rs')),
                    mean_lag_s=mean_lag_s, max_lag_s=max_lag_s,
                    rs_variance_factor=rs_variance_factor, ts_variance_factor=ts_variance_factor,
-                   lost=LostReadings(share.lost('ts'), share.lost('rs')))
+                   lost=LostReadings(share.lost('ts'), share.lost('rs')),
+                   ts_unbridged=counts.get(LedgerKey.TS_UNBRIDGED, 0),
+                   rs_unbridged=counts.get(LedgerKey.RS_UNBRIDGED, 0))
 
 
 @dataclass(frozen=True, slots=True)

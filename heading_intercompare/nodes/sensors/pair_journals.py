@@ -42,6 +42,8 @@ Names = tuple[str, str]
 
 #: Readings that may be half of a pair for longer than this are few.
 _LONGEST_GAP_S = 10.0
+#: Readings before a stamp from which its heading is interpolated.
+_READINGS = 4
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,7 +92,7 @@ class PairJournals:
                  comparison: SensorsComparison, headings: HeadingsIntake) -> None:
         self._others, self._headings = comparison.others, headings
         self._started_ns, rule = time.time_ns(), settings.pairing
-        self._behind_ns = round(min(rule.max_gap_s, _LONGEST_GAP_S) * 1e9)
+        self._behind_ns = round(min(_READINGS * rule.longest_gap_s, _LONGEST_GAP_S) * 1e9)
         # A sensor that is not there does not hold up the others for ever.
         self._latest_ns = self._behind_ns + round((rule.auto_s + rule.longest_wait_s) * 1e9)
         self._taken: _Taken | None = None

@@ -72,7 +72,10 @@ def _pairing(rule: Pairing) -> str:
     chosen = (f'{onto_rs} if the stamps of the first {number(rule.auto_s)} s show a slow RS, '
               f'otherwise {onto_ts}')
     words = {'interpolate': onto_ts, 'interpolate_ts': onto_rs, 'auto': chosen}[method]
-    return f'{words}; bracket at most {number(rule.max_gap_s)} s'
+    kernel = 'by the line between two' if rule.kernel == 'line' else 'by up to eight readings'
+    gap = ('at most 1.5 usual steps apart' if rule.max_gap_s == 'auto'
+           else f'at most {number(rule.longest_gap_s)} s apart')
+    return f'{words}, {kernel}; readings {gap}'
 
 
 def state_conformity(verdict: Verdict) -> Rows:

@@ -251,7 +251,7 @@ def test_pairs_cannot_be_paired_again(pairs, capsys):
     assert notes[0] == (f'note: {path}: alignment.skew = apply: a csv of pairs has no readings to '
                         'align; it is judged as it was paired')
     assert of_csv['inputs'][0]['ledger_problems'] == [
-        'its pairs were made with pairing.max_gap_s = 3.0, not 1.5']
+        'its pairs were made with pairing.max_gap_s = auto, not 1.5']
 
 
 @pytest.mark.parametrize('text, problem', [

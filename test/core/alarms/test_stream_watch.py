@@ -91,6 +91,27 @@ def test_a_silent_sensor_is_seen_after_its_time_and_is_not_a_step():
     assert not any(actives(found, 'ts_silent')) and not any(actives(found, 'clock_step'))
 
 
+@pytest.mark.parametrize('rate_hz, late_s', [(10.0, 3.0), (1.0, 6.0), (50.0, 2.5)])
+@pytest.mark.parametrize('drops', [False, True])
+def test_readings_that_come_late_are_no_step_of_a_clock(rate_hz, late_s, drops):
+    """A driver has garbage to read: its readings wait, or a part of them is dropped."""
+    watch, now_s, received, sent = StreamWatch(10.0, 5.0), 100.0, [0, 0], 0
+    found = []
+    for second in range(60):
+        now_s += 1.0
+        # From 20 s on the TS is late; it catches up from 35 s on.
+        late = late_s if 20 <= second < 35 else max(0.0, late_s - 0.5 * (second - 34)) \
+            if second >= 35 else 0.0
+        upto = round(rate_hz * (now_s - 100.0 - late))
+        n = max(0, upto - sent)
+        lost = n // 2 if drops and 20 <= second < 35 else 0
+        received = [received[0] + n - lost, received[1] + round(rate_hz)]
+        sent = max(sent, upto)
+        heard = [round((1000.0 + sent / rate_hz) * S_NS), round((900.0 + now_s) * S_NS)]
+        found.append(watch.look(received, heard, now_s))
+    assert not any(actives(found, 'clock_step'))
+
+
 def test_a_sensor_slower_than_the_limit_is_not_silent_between_its_readings():
     """One reading in 4 s."""
     watch = StreamWatch(3.0, 5.0)

@@ -95,7 +95,7 @@ def test_behind_a_silence_the_choice_is_made_again():
     # No bracket reaches over the change, and nothing is lost but the ends.
     assert (np.count_nonzero(~late), np.count_nonzero(late)) == (99, 999)
     first, second = ledger.shares([int(pairs.stamp_ns[0]), int(pairs.stamp_ns[late][0])])
-    assert first.counts['ts_used'] == 2 * 99 and 'ts_paired' not in first.counts
+    assert first.counts['ts_used'] == 4 * 99 and 'ts_paired' not in first.counts
     assert second.counts['ts_paired'] == 999 and 'ts_used' not in second.counts
     assert ledger.balance() == {'ts': 0, 'rs': 0}
 
@@ -170,7 +170,7 @@ def test_a_slow_rs_does_not_make_a_sound_ts_fail(rng, rs_hz, yaw_deg, period_s, 
         ts, rs = yawing(rng, rs_hz, yaw_deg, period_s, norm_deg * share)
         for method in rejected:
             (run,) = analyze(ts, rs, rules(
-                pairing__method=method, norms__sigma_max_deg=norm_deg,
+                pairing__method=method, pairing__kernel='line', norms__sigma_max_deg=norm_deg,
                 norms__sigma_ref_max_deg=0.02)).runs
             found = run.guarded
             rejected[method] += found.lower_bound_deg2 > found.rejection_limit_deg2
@@ -181,7 +181,7 @@ def test_a_slow_rs_does_not_make_a_sound_ts_fail(rng, rs_hz, yaw_deg, period_s, 
 
 @pytest.mark.slow
 def test_a_ts_at_its_norm_is_not_certified_for_the_noise_that_interpolation_took(rng):
-    """White TS errors of the norm, 5 Hz put onto 1 Hz: the factor is 2/3 in the mean."""
+    """White TS errors of the norm, 5 Hz put onto 1 Hz: the mean factor of a cubic is 0.775."""
     settings = rules(norms__sigma_max_deg=0.2, norms__sigma_ref_max_deg=0.02)
     certified, would_have_been = 0, 0
     for _ in range(20):
@@ -190,10 +190,10 @@ def test_a_ts_at_its_norm_is_not_certified_for_the_noise_that_interpolation_took
                          10.0 + 0.2 * rng.standard_normal(t.size))
         (run,) = analyze(ts, level((1.0, 0.0, 1000.0)), settings).runs
         factor, found = run.pairing.ts_variance_factor, run.guarded
-        assert factor == pytest.approx(2.0 / 3.0, abs=0.01)
+        assert factor == pytest.approx(0.7754, abs=0.01)
         assert found.acceptance_limit_deg2 == pytest.approx(factor * 0.2 ** 2)
         assert found.rejection_limit_deg2 == pytest.approx(0.2 ** 2 + 0.02 ** 2)
         certified += found.upper_bound_deg2 <= found.acceptance_limit_deg2
         would_have_been += found.upper_bound_deg2 <= 0.2 ** 2
     # 20 runs at 0.05 each: more than 5 in 3 cases of 10,000.
-    assert certified <= 5 and would_have_been >= 15
+    assert certified <= 5 and would_have_been >= 10

@@ -49,10 +49,50 @@ def losses_of(run):
 
 
 def test_lost_is_not_received_and_a_burst_is_rejected():
-    share = LedgerSegment(None, {'ts_lost.on_the_way': 3, 'ts_lost.at_source': 2,
+    share = LedgerSegment(None, {'ts_lost.on_the_way': 3, 'ts_lost.at_source': 2, 'gaps.ts': 5,
                                  'ts_rejected.burst': 4, 'ts_paired': 10, 'paired': 10})
     assert share.received('ts') == 14
     assert share.lost('ts') == {'on_the_way': 3, 'at_source': 2} and share.lost('rs') == {}
+
+
+@pytest.mark.parametrize('told, gaps, lost', [(73_449, 3, 3), (2, 3, 2), (73_449, 0, 0)])
+def test_no_more_readings_are_lost_at_the_source_than_the_stream_has_gaps(told, gaps, lost):
+    """A kernel counts datagrams, whatever they held."""
+    share = LedgerSegment(None, {'ts_lost.at_source': told, 'gaps.ts': gaps, 'ts_paired': 10})
+    assert share.lost('ts') == {'at_source': told} and share.lost_at_source('ts') == lost
+
+
+@pytest.mark.parametrize('told, effect', [(73_449, 'holds'), (27, 'holds')])
+def test_garbage_of_others_loses_no_more_than_the_gaps(rng, told, effect):
+    """1224 of 1251 readings came: "98 % of the TS lost", and void."""
+    stamps = np.arange(1, 1252) * 10 ** 9
+    ts, rs = noisy(rng, np.delete(stamps, slice(600, 627))), noisy(rng, stamps, 0.05)
+    comparison = Intercomparison(RULE)
+    comparison.update(ts, rs)
+    comparison.lose(LedgerKey.TS_LOST_AT_SOURCE, Losses.of(
+        [628 * 10 ** 9], [600 * 10 ** 9], [told]))
+    comparison.finish()
+    (run,) = comparison.verdict().runs
+    assert run.n == 1224 and losses_of(run).effect == effect
+    assert 'of the TS lost at the source 2.2 %' in losses_of(run).evidence
+
+
+def test_a_sensor_whose_readings_were_dropped_is_doubtful(rng):
+    """A fifth of them, and the driver says so."""
+    stamps = np.arange(1, 1252) * 10 ** 9
+    kept = rng.uniform(size=1251) > 0.2
+    kept[[0, -1]] = True
+    comparison = Intercomparison(RULE)
+    comparison.update(noisy(rng, stamps[kept]), noisy(rng, stamps, 0.05))
+    comparison.lose(LedgerKey.TS_LOST_AT_SOURCE, Losses.of(
+        [700 * 10 ** 9], [690 * 10 ** 9], [int(np.count_nonzero(~kept))]))
+    comparison.finish()
+    (run,) = comparison.verdict().runs
+    assert losses_of(run).effect == 'doubtful'
+
+
+def test_what_was_rejected_as_a_burst_is_received():
+    share = LedgerSegment(None, {'ts_rejected.burst': 4, 'ts_paired': 10, 'paired': 10})
     assert share.rejected('ts') == {'burst': 4}
 
 

@@ -24,7 +24,10 @@ import numpy as np
 import pytest
 
 from heading_intercompare.core.angles import wrap180
+from heading_intercompare.core.pairing import pairer as pairing
 from heading_intercompare.core.pairing.difference import subtract
+from heading_intercompare.core.pairing.direction import usual_step_ns
+from heading_intercompare.core.pairing.interpolation_kernel import longest_step_ns
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment, REASONS
 from heading_intercompare.core.pairing.pairer import pair, Pairer
 from heading_intercompare.core.records import Headings, Pairs
@@ -71,17 +74,47 @@ def slow_accepted(stream):
     return kept, reasons
 
 
-def slow_interpolate(ts, rs, max_gap_ns):
+def slow_weights(s, side):
+    """Return the weights of readings at places s, in steps from the stamp: P.4 as it stands."""
+    band = {2: 1.6, 3: 1.6, 4: 1.8}[side]
+    m = len(s)
+    left, right = np.zeros((m + 4, m + 4)), np.zeros(m + 4)
+    for k in range(m):
+        for j in range(m):
+            left[k, j] = np.sinc(band * (s[k] - s[j]) / np.pi) + 1e-5 * (k == j)
+        for p in range(4):
+            left[k, m + p] = left[m + p, k] = (s[k] / side) ** p
+        right[k] = np.sinc(band * s[k] / np.pi)
+    right[m] = 1.0
+    return np.linalg.solve(left, right)[:m]
+
+
+def slow_interpolate(ts, rs, max_gap_ns, kernel='line'):
+    """Interpolate each TS reading on its own: nearest readings, one kernel after the other."""
     result = []
+    step_ns = usual_step_ns(np.array([r[0] for r in rs])) or 0
+    longest_ns = min(max_gap_ns, longest_step_ns(step_ns))
+    sides = (1,) if kernel == 'line' else (2, 1) if step_ns <= S // 4 else (
+        (4, 3, 2) if step_ns <= S // 2 else (4, 3))
     for t, h in ts:
         at = [r for r in rs if r[0] == t]
-        before = [r for r in rs if r[0] < t]
-        after = [r for r in rs if r[0] > t]
         if at:
             result.append((t, h, at[0][1]))
-        elif before and after and after[0][0] - before[-1][0] <= max_gap_ns:
-            (a, ha), (b, hb) = before[-1], after[0]
-            result.append((t, h, ha + (t - a) / (b - a) * float(wrap180(hb - ha))))
+            continue
+        for side in sides:
+            used = [r for r in rs if r[0] < t][-side:] + [r for r in rs if r[0] > t][:side]
+            near = [r[0] for r in used]
+            if len(used) < 2 * side or near[side - 1] > t or max(np.diff(near)) > longest_ns:
+                continue
+            s = [(r - t) / step_ns for r in near]
+            c = [1.0 - (t - near[0]) / (near[1] - near[0]), (t - near[0]) / (near[1] - near[0])] \
+                if side == 1 else slow_weights(s, side)
+            if side > 1 and sum(w * w for w in c) > 1.2:
+                continue
+            turned = np.cumsum([0.0, *(float(wrap180(b[1] - a[1]))
+                                       for a, b in zip(used, used[1:]))])
+            result.append((t, h, used[0][1] + float(np.dot(c, turned))))
+            break
     return result
 
 
@@ -97,13 +130,30 @@ def slow_nearest(ts, rs, tolerance_ns):
     return result
 
 
+#: Streams of about 0.1 to 1.5 s a reading, with jitter and gaps.
+steady_streams = st.builds(
+    lambda step, jitter, missing, n, seed: steady(step, jitter, missing, n, seed),
+    st.sampled_from([0.1, 0.25, 0.4, 1.0, 1.5]), st.floats(0.0, 0.45), st.floats(0.0, 0.3),
+    st.integers(2, 50), st.integers(0, 1000))
+
+
+def steady(step_s, jitter, missing, n, seed):
+    """Return readings of a sensor with a usual step."""
+    random = np.random.default_rng(seed)
+    places = np.arange(1, n + 1) + jitter * random.uniform(-1.0, 1.0, n) + random.uniform()
+    kept = random.uniform(size=n) >= missing
+    stamps = np.round(places[kept] * step_s * 1e9).astype(np.int64)
+    return Headings.as_sent(stamps, random.uniform(0.0, 30.0, stamps.size))
+
+
 @pytest.mark.slow
-@given(streams, streams)
-def test_interpolated_pairs_are_those_of_the_slow_way(ts, rs):
-    pairs, _ = pair(ts, rs, rules(max_gap_s=1.5))
-    slow = slow_interpolate(slow_accepted(ts)[0], slow_accepted(rs)[0], round(1.5 * S))
+@pytest.mark.parametrize('kernel', ['line', 'band_limited'])
+@given(ts=st.one_of(streams, steady_streams), rs=st.one_of(streams, steady_streams))
+def test_interpolated_pairs_are_those_of_the_slow_way(kernel, ts, rs):
+    pairs, _ = pair(ts, rs, rules(max_gap_s=1.5, kernel=kernel))
+    slow = slow_interpolate(slow_accepted(ts)[0], slow_accepted(rs)[0], round(1.5 * S), kernel)
     assert pairs.stamp_ns.tolist() == [t for t, _, _ in slow]
-    assert np.abs(wrap180(pairs.rs_deg - [r for _, _, r in slow])).max(initial=0.0) < 1e-9
+    assert np.abs(wrap180(pairs.rs_deg - [r for _, _, r in slow])).max(initial=0.0) < 1e-7
     assert pairs.ts_deg.tolist() == [h for _, h, _ in slow]
 
 
@@ -117,6 +167,7 @@ def test_a_ts_put_onto_the_rs_is_the_rs_put_onto_the_ts_with_names_exchanged(ts,
     counts, others = ledger.total.counts, exchanged.total.counts
     assert counts.get('rs_used', 0) == others.get('ts_paired', 0) == len(pairs)
     assert counts.get('ts_paired', 0) + counts.get('ts_used', 0) == others.get('rs_used', 0)
+    assert counts.get('rs_unbridged', 0) == others.get('ts_unbridged', 0)
 
 
 @pytest.mark.slow
@@ -179,7 +230,7 @@ def test_a_constant_added_to_both_headings_leaves_the_differences(method, ts, rs
     turned = [Headings.as_sent(s.stamp_ns, (s.heading_deg + turn) % 360) for s in (ts, rs)]
     x = subtract(pair(*turned, rules(method, tolerance_s=0.3))[0])
     assert np.array_equal(x.stamp_ns, plain.stamp_ns)
-    assert np.abs(wrap180(x.x_deg - plain.x_deg)).max(initial=0.0) < 1e-12
+    assert np.abs(wrap180(x.x_deg - plain.x_deg)).max(initial=0.0) < 1e-11
 
 
 @pytest.mark.parametrize('broken', ['nothing', 'gap', 'same stamp', 'missing TS', 'missing RS'])
@@ -198,7 +249,7 @@ def test_streams_that_alternate_are_paired_as_any_others(rng, monkeypatch, metho
     if broken.startswith('missing'):
         kept = np.arange(n) != 550
         ts, rs = (ts[kept], rs) if broken == 'missing TS' else (ts, rs[kept])
-    settings = rules(method, max_gap_s=1.5)
+    settings = rules(method)
 
     def paired():
         pairer = Pairer(settings)
@@ -207,7 +258,12 @@ def test_streams_that_alternate_are_paired_as_any_others(rng, monkeypatch, metho
 
     fast, segments = paired()
     used = []
-    monkeypatch.setattr(Pairer, '_find_alternating', lambda *of: used.append(of))
+
+    def search(stamp_ns, t_ns):
+        used.append(t_ns)
+        return np.searchsorted(stamp_ns, t_ns, side='right') - 1
+
+    monkeypatch.setattr(pairing, 'find_left', search)
     slow, expected = paired()
     assert used and fast == slow and segments == expected
     assert len(fast) > 990
@@ -215,7 +271,8 @@ def test_streams_that_alternate_are_paired_as_any_others(rng, monkeypatch, metho
 
 def test_interpolation_across_north_by_hand():
     """RS 350° at 1 s and 20° at 2 s: a third of the way is 350 + 30/3 = 360 = 0°."""
-    pairs, _ = pair(headings((S + S // 3, 1.0)), headings((S, 350.0), (2 * S, 20.0)))
+    pairs, _ = pair(headings((S + S // 3, 1.0)), headings((S, 350.0), (2 * S, 20.0)),
+                    rules('auto', kernel='line'))
     assert wrap180(pairs.rs_deg) == pytest.approx([0.0], abs=1e-6)
     assert pairs.rs_variance_factor == pytest.approx([5 / 9], rel=1e-6)
     assert pairs.lag_ns.tolist() == [0]
@@ -223,10 +280,10 @@ def test_interpolation_across_north_by_hand():
 
 def test_a_gap_is_not_interpolated_over_but_its_ends_pair():
     rs = headings((1 * S, 10.0), (5 * S, 10.0))
-    pairs, ledger = pair(headings((1 * S, 1.0), (3 * S, 1.0), (5 * S, 1.0)), rs)
+    pairs, ledger = pair(headings((1 * S, 1.0), (3 * S, 1.0), (5 * S, 1.0)), rs, rules())
     assert pairs.stamp_ns.tolist() == [1 * S, 5 * S]
     assert pairs.rs_variance_factor.tolist() == [1.0, 1.0]
-    assert ledger.total.counts['ts_unpaired'] == 1
+    assert ledger.total.counts['ts_unbridged'] == 1
 
 
 @pytest.mark.parametrize('method', ['interpolate', 'interpolate_ts'])
@@ -234,7 +291,7 @@ def test_a_bracket_of_just_the_longest_gap_is_used_and_a_longer_one_is_not(metho
     for gap_ns, n in ((3 * S, 1), (3 * S + 1, 0)):
         bracket, inside = headings((S, 10.0), (S + gap_ns, 10.0)), headings((2 * S, 10.0))
         ts, rs = (inside, bracket) if method == 'interpolate' else (bracket, inside)
-        assert len(pair(ts, rs, rules(method, max_gap_s=3.0))[0]) == n
+        assert len(pair(ts, rs, rules(method, kernel='line', max_gap_s=3.0))[0]) == n
 
 
 @pytest.mark.parametrize('lag_ns', [S // 2, -S // 2])
@@ -249,20 +306,24 @@ def test_a_ts_put_onto_the_rs_by_hand():
     """TS 350 and 20 degrees at 1 and 2 s: at 4/3 s 360 = 0 degrees; at 2 s the reading itself."""
     ts = headings((S, 350.0), (2 * S, 20.0), (3 * S, 30.0), (5 * S, 50.0))
     rs = headings((S // 2, 5.0), (S + S // 3, 5.0), (2 * S, 6.0), (6 * S, 7.0))
-    pairs, ledger = pair(ts, rs, rules('interpolate_ts'))
+    pairs, ledger = pair(ts, rs, rules('interpolate_ts', kernel='line'))
     assert pairs.stamp_ns.tolist() == rs.stamp_ns[1:3].tolist()
     assert wrap180(pairs.ts_deg) == pytest.approx([0.0, 20.0], abs=1e-6)
     assert pairs.rs_deg.tolist() == [5.0, 6.0]
     assert pairs.ts_variance_factor == pytest.approx([5 / 9, 1.0], rel=1e-6)
     assert pairs.rs_variance_factor.tolist() == [1.0, 1.0] and pairs.lag_ns.tolist() == [0, 0]
-    assert ledger.total.counts == {'paired': 2, 'ts_used': 1, 'ts_paired': 1, 'ts_unpaired': 2,
-                                   'rs_used': 2, 'rs_unused': 2}
+    assert ledger.total.counts == {
+        'paired': 2, 'ts_used': 1, 'ts_paired': 1, 'ts_unpaired': 2, 'rs_used': 2, 'rs_unused': 2,
+        'bridged.2': 1, 'bridged.step': 10 ** 6, 'gaps.ts': 1, 'gaps.rs': 4}
 
 
 def test_nothing_is_extrapolated():
     pairs, ledger = pair(headings((S, 1.0), (4 * S, 1.0)), headings((2 * S, 1.0), (3 * S, 1.0)))
     assert len(pairs) == 0
     assert ledger.total.counts == {'ts_unpaired': 2, 'rs_unused': 2}
+    pairs, ledger = pair(headings((5 * S // 2, 1.0)), headings((2 * S, 1.0), (3 * S, 1.0)))
+    assert len(pairs) == 0
+    assert ledger.total.counts == {'ts_unbridged': 1, 'rs_unused': 2}
 
 
 def test_ties_go_to_the_earlier_and_the_tolerance_is_inclusive():
@@ -275,7 +336,8 @@ def test_ties_go_to_the_earlier_and_the_tolerance_is_inclusive():
 
 def test_known_skew_is_taken_from_the_ts_stamps():
     ts, rs = headings((3 * S, 1.0)), headings((S, 10.0), (2 * S, 20.0))
-    pairs, _ = pair(ts, rs, Settings.from_mapping({'alignment.skew_s': 1.5}))
+    pairs, _ = pair(ts, rs, Settings.from_mapping({'alignment.skew_s': 1.5,
+                                                   'pairing.kernel': 'line'}))
     assert pairs.stamp_ns.tolist() == [3 * S // 2] and pairs.rs_deg.tolist() == [15.0]
 
 
@@ -314,16 +376,17 @@ def test_a_pause_of_both_sensors_costs_no_pair(chunk, pause_s):
         found.append(pairer.update(rs=rs[lo // 10:lo // 10 + chunk], now_s=now_s))
     found.append(pairer.flush())
     assert Pairs.concatenate(found) == whole
-    assert len(whole) == 281
+    # Not in the first and last two steps, which have fewer than three readings on either side.
+    assert len(whole) == 281 - 4 * 9
 
 
 def test_live_no_bracket_reaches_over_a_dropped_reading():
-    pairer = begun(max_wait_s=1.0, silent_wait_s=0.0, max_gap_s=100.0)
+    pairer = begun(kernel='line', max_wait_s=1.0, silent_wait_s=0.0)
     pairer.update(ts=headings((11 * S, 0.0)), rs=headings((11 * S, 0.0)), now_s=0.0)
     pairer.update(rs=headings((12 * S, 90.0)), now_s=0.0)
-    pairer.update(rs=headings((13 * S, 0.0)), now_s=2.0)
-    pairs = pairer.update(ts=headings((23 * S // 2, 0.0), (13 * S, 0.0)), now_s=2.0)
-    assert pairs.stamp_ns.tolist() == [13 * S]
+    pairer.update(rs=headings((13 * S, 0.0), (14 * S, 0.0)), now_s=2.1)
+    pairs = pairer.update(ts=headings((23 * S // 2, 0.0), (13 * S, 0.0)), now_s=2.1)
+    assert pairs + pairer.flush() == Pairs.of([13 * S], [0.0], [0.0])
 
 
 def test_memory_is_bounded_when_one_sensor_is_silent():
@@ -363,12 +426,12 @@ def test_what_a_sensor_has_sent_while_it_could_not_be_reached_is_paired(
 
 
 def test_a_sensor_that_is_heard_again_is_waited_for_as_before():
-    pairer = begun(max_wait_s=5.0)
+    pairer = begun(max_wait_s=5.0, max_gap_s=3.0)
     for second in range(100, 140):
         # The RS is heard, but has nothing at the stamps of the TS.
         pairer.update(ts=headings(((10 * second) * S, 1.0)),
                       rs=headings(((10 * second + 5) * S, 1.0)), now_s=float(second))
-    assert pairer.ledger.total.counts['ts_unpaired'] >= 30
+    assert pairer.ledger.total.counts['ts_unbridged'] >= 30
 
 
 def test_a_silence_of_the_pairs_divides_the_ledger():
@@ -379,25 +442,31 @@ def test_a_silence_of_the_pairs_divides_the_ledger():
     assert [s.start_ns for s in ledger.segments] == [None, S, 2 * S + 1, 100 * S, 101 * S + 1]
     assert (before.counts, behind.counts) == ({}, {})
     assert first.counts == {'paired': 2, 'ts_paired': 2, 'rs_used': 2}
-    assert between.counts == {'ts_unpaired': 1, 'rs_unused': 2}
+    assert between.counts == {'ts_unpaired': 1, 'rs_unused': 2, 'gaps.rs': 95}
     assert second.counts == {'paired': 2, 'ts_paired': 2, 'rs_used': 2}
     # What lies between two runs belongs to the one before, but not to what it lost.
     assert ledger.shares([S, 100 * S])[0].counts['ts_unpaired'] == 1
     assert ledger.count_between(S, 2 * S).counts == first.counts
 
 
-def test_what_is_lost_within_a_run_is_told_from_what_came_before_and_after():
-    """RS from 10 to 40 s, silent from 20 to 30 s: 9 TS readings fall into too long a bracket."""
+@pytest.mark.parametrize('last, fate', [(30, 'ts_unbridged'), (31, 'ts_unpaired')])
+def test_what_is_lost_within_a_run_is_told_from_what_came_before_and_after(last, fate):
+    """
+    RS from 10 to 40 s, with a gap from 20 s on, into which 9 or 10 TS readings fall.
+
+    A gap of more than ten usual steps is a silence, in which the TS has no partner.
+    """
     ts = headings(*((k * S, 1.0) for k in range(1, 61)))
-    rs = headings(*((k * S, 1.0) for k in range(10, 41) if not 20 < k < 30))
+    rs = headings(*((k * S, 1.0) for k in range(10, 41) if not 20 < k < last))
     for size in (1, 7, 60):
         pairer = Pairer(rules(max_gap_s=3.0))
         for lo in range(0, 60, size):
             pairer.update(ts[lo:lo + size], rs[lo:lo + size])
         pairer.flush()
         inside = pairer.ledger.count_between(10 * S, 40 * S).counts
-        assert (inside['ts_unpaired'], inside['ts_paired']) == (9, 22)
-        assert pairer.ledger.total.counts['ts_unpaired'] == 60 - 22
+        assert (inside[fate], inside['ts_paired']) == (last - 21, 52 - last)
+        assert inside['gaps.rs'] == last - 21
+        assert pairer.ledger.total.counts['ts_unpaired'] == 29 + (fate == 'ts_unpaired') * 10
 
 
 def test_a_ledger_survives_its_segments():

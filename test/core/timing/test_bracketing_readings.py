@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Brackets: the readings behind an interpolated heading are found again."""
+"""A slow sensor is told by its pairs: by lines, by repeated values, or by the factors."""
 
 from __future__ import annotations
 
@@ -20,7 +20,6 @@ import numpy as np
 import pytest
 
 from heading_intercompare.core.timing.bracketing_readings import (
-    find_brackets,
     pairs_per_reading,
     readings_per_pair,
 )
@@ -28,19 +27,6 @@ from heading_intercompare.core.timing.bracketing_readings import (
 
 def stamps_of(t):
     return np.rint(t * 1e9).astype(np.int64)
-
-
-def test_the_readings_are_where_the_lines_meet(rng):
-    node = np.arange(0.0, 100.0, 1.0) + rng.uniform(-0.1, 0.1, 100)
-    value = 359.0 + np.cumsum(rng.standard_normal(100))
-    t = np.arange(2.0, 97.0, 0.1)
-    found = find_brackets(stamps_of(t), np.interp(t, node, value) % 360.0)
-    inside = (node > t[0] + 0.2) & (node < t[-1] - 0.2)
-    assert found.node_s.size == np.count_nonzero(inside)
-    # Stamps are whole nanoseconds, and slopes of some degrees a second are known to that.
-    assert found.node_s + 2.0 == pytest.approx(node[inside], abs=1e-4)
-    off = (found.node_deg - value[inside] + 180.0) % 360.0 - 180.0
-    assert off == pytest.approx(np.zeros(off.size), abs=1e-4)
 
 
 @pytest.mark.parametrize('per', [3, 5, 10, 25])
@@ -60,16 +46,9 @@ def test_a_sensor_as_fast_as_the_pairs_has_one_reading_a_pair(rng):
     assert readings_per_pair(stamps_of(t[1:]), between) == 1
 
 
-@pytest.mark.parametrize('n', [0, 1, 2])
-def test_too_few_pairs_have_no_brackets(n):
-    assert find_brackets(np.arange(n), np.zeros(n)).first.size == 0
+@pytest.mark.parametrize('n', [0, 1, 2, 10])
+def test_too_few_pairs_and_a_constant_heading_show_no_slow_sensor(n):
     assert readings_per_pair(np.arange(n), np.zeros(n)) == 1
-
-
-def test_a_constant_heading_is_one_piece():
-    found = find_brackets(np.arange(10) * 10 ** 9, np.full(10, 3.0))
-    assert (found.first.tolist(), found.last.tolist(), found.node_s.size) == ([0], [9], 0)
-    assert readings_per_pair(np.arange(10) * 10 ** 9, np.full(10, 3.0)) == 1
 
 
 @pytest.mark.parametrize('decimals', [1, 2])
@@ -79,10 +58,13 @@ def test_rounding_that_repeats_values_or_lines_makes_no_slow_sensor(decimals, rn
     assert readings_per_pair(np.arange(4000) * 10 ** 8, heading % 360.0) == 1
 
 
+@pytest.mark.parametrize('least', [0.5, 0.64, 0.79])
 @pytest.mark.parametrize('ratio', [1.3, 1.4, 1.7, 2.0])
-def test_the_factors_of_interpolation_tell_a_slower_sensor(ratio, rng):
+def test_the_factors_of_interpolation_tell_a_slower_sensor(ratio, least, rng):
+    """Those of the line, of a cubic and of the longest kernel, in the middle of two readings."""
     w = (0.1 + np.arange(3000) / ratio + 0.01 * rng.standard_normal(3000)) % 1.0
-    assert pairs_per_reading((1.0 - w) ** 2 + w ** 2) == pytest.approx(ratio, rel=0.01)
+    factor = 1.0 - 4.0 * (1.0 - least) * w * (1.0 - w)
+    assert pairs_per_reading(factor) == pytest.approx(ratio, rel=0.01)
 
 
 def test_factors_of_equal_rates_tell_nothing(rng):

@@ -499,7 +499,7 @@ def test_clocks_that_drift_apart_are_void_where_that_decides(slope_s_per_h, rng)
     assert f'the clocks drift apart by {slope_s_per_h:.0f} s/h' in verdict.headline
 
 
-def yawing(rng, rs_hz, ts_hz, method, yaw_deg, period_s):
+def yawing(rng, rs_hz, ts_hz, method, yaw_deg, period_s, kernel='band_limited'):
     """Return the verdict on a TS of 0.02 deg and an RS of 0.02 deg of a ship that yaws."""
     def heading(at_s):
         return 90.0 + yaw_deg * np.sin(2.0 * np.pi * at_s / period_s) + 0.02 * at_s
@@ -509,7 +509,7 @@ def yawing(rng, rs_hz, ts_hz, method, yaw_deg, period_s):
                   heading(r) + 0.02 * rng.standard_normal(r.size),
                   np.round(t * 1e9).astype(np.int64), np.round(r * 1e9).astype(np.int64),
                   norms={'sigma_max_deg': 0.1, 'sigma_ref_max_deg': 0.02},
-                  pairing={'method': method})
+                  pairing={'method': method, 'kernel': kernel})
 
 
 @pytest.mark.parametrize('rs_hz, yaw_deg, period_s', [(0.5, 1.0, 8.0), (1.0, 2.0, 6.0)])
@@ -517,12 +517,13 @@ def test_a_slow_reference_rejects_no_sound_sensor(rs_hz, yaw_deg, period_s, rng)
     """
     A TS of a fifth of its norm, rejected before in half of the runs and in nearly all.
 
-    With the TS put onto the stamps of the RS it is certified; with the RS interpolated the error
-    of that is seen and makes the run void.
+    With the TS put onto the stamps of the RS it is certified, and with the RS interpolated by
+    eight readings. With the line the error of that is seen and makes the run void.
     """
-    auto = yawing(rng, rs_hz, 10, 'auto', yaw_deg, period_s)
-    assert auto.outcome is Outcome.COMPLIANT and effects(auto) == {}
-    forced = yawing(rng, rs_hz, 10, 'interpolate', yaw_deg, period_s)
+    for method in ('auto', 'interpolate'):
+        found = yawing(rng, rs_hz, 10, method, yaw_deg, period_s)
+        assert found.outcome is Outcome.COMPLIANT and effects(found) == {}
+    forced = yawing(rng, rs_hz, 10, 'interpolate', yaw_deg, period_s, kernel='line')
     assert forced.runs[0].guarded.outcome is not Outcome.COMPLIANT
     assert forced.runs[0].reason == 'void.interpolation'
     assert 'the slower sensor is too slow for the motion' in forced.headline
