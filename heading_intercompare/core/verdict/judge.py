@@ -51,6 +51,7 @@ from heading_intercompare.core.pairing.stamp_jumps import SetBack
 from heading_intercompare.core.record_conditions.losses import warn_of_alone, warn_of_rejected
 from heading_intercompare.core.record_conditions.mean_over_runs import judge_mean_over_runs
 from heading_intercompare.core.records import Integers, Motion, Reals
+from heading_intercompare.core.runs.pairing_figures import PairingFigures
 from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.settings import Risk, Settings
 from heading_intercompare.core.statistics.cells import Cells
@@ -78,7 +79,7 @@ from .conclusion import (
 from .headline import add_looks, compose_headline
 from .recorded import JudgedPiece
 from .validity import examine, settle
-from .verdict_document import Campaign, PairingFigures, RunVerdict
+from .verdict_document import Campaign, RunVerdict
 
 __all__ = ['compare_runs', 'conclude_campaign', 'judge_run', 'look_at', 'RunResult']
 

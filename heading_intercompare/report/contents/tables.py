@@ -20,12 +20,9 @@ from dataclasses import dataclass
 from typing import Any, Callable, Generic, Mapping, Sequence, TypeVar
 
 from heading_intercompare.core.decision.campaign import Together
+from heading_intercompare.core.runs.pairing_figures import LostReadings
 from heading_intercompare.core.utc_text import utc
-from heading_intercompare.core.verdict.verdict_document import (
-    Campaign,
-    LostReadings,
-    RunVerdict,
-)
+from heading_intercompare.core.verdict.verdict_document import Campaign, RunVerdict
 from heading_intercompare.report.formatting import (
     ABSENT,
     bounds,

@@ -51,6 +51,7 @@ from heading_intercompare.core.diagnostics.run_findings import (
     RunSkew,
 )
 from heading_intercompare.core.pipeline import join
+from heading_intercompare.core.runs.pairing_figures import PairingFigures
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.statistics.cells import Cells
 from heading_intercompare.core.statistics.drift import Order, remove_polynomial, Slope
@@ -67,12 +68,7 @@ from heading_intercompare.core.timing.stamp_steps import StampSteps
 from heading_intercompare.core.timing.time_skew import Skew
 from heading_intercompare.core.validity.condition import Finding
 from heading_intercompare.core.verdict.typed_reader import make_plain
-from heading_intercompare.core.verdict.verdict_document import (
-    Campaign,
-    PairingFigures,
-    RunVerdict,
-    SCHEMA,
-)
+from heading_intercompare.core.verdict.verdict_document import Campaign, RunVerdict, SCHEMA
 
 PAGE = Path(__file__).resolve().parents[3] / 'docs' / 'verdict_json.md'
 

@@ -25,7 +25,8 @@ import numpy as np
 import pytest
 
 from heading_intercompare import analyze, Headings, Norms, Risk, Settings
-from heading_intercompare.core.verdict.verdict_document import Input, RejectedReadings
+from heading_intercompare.core.runs.pairing_figures import RejectedReadings
+from heading_intercompare.core.verdict.verdict_document import Input
 
 SETTINGS = Settings(norms=Norms(sigma_max_deg=0.3, sigma_ref_max_deg=0.1),
                     risk=Risk(min_duration_s=0.0))

@@ -1,0 +1,93 @@
+# Copyright 2026 The heading_intercompare authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The share of one run in the pairing ledger, as the JSON shows it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Mapping
+
+from heading_intercompare.core.json_keys import leave_out_none
+from heading_intercompare.core.pairing.ledger import LedgerKey, LedgerSegment
+
+__all__ = ['LostReadings', 'PairingFigures', 'RejectedReadings']
+
+
+@dataclass(frozen=True, slots=True)
+class RejectedReadings:
+    """Counts of the readings of each sensor rejected before pairing, by reason."""
+
+    ts: Mapping[str, int]
+    rs: Mapping[str, int]
+
+
+@dataclass(frozen=True, slots=True)
+class LostReadings:
+    """Counts of the readings of each sensor that were sent and never came, by where."""
+
+    ts: Mapping[str, int]
+    rs: Mapping[str, int]
+
+
+@dataclass(frozen=True, slots=True)
+class PairingFigures:
+    """The share of one run in the pairing ledger, and the lags of its pairs."""
+
+    ts_received: int
+    rs_received: int
+    paired: int
+    ts_paired: int
+    ts_used: int
+    ts_unpaired: int
+    rs_used: int
+    rs_unused: int
+    rejected: RejectedReadings
+    mean_lag_s: float | None
+    max_lag_s: float | None
+    rs_variance_factor: float | None
+    ts_variance_factor: float | None
+    lost: LostReadings | None = leave_out_none()  # None until 2.1, the others until 2.6.
+    ts_unbridged: int | None = leave_out_none()
+    rs_unbridged: int | None = leave_out_none()
+
+    def find_interpolated(self, method: str) -> str | None:
+        """Return the sensor, 'ts' or 'rs', that a method interpolated; None for none or both."""
+        factors = self.rs_variance_factor, self.ts_variance_factor
+        if method == 'nearest' or factors == (1.0, 1.0):
+            return None
+        found = {'interpolate': 'rs', 'interpolate_ts': 'ts'}.get(method)
+        if method == 'auto' and 1.0 in factors:
+            return 'ts' if factors[0] == 1.0 else 'rs'
+        return found
+
+    @classmethod
+    def of(cls, share: LedgerSegment, mean_lag_s: float | None, max_lag_s: float | None,
+           rs_variance_factor: float | None, ts_variance_factor: float | None) -> 'PairingFigures':
+        """Build the figures; pending readings count as not yet received."""
+        counts = share.counts
+        return cls(ts_received=share.received('ts') - counts.get(LedgerKey.TS_PENDING, 0),
+                   rs_received=share.received('rs') - counts.get(LedgerKey.RS_PENDING, 0),
+                   paired=counts.get(LedgerKey.PAIRED, 0),
+                   ts_paired=counts.get(LedgerKey.TS_PAIRED, 0),
+                   ts_used=counts.get(LedgerKey.TS_USED, 0),
+                   ts_unpaired=counts.get(LedgerKey.TS_UNPAIRED, 0),
+                   rs_used=counts.get(LedgerKey.RS_USED, 0),
+                   rs_unused=counts.get(LedgerKey.RS_UNUSED, 0),
+                   rejected=RejectedReadings(share.rejected('ts'), share.rejected('rs')),
+                   mean_lag_s=mean_lag_s, max_lag_s=max_lag_s,
+                   rs_variance_factor=rs_variance_factor, ts_variance_factor=ts_variance_factor,
+                   lost=LostReadings(share.lost('ts'), share.lost('rs')),
+                   ts_unbridged=counts.get(LedgerKey.TS_UNBRIDGED, 0),
+                   rs_unbridged=counts.get(LedgerKey.RS_UNBRIDGED, 0))
