@@ -145,6 +145,11 @@ def errors(n: int, step_s: float, tau_s: float, rng: np.random.Generator) -> np.
     return lfilter([1.0], [1.0, -phi], steps, zi=[phi * rng.standard_normal()])[0]
 
 
+def headings(t_s: np.ndarray, heading_deg: np.ndarray) -> Headings:
+    """Return readings as a sensor reports them."""
+    return Headings.of(T0_NS + np.rint(t_s * 1e9).astype(np.int64), heading_deg % 360.0)
+
+
 def readings(row: Row, share: float, rng: np.random.Generator) -> Iterator[Headings]:
     """Yield the readings of the TS and of the RS."""
     ship = Ship(row.ship, rng)
@@ -160,8 +165,7 @@ def readings(row: Row, share: float, rng: np.random.Generator) -> Iterator[Headi
         kept = np.ones(t_s.size, bool)
         if is_rs or row.both_missing:
             kept = rng.uniform(size=t_s.size) >= row.missing
-        yield Headings.of(T0_NS + np.round(t_s[kept] * 1e9).astype(np.int64),
-                          heading[kept] % 360.0)
+        yield headings(t_s[kept], heading[kept])
 
 
 def decide(ts: Headings, rs: Headings, settings: Settings) -> tuple[str, float, float]:

@@ -139,7 +139,8 @@ def test_a_parting_is_named_with_its_times(judge):
     ts[2000:4000] += 38.0
     code, line = judge((t, ts), (t, ship(t) + 0.05 * rng.standard_normal(t.size)))
     assert code == DOUBTFUL
-    assert re.search('the sensors part by 3[78].. deg from 2027-01-15 08:06:40 to 08:13:.. UTC', line)
+    assert re.search('the sensors part by 3[78].. deg from 2027-01-15 08:06:40 to 08:13:.. UTC',
+                     line)
 
 
 @pytest.mark.slow

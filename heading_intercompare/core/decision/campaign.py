@@ -54,7 +54,7 @@ CAMPAIGN_REASONS = {
     'an_input_not_judged': 'not every input could be judged',
     'a_run_void': 'a run is void, so it says nothing about the sensor',
     'a_run_indeterminate': 'not every run complies, and none is rejected',
-    'a_run_repeated': 'two runs are the same record, which shows the sensor only once',
+    'a_run_repeated': 'runs hold the same readings, which show the sensor only once',
     'insufficient_data': 'no run has 128 differences',
     'lower_bound_above_rejection_limit':
         'the common variance of the runs is above the rejection limit, at the stated risk',

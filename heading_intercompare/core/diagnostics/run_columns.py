@@ -25,6 +25,7 @@ import numpy as np
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.conditions.one_source import find_one_source, OneSource
 from heading_intercompare.core.conditions.partings import find_partings, Parting
+from heading_intercompare.core.conditions.shared_readings import Fingerprint
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.records import Integers, Reals
 from heading_intercompare.core.settings import Settings
@@ -85,6 +86,11 @@ class RunColumns:
     def series_deg(self) -> Reals:
         """Return what gives the variance: the residuals, or the differences; degrees."""
         return self.x_deg if self.residual_deg is None else self.residual_deg
+
+    @cached_property
+    def fingerprint(self) -> Fingerprint | None:
+        """By which the readings are known in another run, or elsewhere in this one."""
+        return Fingerprint.of(self.stamp_ns, self.x_deg, self.rs_deg)
 
     @cached_property
     def ts_deg(self) -> Reals:

@@ -23,6 +23,7 @@ from typing import Any, Callable, Iterator, Sequence
 import numpy as np
 
 from heading_intercompare.core.angles import circular_mean
+from heading_intercompare.core.conditions.shared_readings import Fingerprint
 from heading_intercompare.core.decision.campaign import (
     conclude_every_run,
     conclude_sensor,
@@ -50,6 +51,7 @@ from heading_intercompare.core.pairing.ledger import LedgerSegment
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
 from heading_intercompare.core.record_conditions.losses import warn_of_alone, warn_of_rejected
 from heading_intercompare.core.record_conditions.mean_over_runs import judge_mean_over_runs
+from heading_intercompare.core.record_conditions.repeated_readings import judge_repeated_runs
 from heading_intercompare.core.records import Integers, Motion, Reals
 from heading_intercompare.core.runs.pairing_figures import PairingFigures
 from heading_intercompare.core.runs.run_series import RunSeries
@@ -78,6 +80,7 @@ from .conclusion import (
 )
 from .headline import add_looks, compose_headline
 from .recorded import JudgedPiece
+from .runs_together import find_repeated_runs, shortest_apart_s
 from .validity import examine, settle
 from .verdict_document import Campaign, RunVerdict
 
@@ -114,6 +117,9 @@ class RunResult:
         Pairs of its input that lie in no run, with the first run of the input.
     share, inside : LedgerSegment or None
         Ledger of its readings, and of those between its first and last pair.
+    fingerprint : Fingerprint or None
+        By which its readings are known in another run; None if there are too few, and after a
+        restart of the node.
 
     """
 
@@ -131,6 +137,7 @@ class RunResult:
     outside: tuple[Stretch, ...] = ()
     share: LedgerSegment | None = None
     inside: LedgerSegment | None = None
+    fingerprint: Fingerprint | None = None
 
     def with_pairing(self, share: LedgerSegment, inside: LedgerSegment,
                      warnings: Sequence[str] = (),
@@ -373,7 +380,7 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
         assumptions=found.assumptions, taken_out=taken_out, motion=checked,
         warnings=(*_warnings(data, limits, guarded, settings), *found.warnings))
     return RunResult(verdict, evidence, limits, printed, (outcome, reason), settings,
-                     run.stabilization_s, judged).conclude()
+                     run.stabilization_s, judged, fingerprint=columns.fingerprint).conclude()
 
 
 def look_at(run: RunSeries, look: Look, looks: int, settings: Settings,
@@ -438,11 +445,13 @@ def _warnings(data: PreparedRun, limits: Limits, guarded: Guarded,
 
 
 def compare_runs(results: Sequence[RunResult]) -> Homogeneity:
-    """Compare the means and the variances of the runs with each other."""
+    """Compare the means and variances of the runs with each other, repeated readings once."""
+    repeated = find_repeated_runs(results)
     return examine_homogeneity([
         RunFigures(r.verdict.mean_deg, r.evidence.spread.mean_variance_deg2,
                    r.evidence.spread.d_deg2, r.evidence.spread.nu)
-        for r in results if r.evidence.spread is not None and r.verdict.mean_deg is not None])
+        for number, r in enumerate(results, 1) if number not in repeated
+        and r.evidence.spread is not None and r.verdict.mean_deg is not None])
 
 
 def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,
@@ -453,20 +462,23 @@ def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,
 
     Notes
     -----
+    Runs with the readings of an earlier one count once, and certify nothing by the rule `sensor`.
     A void run says nothing, so it is left out of the common variance. With a void run the
     campaign is indeterminate, unless the others reject. It does not comply either if an input
     could not be judged (`incomplete`).
 
     """
     risk = risk_at_the_end(settings)
-    sound = [r for r in results if r.verdict.validity_effect != VOID]
+    repeated = find_repeated_runs(results)
+    once = [r for number, r in enumerate(results, 1) if number not in repeated]
+    sound = [r for r in once if r.verdict.validity_effect != VOID]
     shared = judge_together([r.evidence for r in sound], [r.limits for r in sound], risk,
-                            settings.variant, _apart_s([r.verdict for r in sound]))
+                            settings.variant, shortest_apart_s([r.verdict for r in sound]))
     scopes = [scope for r in results if (scope := r.verdict.coverage.scope) is not None]
     if settings.campaign.rule == 'sensor':
         met = all(r.printed.total.outcome in (None, Outcome.COMPLIANT) for r in results)
         outcome, reason = conclude_sensor(shared, [r.limits for r in results], met, risk)
-        if _repeats([r.verdict for r in sound]):
+        if repeated and outcome is not Outcome.NON_COMPLIANT:
             outcome, reason = Outcome.INDETERMINATE, 'a_run_repeated'
         coverage = None if shared is None else coverage_of(
             shared.span_s, risk, apart_s=None if shared.between_upper_bound_deg2 is None
@@ -474,10 +486,10 @@ def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,
     else:
         outcome, reason = conclude_every_run(
             [r.verdict.outcome for r in results],
-            [r.outcome_among(len(results), settings) for r in results])
+            [r.outcome_among(len(once), settings) for r in results])
         spans = [r.evidence.span_s for r in results]
         coverage = coverage_of(min(spans), risk, scopes=scopes) if spans else None
-    if len(sound) < len(results) and outcome is not Outcome.NON_COMPLIANT:
+    if len(sound) < len(once) and outcome is not Outcome.NON_COMPLIANT:
         outcome, reason = Outcome.INDETERMINATE, 'a_run_void'
     if incomplete and outcome is Outcome.COMPLIANT:
         outcome, reason = Outcome.INDETERMINATE, 'an_input_not_judged'
@@ -489,23 +501,12 @@ def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,
 def _judge_campaign(results: Sequence[RunResult], runs: Homogeneity, settings: Settings,
                     incomplete: bool) -> tuple[Finding, ...]:
     """Return the findings on the runs together."""
+    repeats = judge_repeated_runs(find_repeated_runs(results))
+    others = () if repeats is None else (repeats,)
     if settings.variant != 'B' or len(results) < 2:
-        return ()
+        return others
     in_variant_c = conclude_campaign(results, runs, replace(settings, variant='C'),
                                      incomplete)[0]
     finding = judge_mean_over_runs(runs, max(r.limits.sigma_max_deg for r in results),
                                    in_variant_c)
-    return () if finding is None else (finding,)
-
-
-def _repeats(runs: Sequence[RunVerdict]) -> bool:
-    """Tell whether two runs come from the same record."""
-    seen = {(run.start_ns, run.end_ns, run.n, run.mean_deg, run.variance_deg2) for run in runs}
-    return len(seen) < len(runs)
-
-
-def _apart_s(runs: Sequence[RunVerdict]) -> float:
-    """Return the shortest time from the end of a run to the start of the next, seconds."""
-    spans = sorted((run.start_ns, run.end_ns) for run in runs)
-    return min((after[0] - before[1] for before, after in zip(spans, spans[1:])),
-               default=math.inf) / 1e9
+    return others if finding is None else (*others, finding)

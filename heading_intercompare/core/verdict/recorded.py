@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-import math
 from typing import Iterable, Sequence
 
 from heading_intercompare.core.decision.campaign import (
@@ -41,6 +40,7 @@ from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.statistics.warm_up import fit_warm_up
 
 from .headline import OUTCOME_WORDS
+from .runs_together import shortest_apart_s
 
 __all__ = ['find_left_out', 'judge_piece', 'JudgedPiece']
 
@@ -128,10 +128,8 @@ def _decide(pieces: Sequence[JudgedPiece], settings: Settings) -> Outcome:
     risk = risk_at_the_end(settings)
     evidence, limits = [p.evidence for p in pieces], [p.limits for p in pieces]
     if settings.campaign.rule == 'sensor':
-        spans = sorted((p.start_ns, p.end_ns) for p in pieces)
-        apart_s = min((after[0] - before[1] for before, after in zip(spans, spans[1:])),
-                      default=math.inf) / 1e9
-        shared = judge_together(evidence, limits, risk, settings.variant, apart_s)
+        shared = judge_together(evidence, limits, risk, settings.variant,
+                                shortest_apart_s(pieces))
         return conclude_sensor(shared, limits, True, risk)[0]
     outcomes = [decide(p.evidence, p.limits, risk).outcome for p in pieces]
     return conclude_every_run(outcomes, outcomes)[0]

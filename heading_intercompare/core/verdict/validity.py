@@ -32,6 +32,7 @@ from heading_intercompare.core.record_conditions.left_out import LEFT_OUT
 from heading_intercompare.core.record_conditions.losses import LOSSES
 from heading_intercompare.core.record_conditions.mean_over_runs import MEAN_OVER_RUNS
 from heading_intercompare.core.record_conditions.outliers import OUTLIERS
+from heading_intercompare.core.record_conditions.repeated_readings import REPEATED_READINGS
 from heading_intercompare.core.sensor_conditions.convention import CONVENTION
 from heading_intercompare.core.sensor_conditions.frozen import FROZEN
 from heading_intercompare.core.sensor_conditions.mean_difference import MEAN_DIFFERENCE
@@ -45,9 +46,9 @@ from heading_intercompare.core.validity.examined import Examined, RunAccount
 
 __all__ = ['CONDITION_WORDS', 'CONDITIONS', 'examine', 'PERMANENT', 'settle', 'VOID_REASONS']
 
-CONDITIONS = (SAME_SOURCE, CLOCKS, FROZEN, MOTION, CONVENTION, MEAN_DIFFERENCE, PARTING,
-              REFERENCE, STANDSTILL, OUTLIERS, INTERPOLATION,
-              DRIFT_REMOVED, ASSUMPTIONS, LOSSES, MEAN_OVER_RUNS, LEFT_OUT)
+CONDITIONS = (SAME_SOURCE, REPEATED_READINGS, CLOCKS, FROZEN, MOTION, CONVENTION, MEAN_DIFFERENCE,
+              PARTING, REFERENCE, STANDSTILL, OUTLIERS, INTERPOLATION, DRIFT_REMOVED,
+              ASSUMPTIONS, LOSSES, MEAN_OVER_RUNS, LEFT_OUT)
 """
 All conditions, causes before their consequences; the first that makes a run void is its reason.
 

@@ -1,0 +1,273 @@
+#!/usr/bin/env python3
+# Copyright 2026 The heading_intercompare authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+"""
+Whether two runs, or two parts of one, hold the same readings, under whatever dates.
+
+Two recorders of one trial, a record under another date and a block that was pasted show the same
+errors twice. Their stamps, their last digits and an offset may differ.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from functools import lru_cache
+
+import numpy as np
+import scipy
+
+from heading_intercompare.core.angles import unwrap_deg
+from heading_intercompare.core.records import Integers, Reals
+
+__all__ = ['find_repeats', 'find_shared', 'Fingerprint', 'Shared']
+
+#: Differences are averaged over four grains of half a second, or of a multiple by a power of two.
+_GRAIN_S, _GRAINS = 0.5, 4
+_MOST_GRAINS = 1 << 16
+#: A bin holds at least two of the usual steps of the pairs.
+_STEPS = 2.0
+#: What this number of averages before tells is removed; the rest is compared in blocks.
+_ORDER, _BLOCK = 16, 64
+#: Blocks of a run that are sought in another one, evenly spread over it.
+_MOST_BLOCKS = 48
+#: Most bins in which they are sought at once.
+_AT_ONCE = 8192
+#: Shared readings: a block whose correlation is this, or some together at one lag.
+_ALIKE, _TOGETHER, _SOME = 0.75, 0.45, 4
+#: A block belongs to them if it correlates nearly as well as the best one.
+_MOSTLY = 0.85
+#: Readings of a block that are there, and the share of the variance that is no pattern.
+_THERE, _LEAST_REST = 0.75, 1e-4
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fingerprint:
+    """
+    The differences of a run, averaged over short times.
+
+    Attributes
+    ----------
+    start_ns : int
+        Stamp of the first difference, nanoseconds.
+    grain_s : float
+        Length of a grain, seconds.
+    least_bin_s : float
+        Shortest bin that holds two of the usual steps, seconds.
+    total_deg : ndarray of float64, shape (n,)
+        Sum of the differences of each grain.
+    count : ndarray of int64, shape (n,)
+        Number of the differences of each grain.
+    rs_deg : ndarray of float64, shape (n,)
+        Heading of the RS, unwrapped, averaged over each grain; interpolated where there is none.
+
+    """
+
+    start_ns: int
+    grain_s: float
+    least_bin_s: float
+    total_deg: Reals
+    count: Integers
+    rs_deg: Reals
+
+    @classmethod
+    def of(cls, stamp_ns: Integers, x_deg: Reals, rs_deg: Reals) -> 'Fingerprint | None':
+        """Return the fingerprint of a run by its differences and the RS; None if too short."""
+        if len(stamp_ns) < 2 * _BLOCK:
+            return None
+        since_s = (stamp_ns - stamp_ns[0]) / 1e9
+        step_s = float(np.quantile(np.diff(since_s), 0.6))
+        grain_s = _GRAIN_S
+        while since_s[-1] / grain_s >= _MOST_GRAINS:
+            grain_s *= 2.0
+        at = (since_s / grain_s).astype(np.int64)
+        n = int(at[-1]) + 1
+        count = np.bincount(at, minlength=n).astype(np.int64)
+        there = np.flatnonzero(count)
+        total_deg, turned_deg = (np.bincount(at, weights=column, minlength=n).astype(np.float64)
+                                 for column in (x_deg - np.median(x_deg), unwrap_deg(rs_deg)))
+        return cls(int(stamp_ns[0]), grain_s, _STEPS * step_s, total_deg, count,
+                   np.interp(np.arange(n), there, turned_deg[there] / count[there]))
+
+    def coarsen(self, grain_s: float) -> 'Fingerprint':
+        """Return the same with grains longer by a power of two."""
+        times = round(grain_s / self.grain_s)
+        if times == 1:
+            return self
+        def add_up(column: np.ndarray) -> np.ndarray:
+            return np.add.reduceat(column, np.arange(0, len(column), times))
+        return Fingerprint(self.start_ns, grain_s, self.least_bin_s, add_up(self.total_deg),
+                           add_up(self.count),
+                           add_up(self.rs_deg) / add_up(np.ones(len(self.rs_deg))))
+
+    def average(self, phase: int) -> Reals:
+        """Return the averages of bins that begin `phase` grains late; nan where there is none."""
+        n = (len(self.count) - phase) // _GRAINS * _GRAINS
+        total, count = (column[phase:phase + n].reshape(-1, _GRAINS).sum(1)
+                        for column in (self.total_deg, self.count))
+        found: Reals = np.divide(total, count, out=np.full(len(total), np.nan), where=count > 0)
+        return found
+
+
+@dataclass(frozen=True, slots=True)
+class Shared:
+    """
+    Readings that two runs share.
+
+    Attributes
+    ----------
+    first_ns, other_ns : int
+        Where they begin in the first run and in the other one, about; stamps.
+    span_s : float
+        For how long they were found, seconds.
+    correlation : float
+        Largest correlation of the whitened differences, over two minutes or more.
+
+    """
+
+    first_ns: int
+    other_ns: int
+    span_s: float
+    correlation: float
+
+
+def _whiten(run: Fingerprint, phase: int) -> Reals | None:
+    """
+    Return what earlier differences and the motion do not tell of the averages of a run.
+
+    The averages are regressed on those before, on the heading around each, which holds any skew
+    and interpolation, and on the deviation of a compass. nan where there is no average.
+    """
+    x = run.average(phase)
+    there = np.isfinite(x)
+    there[:_ORDER] = False
+    if there.sum() < 2 * _BLOCK:
+        return None
+    centred = np.where(np.isfinite(x), x - np.nanmean(x), 0.0)
+    # A step or a glitch must not make the filter, nor all of the correlation.
+    scale = float(np.quantile(np.abs(centred[there]), 0.9))
+    if scale == 0.0:
+        return None
+    centred = np.clip(centred, -4.0 * scale, 4.0 * scale)
+    before = [np.concatenate((np.zeros(lag), centred[:-lag])) for lag in range(1, _ORDER + 1)]
+    at = phase + _GRAINS * np.arange(len(x))[:, None] + np.arange(-_GRAINS, 2 * _GRAINS)
+    around = run.rs_deg[np.clip(at, 0, len(run.rs_deg) - 1)]
+    turned = np.radians(around).reshape(len(x), 3, _GRAINS)
+    deviation = [shape(order * turned).mean(axis=2) for order in (1.0, 2.0)
+                 for shape in (np.sin, np.cos)]
+    around = around - around[:, _GRAINS:2 * _GRAINS].mean(axis=1, keepdims=True)
+    known = np.column_stack((*before, around, *deviation, np.ones(len(x))))
+    weights = scipy.linalg.lstsq(known[there], centred[there], lapack_driver='gelsy')[0]
+    rest: Reals = np.where(there, centred - known @ weights, np.nan)
+    if float(np.nanvar(rest)) < _LEAST_REST * float(np.var(centred[there])):
+        return None
+    return rest
+
+
+def _normalise(windows: np.ndarray) -> np.ndarray:
+    """Return windows, shape (n, block), with mean 0 and sum of squares 1; 0 with many gaps."""
+    there = np.isfinite(windows)
+    enough = there.sum(axis=1) >= _THERE * _BLOCK
+    filled = np.where(there, windows, 0.0)
+    mean = filled.sum(axis=1) / np.maximum(there.sum(axis=1), 1)
+    filled = np.where(there, filled - mean[:, None], 0.0)
+    size = np.sqrt(np.einsum('ij,ij->i', filled, filled))
+    good = enough & (size > 0.0)
+    scale: Reals = np.divide(1.0, size, out=np.zeros(size.shape), where=good)
+    return np.asarray(filled * scale[:, None], np.float64)
+
+
+@lru_cache(maxsize=4096)
+def find_shared(one: Fingerprint, other: Fingerprint) -> Shared | None:
+    """
+    Return the readings that two runs share; None if there are none.
+
+    Notes
+    -----
+    Averages of independent errors are uncorrelated once what the earlier ones and the motion tell
+    is removed, so the correlation of a block of 64 is within 0.75 of 0 at every lag. Averages of
+    the same readings are correlated nearly in full, also with other last digits and other bins.
+
+    """
+    return _compare(one, other, 0)
+
+
+def find_repeats(run: Fingerprint) -> Shared | None:
+    """Return readings that a run holds twice, the first place first; None without any."""
+    found = _compare(run, run, _BLOCK)
+    if found is None or found.first_ns < found.other_ns:
+        return found
+    return replace(found, first_ns=found.other_ns, other_ns=found.first_ns)
+
+
+def _compare(one: Fingerprint, other: Fingerprint, least_lag: int) -> Shared | None:
+    grain_s = max(one.grain_s, other.grain_s)
+    while grain_s * _GRAINS < max(one.least_bin_s, other.least_bin_s):
+        grain_s *= 2.0
+    bin_s = grain_s * _GRAINS
+    first, second = one.coarsen(grain_s), other.coarsen(grain_s)
+    given = _whiten(second, 0)
+    if given is None or len(given) < _BLOCK:
+        return None
+    starts = np.unique(np.linspace(0, len(given) - _BLOCK, _MOST_BLOCKS).astype(np.int64)
+                       if len(given) > _MOST_BLOCKS * _BLOCK // 2
+                       else np.arange(0, len(given) - _BLOCK + 1, _BLOCK // 2))
+    blocks = _normalise(given[starts[:, None] + np.arange(_BLOCK)])
+    kept = blocks.any(axis=1)
+    starts, blocks = starts[kept], blocks[kept]
+    best: Shared | None = None
+    for phase in range(_GRAINS):
+        sought = _whiten(first, phase)
+        if sought is None or not len(starts):
+            continue
+        found = _search(sought, starts, blocks, least_lag)
+        if found is not None and (best is None or found[3] > best.correlation):
+            at, start, n, correlation = found
+            best = Shared(one.start_ns + round((at * bin_s + phase * grain_s) * 1e9),
+                          other.start_ns + round(start * bin_s * 1e9), n * bin_s, correlation)
+    return best
+
+
+def _search(sought: Reals, starts: Integers, blocks: np.ndarray,
+            least_lag: int) -> tuple[int, int, int, float] | None:
+    """Return where blocks are found: place, place in the other run, bins, and correlation."""
+    windows = np.lib.stride_tricks.sliding_window_view(sought, _BLOCK)
+    n, offset = len(windows), int(starts[-1])
+    # Of each lag the sum of the correlations, and the number of blocks.
+    total, count = np.zeros(n + offset), np.zeros(n + offset, np.int64)
+    hits: list[np.ndarray] = []
+    for lo in range(0, n, _AT_ONCE):
+        normal = _normalise(windows[lo:lo + _AT_ONCE])
+        alike = normal @ blocks.T
+        lags = lo + np.arange(len(normal))[:, None] - starts
+        if least_lag:
+            alike[np.abs(lags) < least_lag] = 0.0
+        total += np.bincount((lags + offset).ravel(), alike.ravel(), total.size)
+        count += np.bincount((lags + offset)[normal.any(axis=1)].ravel(), minlength=total.size)
+        rows, columns = np.nonzero(alike >= _TOGETHER)
+        hits.append(np.column_stack((lo + rows - starts[columns], starts[columns],
+                                     alike[rows, columns])))
+    mean = np.divide(total, count, out=np.zeros(total.shape), where=count >= _SOME)
+    together = int(np.argmax(mean))
+    lag, start, correlation = max(np.concatenate(hits).tolist(), key=lambda one: one[2],
+                                  default=(0.0, 0.0, 0.0))
+    if mean[together] > _TOGETHER:
+        lag = together - offset
+    elif correlation < _ALIKE:
+        return None
+    mine = np.concatenate([one[one[:, 0] == lag] for one in hits])
+    if not len(mine):
+        return None
+    mine = mine[mine[:, 2] >= _MOSTLY * mine[:, 2].max()]
+    first, last = int(mine[:, 1].min()), int(mine[:, 1].max())
+    return first + int(lag), first, last - first + _BLOCK, float(mine[:, 2].max())
