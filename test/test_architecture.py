@@ -77,11 +77,11 @@ ALLOWED = {
 # The table of docs/ARCHITECTURE.md, "Rooms": within a folder a room, or a module beside the rooms,
 # imports only what stands before it.
 ORDER = {
-    'core': ('utc_text', 'units', 'records', 'angles', 'time_rules', 'declared_settings',
-             'rows', 'settings', 'json_keys', 'outcome', 'version', 'statistics', 'pairing',
-             'timing', 'decision', 'observations', 'runs', 'conditions', 'motion', 'diagnostics',
-             'validity', 'sensor_conditions', 'record_conditions', 'alarms', 'verdict',
-             'kept_state', 'pipeline', 'offline', 'sensors'),
+    'core': ('utc_text', 'units', 'records', 'angles', 'time_rules', 'declared_settings', 'rows',
+             'settings', 'json_keys', 'typed_reader', 'outcome', 'version', 'statistics',
+             'pairing', 'timing', 'decision', 'observations', 'runs', 'conditions', 'motion',
+             'diagnostics', 'validity', 'sensor_conditions', 'record_conditions', 'alarms',
+             'verdict', 'kept_state', 'pipeline', 'offline', 'sensors'),
     'drivers': ('settings', 'framing', 'sentences', 'log_lines', 'sentence_choice', 'bursts',
                 'csv_log', 'nmea', 'refused_lines', 'logs', 'motion', 'datagrams', 'playback',
                 'sources'),

@@ -25,9 +25,9 @@ from heading_intercompare.core.decision.guarded import Evidence
 from heading_intercompare.core.decision.taken_out import Stretch
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
 from heading_intercompare.core.runs.run_cutter import CutterState
+from heading_intercompare.core.typed_reader import make_plain, read_plain
 from heading_intercompare.core.validity.condition import Finding
 from heading_intercompare.core.verdict.judge import RunResult
-from heading_intercompare.core.verdict.typed_reader import make_plain, read_plain
 from heading_intercompare.core.verdict.verdict_document import RunVerdict
 
 from .outcome import Outcome

@@ -20,8 +20,8 @@ from typing import Any
 
 from heading_intercompare.core.decision.sequential import LookVerdict
 from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.typed_reader import make_plain
 from heading_intercompare.core.validity.condition import DOUBTFUL, VOID
-from heading_intercompare.core.verdict.typed_reader import make_plain
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 
 from .status_messages import encode_statuses, ERROR, OK, Status, WARN

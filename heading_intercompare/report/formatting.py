@@ -20,7 +20,7 @@ import math
 from typing import Any, Iterator, Mapping
 
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.verdict.typed_reader import make_plain
+from heading_intercompare.core.typed_reader import make_plain
 from heading_intercompare.core.verdict.vocabulary import OUTCOME_WORDS
 
 __all__ = ['ABSENT', 'bounds', 'exact', 'flatten', 'interval', 'number', 'outcome', 'rounded',

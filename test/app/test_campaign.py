@@ -44,7 +44,7 @@ from heading_intercompare.bags.parallel import decode_workers
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.cli import main
-from heading_intercompare.core.verdict.typed_reader import make_plain
+from heading_intercompare.core.typed_reader import make_plain
 from heading_intercompare.messages.cdr import encode
 from heading_intercompare.messages.heading_messages import encode_imu, IMU
 

@@ -29,7 +29,7 @@ from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.statistics import blocking
 from heading_intercompare.core.timing import skew_instrument
-from heading_intercompare.core.verdict.typed_reader import make_plain
+from heading_intercompare.core.typed_reader import make_plain
 
 SETTINGS = Settings.from_mapping({
     'norms.sigma_max_deg': 0.6, 'norms.sigma_ref_max_deg': 0.1, 'pairing.method': 'nearest'})

@@ -35,7 +35,7 @@ from heading_intercompare.core.json_keys import leave_out_none
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
 from heading_intercompare.core.records import Pairs
-from heading_intercompare.core.verdict.typed_reader import make_plain, read_plain, VerdictError
+from heading_intercompare.core.typed_reader import make_plain, read_plain, VerdictError
 from heading_intercompare.core.verdict.verdict_document import Input
 from heading_intercompare.core.version import VERSION
 

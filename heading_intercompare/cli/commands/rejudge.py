@@ -34,7 +34,7 @@ from heading_intercompare.app.rejudge import (
 )
 from heading_intercompare.cli.terminal.console import say_lines, tell, VERDICT_MARKS
 from heading_intercompare.cli.terminal.progress import Progress
-from heading_intercompare.core.verdict.typed_reader import make_plain
+from heading_intercompare.core.typed_reader import make_plain
 from heading_intercompare.core.verdict.verdict_document import Software
 from heading_intercompare.core.version import RULE_VERSION
 

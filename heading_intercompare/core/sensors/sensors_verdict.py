@@ -26,7 +26,7 @@ from heading_intercompare.core.settings import (
     settings_sha256,
     SettingsError,
 )
-from heading_intercompare.core.verdict.typed_reader import (
+from heading_intercompare.core.typed_reader import (
     check_schema,
     make_plain,
     read_plain,

@@ -23,7 +23,6 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'conclusion': ('ALL_REASONS',),
     'headline': ('OUTCOME_WORDS',),
     'judge': ('compare_runs', 'conclude_campaign', 'judge_run', 'look_at', 'RunResult'),
-    'typed_reader': ('make_plain',),
     'verdict_document': ('Input', 'OperatorNote', 'RunVerdict', 'SCHEMA', 'SCHEMA_VERSION',
                          'Verdict', 'VerdictError'),
     'verdict_table': ('summary_text', 'verdict_html', 'verdict_text'),
@@ -41,7 +40,6 @@ if TYPE_CHECKING:
         look_at as look_at,
         RunResult as RunResult,
     )
-    from .typed_reader import make_plain as make_plain
     from .verdict_document import (
         Input as Input,
         OperatorNote as OperatorNote,

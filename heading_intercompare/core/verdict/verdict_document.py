@@ -46,12 +46,17 @@ from heading_intercompare.core.settings import (
 from heading_intercompare.core.statistics.ergodicity import Homogeneity
 from heading_intercompare.core.statistics.normality import Normality
 from heading_intercompare.core.statistics.stationarity import Stationarity
+from heading_intercompare.core.typed_reader import (
+    check_schema,
+    make_plain,
+    read_plain,
+    VerdictError,
+)
 from heading_intercompare.core.validity.condition import Finding, gravest, worst_effect
 from heading_intercompare.core.version import RULE_VERSION, VERSION
 
 from .conclusion import campaign_words
 from .headline import compose_headline
-from .typed_reader import check_schema, make_plain, read_plain, VerdictError
 
 if TYPE_CHECKING:
     import pandas

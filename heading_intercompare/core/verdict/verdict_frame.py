@@ -18,7 +18,8 @@ from __future__ import annotations
 
 from typing import Any, Iterator, Mapping, TYPE_CHECKING
 
-from .typed_reader import make_plain
+from heading_intercompare.core.typed_reader import make_plain
+
 from .verdict_document import Verdict
 
 if TYPE_CHECKING:

@@ -47,7 +47,7 @@ from heading_intercompare.core.statistics.variance_uncertainty import (
     lower_bound,
     upper_bound,
 )
-from heading_intercompare.core.verdict.typed_reader import make_plain
+from heading_intercompare.core.typed_reader import make_plain
 
 pytestmark = pytest.mark.filterwarnings('error')
 

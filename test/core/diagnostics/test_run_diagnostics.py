@@ -66,8 +66,8 @@ from heading_intercompare.core.statistics.warm_up import WarmUp
 from heading_intercompare.core.timing.skew_scan import Scan
 from heading_intercompare.core.timing.stamp_steps import StampSteps
 from heading_intercompare.core.timing.time_skew import Skew
+from heading_intercompare.core.typed_reader import make_plain
 from heading_intercompare.core.validity.condition import Finding
-from heading_intercompare.core.verdict.typed_reader import make_plain
 from heading_intercompare.core.verdict.verdict_document import Campaign, RunVerdict, SCHEMA
 
 PAGE = Path(__file__).resolve().parents[3] / 'docs' / 'verdict_json.md'

@@ -27,7 +27,7 @@ from heading_intercompare.core.sensors.comparison import SensorsComparison
 from heading_intercompare.core.sensors.judging import judge_sensors
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
-from heading_intercompare.core.verdict.typed_reader import VerdictError
+from heading_intercompare.core.typed_reader import VerdictError
 
 NAMES = ('gyro1', 'gyro2', 'ins', 'gnss')
 SOUND = {'gyro1': 0.15, 'gyro2': 0.15, 'ins': 0.05, 'gnss': 0.05}

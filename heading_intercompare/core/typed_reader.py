@@ -100,7 +100,7 @@ def read_plain(kind: Any, value: Any, where: str = '') -> Any:
     (1, nan)
     >>> read_plain(Mapping[str, int], {'n': 0.5}, 'counts')
     Traceback (most recent call last):
-    heading_intercompare.core.verdict.typed_reader.VerdictError: counts.n = 0.5: must be an integer
+    heading_intercompare.core.typed_reader.VerdictError: counts.n = 0.5: must be an integer
 
     """
     if isinstance(kind, type) and is_dataclass(kind):
