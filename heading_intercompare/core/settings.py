@@ -58,6 +58,9 @@ class Norms(Checked):
 
     sigma_max_deg: float | None = setting(
         None, 'norm of the TS standard deviation [deg]; required, or given by a preset', 0.0)
+    limiting_error_max_deg: float | None = setting(
+        None, 'norm of the limiting error of the TS, in place of sigma_max_deg, which is this / '
+        'sqrt 3 for a uniform law and this / K(P) for a normal one [deg]', 0.0)
     sigma_ref_max_deg: float | None = setting(
         None, 'norm of the RS standard deviation [deg]; required', 0.0)
     sigma_ref_deg: float | None = setting(
@@ -88,6 +91,13 @@ class Norms(Checked):
         if self.sigma_max_deg is not None and self.sigma_max_deg <= 0.0:
             raise SettingsError(
                 f'norms.sigma_max_deg = {self.sigma_max_deg!r}: must be greater than 0')
+        if self.limiting_error_max_deg is not None:
+            if self.limiting_error_max_deg <= 0.0:
+                raise SettingsError(f'norms.limiting_error_max_deg = '
+                                    f'{self.limiting_error_max_deg!r}: must be greater than 0')
+            if self.sigma_max_deg is not None:
+                raise SettingsError('norms.limiting_error_max_deg: must not be given with '
+                                    'norms.sigma_max_deg, which follows from it')
         if self.m_low > self.m_up:
             raise SettingsError(f'norms.m_low = {self.m_low!r}: must not exceed '
                                 f'norms.m_up = {self.m_up!r}')

@@ -29,6 +29,9 @@ from .norm_presets import sigma_max_deg
 __all__ = ['apply_count_criterion', 'apply_variance_criterion', 'CountCriterion',
            'estimate_total_error', 'Limits', 'TotalError', 'variance_limits', 'VarianceCriterion']
 
+_MOST_DEG = 180.0
+"""The largest difference of two headings, degrees."""
+
 
 def variance_limits(sigma_max_deg: float, sigma_ref_max_deg: float,
                     m: float) -> tuple[float, float]:
@@ -426,7 +429,7 @@ def estimate_total_error(mean_deg: float | None, variance_deg2: float | None, li
 
     sigma_up, k = sigma_and_k(limits.m_low, limits.ts_variance_factor)
     sigma_low, k_narrow = sigma_and_k(limits.m_up, 1.0)
-    wide, narrow = k * sigma_up, k_narrow * sigma_low
+    wide, narrow = min(_MOST_DEG, k * sigma_up), min(_MOST_DEG, k_narrow * sigma_low)
     outcome = None
     if norm is not None:
         if abs(mean_deg) + wide <= norm:

@@ -123,7 +123,8 @@ def judge_large_n(n: int, nu: float | None, resolved: bool) -> Assumption:
         return _of('a', NOT_TESTABLE, f'{n} differences, but {_UNRESOLVED}: the number of '
                    'independent ones that they are worth is unknown')
     return _of('a', MET if nu >= ENOUGH else VIOLATED,
-               f'{n} differences are worth {nu:.4g} independent ones; {ENOUGH:.4g} are needed')
+               f'{n} differences are worth {nu:.4g} independent ones for the variance; '
+               f'{ENOUGH:.4g} are needed')
 
 
 def judge_synchronous(skew: Skew, range_s: float) -> Assumption:
