@@ -70,8 +70,9 @@ class Norms(Checked):
     m_up: float = setting(1.0, 'upper bound of M = sigma_ref / sigma_ref_max', 0.0, 1.0)
     probability: float = setting(0.997, 'confidence probability P', 0.5, 0.999999)
     k_rule: float | str = setting(
-        'exact', "coverage factor K(P) of the counts: 'exact' two-sided quantile of the model, "
-        "'three' for 3 in Gaussian models, or a number", 0.1, 20.0, choices=('exact', 'three'))
+        'exact', "coverage factor K(P) of the guarded counts: 'exact' two-sided quantile of the "
+        "model, 'three' for 3 in Gaussian models, or a number; GK as printed has 3 for P = "
+        '0.997', 0.1, 20.0, choices=('exact', 'three'))
     k_total_rule: str = setting(
         'ts', "K of GK (7): 'ts' distribution of the TS error alone, or 'composition'",
         choices=('ts', 'composition'))
