@@ -247,6 +247,9 @@ def judge_ergodic(runs: Homogeneity | None) -> Assumption:
         return _of('g', NOT_TESTABLE, 'there is only one run')
     figures = (f'{runs.m} runs: equal means have p = {runs.q_p:.2g}, equal variances p = '
                f'{runs.bartlett_p:.2g}')
+    if runs.drift_orders is not None and len(set(runs.drift_orders)) > 1:
+        orders = ', '.join(map(str, runs.drift_orders))
+        figures += f'; the order of their drift is not constant: {orders}'
     if runs.variances_equal and runs.means_equal:
         return _of('g', MET, figures)
     if runs.variances_equal:

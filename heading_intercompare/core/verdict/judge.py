@@ -452,7 +452,8 @@ def compare_runs(results: Sequence[RunResult]) -> Homogeneity:
     repeated = find_repeated_runs(results)
     return examine_homogeneity([
         RunFigures(r.verdict.mean_deg, r.evidence.spread.mean_variance_deg2,
-                   r.evidence.spread.d_deg2, r.evidence.spread.nu)
+                   r.evidence.spread.d_deg2, r.evidence.spread.nu,
+                   None if r.verdict.drift.order is None else r.verdict.drift.order.order)
         for number, r in enumerate(results, 1) if number not in repeated
         and r.evidence.spread is not None and r.verdict.mean_deg is not None])
 

@@ -140,6 +140,7 @@ HOMOGENEITY = (
     Figure('bartlett_p', 'probability of one as large if the variances are equal', '1'),
     Figure('means_equal', 'the means agree', ''),
     Figure('variances_equal', 'the variances agree', ''),
+    Figure('drift_orders', 'order of the drift of each run', '1'),
 )
 """How the runs compare with each other."""
 
