@@ -94,7 +94,8 @@ TYPES = {'ts_message_type': 'sensor_msgs/msg/Imu', 'rs_message_type': 'sensor_ms
 SECTIONS = (
     Section('/**', (Settings,),
             'The analysis: the same for every node and for the command line.',
-            {}, {'norms.sigma_max_deg': 0.2, 'norms.sigma_ref_max_deg': 0.1,
+            {}, {'norms.sigma_max_deg': 0.2, 'norms.limiting_error_max_deg': 0.6,
+                 'norms.sigma_ref_max_deg': 0.1,
                  'norms.sigma_ref_deg': 0.05, 'norms.total_error_max_deg': 0.5,
                  'norms.systematic_max_deg': 0.75,
                  'norms.preset': 'imo_a424', 'norms.latitude_deg': 45.0,

@@ -58,6 +58,9 @@ class Norms(Checked):
 
     sigma_max_deg: float | None = setting(
         None, 'norm of the TS standard deviation [deg]; required, or given by a preset', 0.0)
+    limiting_error_max_deg: float | None = setting(
+        None, 'norm of the limiting error of the TS, in place of sigma_max_deg, which is this / '
+        'sqrt 3 for a uniform law and this / K(P) for a normal one [deg]', 0.0)
     sigma_ref_max_deg: float | None = setting(
         None, 'norm of the RS standard deviation [deg]; required', 0.0)
     sigma_ref_deg: float | None = setting(
@@ -67,8 +70,9 @@ class Norms(Checked):
     m_up: float = setting(1.0, 'upper bound of M = sigma_ref / sigma_ref_max', 0.0, 1.0)
     probability: float = setting(0.997, 'confidence probability P', 0.5, 0.999999)
     k_rule: float | str = setting(
-        'exact', "coverage factor K(P) of the counts: 'exact' two-sided quantile of the model, "
-        "'three' for 3 in Gaussian models, or a number", 0.1, 20.0, choices=('exact', 'three'))
+        'exact', "coverage factor K(P) of the guarded counts: 'exact' two-sided quantile of the "
+        "model, 'three' for 3 in Gaussian models, or a number; GK as printed has 3 for P = "
+        '0.997', 0.1, 20.0, choices=('exact', 'three'))
     k_total_rule: str = setting(
         'ts', "K of GK (7): 'ts' distribution of the TS error alone, or 'composition'",
         choices=('ts', 'composition'))
@@ -88,6 +92,13 @@ class Norms(Checked):
         if self.sigma_max_deg is not None and self.sigma_max_deg <= 0.0:
             raise SettingsError(
                 f'norms.sigma_max_deg = {self.sigma_max_deg!r}: must be greater than 0')
+        if self.limiting_error_max_deg is not None:
+            if self.limiting_error_max_deg <= 0.0:
+                raise SettingsError(f'norms.limiting_error_max_deg = '
+                                    f'{self.limiting_error_max_deg!r}: must be greater than 0')
+            if self.sigma_max_deg is not None:
+                raise SettingsError('norms.limiting_error_max_deg: must not be given with '
+                                    'norms.sigma_max_deg, which follows from it')
         if self.m_low > self.m_up:
             raise SettingsError(f'norms.m_low = {self.m_low!r}: must not exceed '
                                 f'norms.m_up = {self.m_up!r}')

@@ -34,7 +34,7 @@ from heading_intercompare.core.statistics.variance_uncertainty import (
 
 from .coverage import least_apart_s, least_duration_s, least_together_s
 from .criteria import Limits
-from .guarded import count_risk, Evidence, variance_risk
+from .guarded import bounded_deg2, count_risk, Evidence, variance_risk
 
 __all__ = ['CAMPAIGN_REASONS', 'conclude_every_run', 'conclude_sensor', 'judge_together',
            'LEAST_RUNS', 'LEAST_TIMES_OF_MEANS', 'Together']
@@ -175,13 +175,13 @@ def judge_together(runs: Sequence[Evidence], limits: Sequence[Limits], risk: Ris
     are_many, alpha = len(some) >= LEAST_RUNS, risk.alpha_consumer
     pooled = pool(spreads, by_statement=variant != 'B' and are_many and all(
         spread.times is not None and spread.times >= LEAST_TIMES for spread in spreads))
-    upper = pooled_upper = upper_bound(pooled, alpha)
+    upper = pooled_upper = bounded_deg2(upper_bound(pooled, alpha), pooled)
     between = scatter = None
     if variant == 'B' and are_many and apart_s > least_apart_s(risk):
         if any(s.times is not None and s.times < LEAST_TIMES_OF_MEANS for s in spreads):
             alpha *= 0.5
-        between = between_runs(spreads, means_deg, alpha)
-        scatter = scatter_of_runs(spreads, means_deg, alpha)
+        between = bounded_deg2(between_runs(spreads, means_deg, alpha), pooled)
+        scatter = bounded_deg2(scatter_of_runs(spreads, means_deg, alpha), pooled)
         upper = max(between, scatter)
     n_plus = sum(e.n_plus for e, _ in some)
     return Together(

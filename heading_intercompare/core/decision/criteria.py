@@ -29,6 +29,18 @@ from .norm_presets import sigma_max_deg
 __all__ = ['apply_count_criterion', 'apply_variance_criterion', 'CountCriterion',
            'estimate_total_error', 'Limits', 'TotalError', 'variance_limits', 'VarianceCriterion']
 
+_PRINTED_P = 0.997
+
+_MOST_DEG = 180.0
+"""The largest difference of two headings, degrees."""
+
+
+def _printed_k(norms: Norms) -> float | None:
+    """Return K of a normal law as the paper prints it, 3 for P = 0.997; None for any other P."""
+    if isinstance(norms.k_rule, float):
+        return None
+    return 3.0 if norms.k_rule == 'three' or norms.probability == _PRINTED_P else None
+
 
 def variance_limits(sigma_max_deg: float, sigma_ref_max_deg: float,
                     m: float) -> tuple[float, float]:
@@ -97,6 +109,8 @@ class Limits:
         GK (5), (5').
     k, k_tightened : float
         Coverage factors of GK (*) and (**).
+    k_printed : float or None
+        Both as the paper prints them; None where it prints no number.
 
     """
 
@@ -111,6 +125,14 @@ class Limits:
     k_tightened: float
     ts_variance_factor: float = 1.0
     rs_variance_factor: float = 1.0
+    k_printed: float | None = None
+
+    @property
+    def as_printed(self) -> 'Limits':
+        """Return the limits with the coverage factors as the paper prints them."""
+        if self.k_printed is None:
+            return self
+        return replace(self, k=self.k_printed, k_tightened=self.k_printed)
 
     def m_low_for(self, variance_deg2: float) -> float | None:
         """
@@ -213,7 +235,8 @@ class Limits:
             k = coverage_factor(model, ratio, norms.probability)
             k_tightened = coverage_factor(model, low * ratio / shrunk, norms.probability)
         return cls(sigma_max, sigma_ref_max, low, up, norms.probability, limit, tightened,
-                   k, k_tightened, ts_variance_factor, rs_variance_factor)
+                   k, k_tightened, ts_variance_factor, rs_variance_factor,
+                   _printed_k(norms) if model == 'NN' else None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -398,8 +421,8 @@ def estimate_total_error(mean_deg: float | None, variance_deg2: float | None, li
     -----
     A variance of the differences below that of the RS gives a TS standard deviation of 0. The
     wide limits assume that the errors of an interpolated TS were larger by the root of its
-    factor. K follows the same rule as for the counts: a number is used as given, and 'three' is 3
-    if the distribution that K belongs to is normal.
+    factor. K follows the rule of the guarded counts, for this norm binds: a number is used as
+    given, and 'three' is 3 if the distribution that K belongs to is normal.
 
     References
     ----------
@@ -426,7 +449,7 @@ def estimate_total_error(mean_deg: float | None, variance_deg2: float | None, li
 
     sigma_up, k = sigma_and_k(limits.m_low, limits.ts_variance_factor)
     sigma_low, k_narrow = sigma_and_k(limits.m_up, 1.0)
-    wide, narrow = k * sigma_up, k_narrow * sigma_low
+    wide, narrow = min(_MOST_DEG, k * sigma_up), min(_MOST_DEG, k_narrow * sigma_low)
     outcome = None
     if norm is not None:
         if abs(mean_deg) + wide <= norm:

@@ -80,8 +80,9 @@ def apply_gk(n: int, mean_deg: float | None, variance_deg2: float | None,
 
     """
     variance = apply_variance_criterion(variance_deg2, limits)
-    counts = apply_count_criterion(n, count(limits.count_limit_deg),
-                                   count(limits.tightened_count_limit_deg), limits)
+    printed = limits.as_printed
+    counts = apply_count_criterion(n, count(printed.count_limit_deg),
+                                   count(printed.tightened_count_limit_deg), printed)
     total = estimate_total_error(mean_deg, variance_deg2, limits, settings.norms, settings.model)
     outcomes = [variance.outcome, counts.outcome]
     if total.outcome is not None:

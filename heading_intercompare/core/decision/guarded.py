@@ -42,8 +42,11 @@ from heading_intercompare.core.statistics.variance_uncertainty import (
 from .coverage import least_duration_s
 from .criteria import Limits
 
-__all__ = ['count_risk', 'decide', 'decide_variance', 'Evidence', 'gather_evidence', 'Guarded',
-           'REASONS', 'variance_risk']
+__all__ = ['bounded_deg2', 'count_risk', 'decide', 'decide_variance', 'Evidence',
+           'gather_evidence', 'Guarded', 'REASONS', 'variance_risk']
+
+_MOST_DEG = 180.0
+"""The largest difference of two headings, degrees."""
 
 REASONS = {
     'insufficient_data': 'fewer than 128 differences, or too unevenly spread in time',
@@ -211,6 +214,12 @@ def gather_evidence(cells: Cells, *, n_plus: int, n_plus_plus: int, span_s: floa
                     drift_left_deg2)
 
 
+def bounded_deg2(bound_deg2: float, found: Spread) -> float:
+    """Return a bound of the variance; infinite beyond that of differences of 180 degrees."""
+    most_deg2 = max(found.above.d_deg2, _MOST_DEG ** 2)
+    return bound_deg2 if bound_deg2 <= most_deg2 else math.inf
+
+
 def variance_risk(risk: Risk) -> float:
     """Return the variance criterion's part of the producer's risk."""
     return risk.alpha_producer * (1.0 - risk.count_share)
@@ -255,7 +264,7 @@ def decide(evidence: Evidence, limits: Limits, risk: Risk) -> Guarded:
         return _refuse_to_decide(evidence, accept, reject)
     rates = evidence.n_plus / evidence.n, evidence.n_plus_plus / evidence.n
     producer = variance_risk(risk)
-    upper = upper_bound(found, risk.alpha_consumer)
+    upper = bounded_deg2(upper_bound(found, risk.alpha_consumer), found)
     lower = lower_bound(found, producer)
     least_s = least_duration_s(risk)
     is_long = evidence.span_s >= least_s
@@ -271,7 +280,7 @@ def decide(evidence: Evidence, limits: Limits, risk: Risk) -> Guarded:
         # If everything stays as it is, a longer run drifts further.
         factor = math.inf
     bias_u_deg = math.sqrt(found.mean_variance_deg2 + evidence.offset_u_deg ** 2)
-    half_deg = -float(scipy.special.stdtrit(MEAN_DOF, 0.025)) * bias_u_deg
+    half_deg = min(_MOST_DEG, -float(scipy.special.stdtrit(MEAN_DOF, 0.025)) * bias_u_deg)
     low_bias_deg, up_bias_deg = evidence.mean_deg - half_deg, evidence.mean_deg + half_deg
     return Guarded(
         d_hat_deg2=found.d_deg2, nu=found.nu, f=found.f, corner_j=found.corner_j,

@@ -91,7 +91,8 @@ def sigma_max_deg(norms: Norms, model: str = 'NN') -> float | None:
     Parameters
     ----------
     norms : Norms
-        The preset gives the norm; without a preset it is `sigma_max_deg`, which may be None.
+        The preset gives the norm; without a preset it is `sigma_max_deg`, or follows from
+        `limiting_error_max_deg`; both may be None.
     model : {'NN', 'UN', 'NU', 'UU'}
         The TS distribution converts a norm of the largest error to a standard deviation.
 
@@ -105,15 +106,29 @@ def sigma_max_deg(norms: Norms, model: str = 'NN') -> float | None:
     SettingsError
         If the preset is unknown, or needs a latitude that is not given.
 
+    References
+    ----------
+    GK (2) to (2c): a uniform law on ±Delta has the standard deviation Delta / sqrt 3.
+
     Examples
     --------
     >>> round(sigma_max_deg(Norms(preset='imo_a821', latitude_deg=60.0)), 9)
     0.5
+    >>> round(sigma_max_deg(Norms(limiting_error_max_deg=0.6, k_rule='three')), 9)
+    0.2
 
     """
     preset = _find_preset(norms)
     if preset is None:
-        return norms.sigma_max_deg
+        limiting_deg = norms.limiting_error_max_deg
+        if limiting_deg is None:
+            return norms.sigma_max_deg
+        if model[0] == 'U':
+            return limiting_deg / math.sqrt(3.0)
+        if isinstance(norms.k_rule, float):
+            return limiting_deg / norms.k_rule
+        return limiting_deg / (3.0 if norms.k_rule == 'three'
+                               else ts_factor(model, norms.probability))
     sigma = preset.rms_deg
     if sigma is None:
         limit_deg = cast(float, preset.limit_deg)

@@ -123,7 +123,8 @@ def judge_large_n(n: int, nu: float | None, resolved: bool) -> Assumption:
         return _of('a', NOT_TESTABLE, f'{n} differences, but {_UNRESOLVED}: the number of '
                    'independent ones that they are worth is unknown')
     return _of('a', MET if nu >= ENOUGH else VIOLATED,
-               f'{n} differences are worth {nu:.4g} independent ones; {ENOUGH:.4g} are needed')
+               f'{n} differences are worth {nu:.4g} independent ones for the variance; '
+               f'{ENOUGH:.4g} are needed')
 
 
 def judge_synchronous(skew: Skew, range_s: float) -> Assumption:
@@ -246,6 +247,9 @@ def judge_ergodic(runs: Homogeneity | None) -> Assumption:
         return _of('g', NOT_TESTABLE, 'there is only one run')
     figures = (f'{runs.m} runs: equal means have p = {runs.q_p:.2g}, equal variances p = '
                f'{runs.bartlett_p:.2g}')
+    if runs.drift_orders is not None and len(set(runs.drift_orders)) > 1:
+        orders = ', '.join(map(str, runs.drift_orders))
+        figures += f'; the order of their drift is not constant: {orders}'
     if runs.variances_equal and runs.means_equal:
         return _of('g', MET, figures)
     if runs.variances_equal:

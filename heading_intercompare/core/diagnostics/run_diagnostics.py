@@ -213,5 +213,6 @@ def _warnings(found: Diagnostics, range_s: float) -> Iterator[str]:
                f'{max(steps):.2g} deg step in which a sensor reports')
     stamps = found.correlation.stamps
     if stamps.silences:
-        yield (f'silence: the pairs fall silent {stamps.silences} times, for up to '
+        yield (f'silence: the pairs fall silent '
+               f'{"once" if stamps.silences == 1 else f"{stamps.silences} times"}, for up to '
                f'{stamps.longest_s:.1f} s; correlation times and block lengths ignore this')

@@ -34,9 +34,14 @@ __all__ = ['compute_figures', 'compute_run_figures', 'name_moments']
 
 def _apply_gk_so_far(part: RunSeries | Rolling, limits: Limits, settings: Settings) -> Printed:
     moments = part.moments()
-    center = 0.0 if settings.variant == 'A' else moments.mean_deg
     return apply_gk(moments.n, moments.mean_deg, moments.variance_deg2,
-                    lambda limit: part.count_outside(center, limit), limits, settings)
+                    lambda limit: part.count_outside(_center(moments, settings), limit), limits,
+                    settings)
+
+
+def _center(moments: Moments, settings: Settings) -> float:
+    """Return what deviations are taken from: nothing in variant A, otherwise the mean."""
+    return 0.0 if settings.variant == 'A' else moments.mean_deg
 
 
 def name_moments(moments: Moments) -> dict[str, Any]:
@@ -108,9 +113,11 @@ def _compute(part: RunSeries | Rolling, limits: Limits,
              settings: Settings) -> tuple[dict[str, Any], Evidence]:
     """Return the figures and the evidence that they rest on."""
     moments = part.moments()
+    center = _center(moments, settings)
     printed = _apply_gk_so_far(part, limits, settings)
     evidence = gather_evidence(
-        part.cells(), n_plus=printed.counts.n_plus, n_plus_plus=printed.counts.n_plus_plus,
+        part.cells(), n_plus=part.count_outside(center, limits.count_limit_deg),
+        n_plus_plus=part.count_outside(center, limits.tightened_count_limit_deg),
         span_s=part.span_s, mean_deg=moments.mean_deg,
         offset_u_deg=settings.installation_offset_u_deg,
         slowest_s=slowest_error_s(settings.risk))

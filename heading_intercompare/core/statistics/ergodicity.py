@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 import math
 from typing import Sequence
 
@@ -43,6 +43,8 @@ class RunFigures:
         Variance of the differences, square degrees.
     nu : float
         Effective degrees of freedom of that variance.
+    drift_order : int or None
+        Order of the drift that the differences call for; None if unknown.
 
     """
 
@@ -50,6 +52,7 @@ class RunFigures:
     mean_variance_deg2: float
     variance_deg2: float
     nu: float
+    drift_order: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +79,9 @@ class Homogeneity:
         probability.
     means_equal, variances_equal : bool or None
         Whether the probabilities are at least 0.01. Means that differ call for variant C.
+    drift_orders : tuple of int or None
+        Order of the drift of each run compared; None if one is unknown. GK assumes that the
+        order is the same in every run.
 
     """
 
@@ -89,6 +95,7 @@ class Homogeneity:
     bartlett_p: float | None = None
     means_equal: bool | None = None
     variances_equal: bool | None = None
+    drift_orders: tuple[int, ...] | None = field(default=None, metadata={'left_out': True})
 
 
 def examine_homogeneity(runs: Sequence[RunFigures]) -> Homogeneity:
@@ -134,5 +141,7 @@ def examine_homogeneity(runs: Sequence[RunFigures]) -> Homogeneity:
     bartlett = max(0.0, math.fsum(r.nu * math.log(pooled / r.variance_deg2) for r in runs)
                    / correction)
     q_p, bartlett_p = (float(scipy.special.chdtrc(m - 1, z)) for z in (q, bartlett))
+    orders = [r.drift_order for r in runs if r.drift_order is not None]
     return Homogeneity(m, mean, q, q_p, math.sqrt(q / (m - 1)), between, bartlett, bartlett_p,
-                       q_p >= SIGNIFICANT, bartlett_p >= SIGNIFICANT)
+                       q_p >= SIGNIFICANT, bartlett_p >= SIGNIFICANT,
+                       tuple(orders) if len(orders) == m else None)

@@ -245,7 +245,10 @@ class _Decision:
         printed = _apply_gk(data, self._limits, settings)
         auto = settings.drift_order == 'auto'
         evidence = gather_evidence(
-            cells, n_plus=printed.counts.n_plus, n_plus_plus=printed.counts.n_plus_plus,
+            cells,
+            n_plus=data.count_outside(settings.variant, self._limits.count_limit_deg),
+            n_plus_plus=data.count_outside(settings.variant,
+                                           self._limits.tightened_count_limit_deg),
             span_s=data.span_s, slowest_s=slowest_error_s(self._risk),
             offset_u_deg=settings.installation_offset_u_deg,
             order=HIGHEST_ORDER_REMOVED if auto else data.order,
@@ -449,7 +452,8 @@ def compare_runs(results: Sequence[RunResult]) -> Homogeneity:
     repeated = find_repeated_runs(results)
     return examine_homogeneity([
         RunFigures(r.verdict.mean_deg, r.evidence.spread.mean_variance_deg2,
-                   r.evidence.spread.d_deg2, r.evidence.spread.nu)
+                   r.evidence.spread.d_deg2, r.evidence.spread.nu,
+                   None if r.verdict.drift.order is None else r.verdict.drift.order.order)
         for number, r in enumerate(results, 1) if number not in repeated
         and r.evidence.spread is not None and r.verdict.mean_deg is not None])
 

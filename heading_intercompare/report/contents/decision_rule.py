@@ -20,7 +20,7 @@ from typing import Sequence
 
 from heading_intercompare.core.decision.norm_presets import PRESETS, sigma_max_deg
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.settings import Pairing, Settings
+from heading_intercompare.core.settings import Norms, Pairing, Settings
 from heading_intercompare.core.validity.condition import is_doubtful, VOID
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 from heading_intercompare.core.verdict.vocabulary import law_words
@@ -37,7 +37,7 @@ _MET = {Outcome.COMPLIANT: 'met', Outcome.NON_COMPLIANT: 'not met',
 
 def describe_norms(settings: Settings) -> Rows:
     """Return the norms and the method as pairs of name and value."""
-    norms = settings.norms
+    norms, default = settings.norms, Norms()
     ts_law, rs_law = law_words(settings.model)
     rows = [('norm of the TS standard deviation, sigma_max [deg]',
              number(sigma_max_deg(norms, settings.model))),
@@ -46,13 +46,18 @@ def describe_norms(settings: Settings) -> Rows:
             ('actual RS standard deviation, if known [deg]',
              number(norms.sigma_ref_deg)),
             ('bounds of M = sigma_ref / sigma_ref_max, as set [1]',
-             interval(norms.m_low, norms.m_up)),
+             _unless_stated(interval(norms.m_low, norms.m_up), (norms.m_low, norms.m_up),
+                            (default.m_low, default.m_up))),
             ('norm of the total error at P [deg]',
              number(norms.total_error_max_deg)),
-            ('confidence probability P [1]', number(norms.probability)),
-            ('coverage factor by rule', value(norms.k_rule)),
-            ('error laws', f'TS {ts_law}, RS {rs_law} (model {settings.model})'),
-            ('variant of GK Table I', value(settings.variant)),
+            ('confidence probability P [1]', _unless_stated(
+                number(norms.probability), norms.probability, default.probability)),
+            ('coverage factor by rule', _unless_stated(
+                value(norms.k_rule), norms.k_rule, default.k_rule)),
+            ('error laws', _unless_stated(f'TS {ts_law}, RS {rs_law} (model {settings.model})',
+                                          settings.model, Settings().model)),
+            ('variant of GK Table I', _unless_stated(
+                value(settings.variant), settings.variant, Settings().variant)),
             ('pairing', _pairing(settings.pairing))]
     name = norms.preset
     if name in PRESETS:
@@ -62,6 +67,11 @@ def describe_norms(settings: Settings) -> Rows:
         if preset.secant:
             rows.insert(3, ('latitude [deg]', number(norms.latitude_deg)))
     return rows
+
+
+def _unless_stated(text: str, stated: object, default: object) -> str:
+    """Return a setting in words, marked where it is the default that nobody changed."""
+    return f'{text}, default' if stated == default else text
 
 
 def _pairing(rule: Pairing) -> str:

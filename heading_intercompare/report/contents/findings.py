@@ -120,7 +120,8 @@ SHAPES = (('difference', 'differences'), ('ts_first_difference', 'change of the 
            ('rs_moving_average', 'RS about its moving average'))
 """The distributions that are examined."""
 OF_SHAPE = (
-    Figure('n', 'values', '1'), Figure('n_effective', 'independent values they are worth', '1'),
+    Figure('n', 'values', '1'),
+    Figure('n_effective', 'independent values they are worth for the shape', '1'),
     Figure('std_deg', 'standard deviation', 'deg'), Figure('skewness', 'skewness', '1'),
     Figure('excess_kurtosis', 'excess kurtosis', '1'),
     Figure('skewness_z', 'skewness, in its standard deviations', '1'),
@@ -139,6 +140,7 @@ HOMOGENEITY = (
     Figure('bartlett_p', 'probability of one as large if the variances are equal', '1'),
     Figure('means_equal', 'the means agree', ''),
     Figure('variances_equal', 'the variances agree', ''),
+    Figure('drift_orders', 'order of the drift of each run', '1'),
 )
 """How the runs compare with each other."""
 

@@ -101,7 +101,8 @@ def _rest_on(runs: Sequence[RunVerdict]) -> str:
     worth = sum(run.guarded.nu or 0.0 for run in runs)
     text = (f'{count} of {span_words(sum(run.coverage.span_s for run in runs))} analysed, '
             f'{sum(run.n for run in runs)} differences TS - RS')
-    return f'{text}, worth {rounded(worth, worth)} independent ones' if worth else text
+    return (f'{text}, worth {rounded(worth, worth)} independent ones for the variance' if worth
+            else text)
 
 
 def _measured(runs: Sequence[RunVerdict]) -> str:

@@ -54,7 +54,8 @@ def budget_of(run: RunVerdict, settings: Settings) -> Table:
     low, up = _reference(settings)
     rounding = run.normality.rounding_variance_deg2
     rows = [
-        ['sampling', f'{run.n} differences are worth {_two(guarded.nu)} independent ones', 'A',
+        ['sampling', f'{run.n} differences are worth {_two(guarded.nu)} independent ones for the '
+         'variance', 'A',
          _two(sampling), f'the variance is {_bounds_of(run)}'],
         ['reference sensor, sigma_ref',
          f'from {number(low, 4)} to {number(up, 4)} deg' if low != up

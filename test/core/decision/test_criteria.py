@@ -191,3 +191,14 @@ def test_the_knowledge_of_the_rs_that_a_variance_needs_by_hand():
     assert limits.with_rs_factor(0.64).m_low_for(0.0464) == pytest.approx(1.0)
     exact = Limits.of(Norms(sigma_max_deg=0.2, sigma_ref_max_deg=0.0), 'NN')
     assert exact.m_low_for(0.05) is None
+
+
+@pytest.mark.parametrize('norms, model, k', [
+    ({}, 'NN', 3.0), ({'probability': 0.95}, 'NN', None), ({'k_rule': 2.5}, 'NN', None),
+    ({'k_rule': 'three', 'probability': 0.95}, 'NN', 3.0), ({}, 'UN', None)])
+def test_the_paper_prints_three_for_normal_errors_at_0_997(norms, model, k):
+    limits = Limits.of(Norms(sigma_max_deg=0.2, sigma_ref_max_deg=0.1, **norms), model)
+    assert limits.as_printed.k == (limits.k if k is None else k)
+    assert limits.as_printed.k_tightened == (limits.k_tightened if k is None else k)
+    if not norms and model == 'NN':
+        assert limits.k == pytest.approx(2.967738, abs=1e-6)

@@ -485,3 +485,11 @@ def test_white_errors_at_the_limit_are_rejected_at_one_risk_not_two(rng):
         got = judged(x, limits)
         rejected += Outcome.NON_COMPLIANT in (got.outcome, got.count_outcome)
     assert rejected / 3000 < 0.05
+
+
+def test_no_bound_is_beyond_what_two_headings_can_differ(rng):
+    """One jump of 100 degrees bounds nothing: no finite bound such as 1e76 is told."""
+    got = judged(np.append(np.zeros(199), 100.0))
+    assert got.upper_bound_deg2 == got.sigma_ts_upper_deg == math.inf
+    low, up = judged(np.linspace(-170.0, 170.0, 2000)).bias_interval_deg
+    assert up - low <= 360.0

@@ -59,3 +59,21 @@ def test_every_preset_has_one_norm():
     for preset in PRESETS.values():
         assert (preset.rms_deg is None) != (preset.limit_deg is None)
         assert preset.status in ('verified', 'unverified')
+
+
+def test_a_limiting_error_is_a_norm_by_hand():
+    """GK (2a): 0.3 / sqrt 3; (2) with K(0.997) = 2.96773793, or 3 as the paper prints."""
+    norms = Norms(limiting_error_max_deg=0.3)
+    assert sigma_max_deg(norms, 'UN') == pytest.approx(0.3 / math.sqrt(3.0))
+    assert sigma_max_deg(norms, 'UU') == sigma_max_deg(norms, 'UN')
+    assert sigma_max_deg(norms) == pytest.approx(0.3 / 2.96773793, rel=1e-8)
+    assert sigma_max_deg(Norms(limiting_error_max_deg=0.3, k_rule='three')) == \
+        pytest.approx(0.1)
+    assert sigma_max_deg(Norms(limiting_error_max_deg=0.3, k_rule=2.0)) == 0.15
+
+
+def test_two_norms_of_one_error_are_refused():
+    with pytest.raises(SettingsError, match='must not be given with norms.sigma_max_deg'):
+        Norms(limiting_error_max_deg=0.3, sigma_max_deg=0.1)
+    with pytest.raises(SettingsError, match='limiting_error_max_deg = 0.0: must be greater'):
+        Norms(limiting_error_max_deg=0.0)

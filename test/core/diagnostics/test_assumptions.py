@@ -224,3 +224,11 @@ def test_j_takes_any_kurtosis_between_the_bounds_of_the_rs(rng):
     x = math.sqrt(3.0) * rng.uniform(-1.0, 1.0, 5000) + rng.standard_normal(5000)
     assert assumptions.judge_laws(measure_shape(x), 'UN', (0.0, 5.0)).state == MET
     assert assumptions.judge_laws(measure_shape(x), 'UN', (0.0, 0.1)).state == VIOLATED
+
+
+def test_an_order_of_the_drift_that_changes_from_run_to_run_is_told():
+    runs = [RunFigures(0.0, 1.0, 1.0, 20.0, order) for order in (0, 2)]
+    assert assumptions.judge_ergodic(examine_homogeneity(runs)).evidence.endswith(
+        'the order of their drift is not constant: 0, 2')
+    same = [RunFigures(0.0, 1.0, 1.0, 20.0, 1)] * 2
+    assert 'order' not in assumptions.judge_ergodic(examine_homogeneity(same)).evidence

@@ -189,7 +189,7 @@ def test_silences_are_warned_of(good):
     drift, rest = describe_drift(stamps, x, 0.1 * limits.sigma_max_deg)
     found = diagnose(RunColumns(stamps, x, rs, SETTINGS, limits), guarded, drift=drift, rest=rest)
     assert found.correlation.stamps.silences == 1
-    assert any(w.startswith('silence: the pairs fall silent 1 times, for up to 30.1 s')
+    assert any(w.startswith('silence: the pairs fall silent once, for up to 30.1 s')
                for w in found.warnings)
 
 

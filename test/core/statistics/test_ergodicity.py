@@ -87,3 +87,10 @@ def test_fewer_than_two_runs_are_not_compared(runs):
     found = examine_homogeneity(runs)
     assert found.m == min(1, len(runs))
     assert (found.q, found.bartlett, found.means_equal) == (None, None, None)
+
+
+def test_the_orders_of_the_drift_are_those_of_the_runs_compared():
+    """A frozen run is not compared; one of unknown order leaves the constancy unknown."""
+    runs = [RunFigures(0.0, 1.0, 1.0, 20.0, order) for order in (0, 2, 1)]
+    assert examine_homogeneity([*runs, FROZEN]).drift_orders == (0, 2, 1)
+    assert examine_homogeneity([*runs, ONE]).drift_orders is None
