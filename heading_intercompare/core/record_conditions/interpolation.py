@@ -67,7 +67,7 @@ def judge_interpolation(error: InterpolationError, account: RunAccount) -> Findi
     Notes
     -----
     With b the variance added and b_u its upper bound, a rejection is void unless L > R + b_u. An
-    open run is void if U - b_u <= A < U, and b > 0.1 A or the motion is not resolved. A
+    open run is void if U - b_u <= A < D, and b > 0.1 A or the motion is not resolved. A
     certificate stands, for interpolation by a kernel only adds. The line also takes motion from
     both sensors, and so hides errors of the TS.
 
@@ -100,7 +100,9 @@ def judge_interpolation(error: InterpolationError, account: RunAccount) -> Findi
     decides = not error.is_resolved or error.variance_deg2 is None or (
         error.variance_deg2 > _MATTERS * least)
     if account.outcome is Outcome.INDETERMINATE:
-        decides = decides and high is not None and high - error.upper_deg2 <= least < high
+        # Where the variance itself passes, more data decide, whatever interpolation adds.
+        decides = (decides and high is not None and high - error.upper_deg2 <= least < high
+                   and (guarded.d_hat_deg2 or 0.0) > least)
     elif low is not None and low > most:
         decides = low <= most + error.upper_deg2
     if decides:
