@@ -79,9 +79,9 @@ ALLOWED = {
 ORDER = {
     'core': ('utc_text', 'units', 'records', 'angles', 'time_rules', 'declared_settings', 'rows',
              'settings', 'json_keys', 'typed_reader', 'outcome', 'version', 'statistics',
-             'pairing', 'timing', 'decision', 'observations', 'runs', 'conditions', 'motion',
-             'diagnostics', 'validity', 'sensor_conditions', 'record_conditions', 'alarms',
-             'verdict', 'kept_state', 'pipeline', 'offline', 'sensors'),
+             'raw_streams', 'pairing', 'timing', 'decision', 'observations', 'runs', 'conditions',
+             'motion', 'diagnostics', 'validity', 'sensor_conditions', 'record_conditions',
+             'alarms', 'verdict', 'kept_state', 'pipeline', 'offline', 'sensors'),
     'drivers': ('settings', 'framing', 'sentences', 'log_lines', 'sentence_choice', 'bursts',
                 'csv_log', 'nmea', 'refused_lines', 'logs', 'motion', 'datagrams', 'playback',
                 'sources'),

@@ -15,9 +15,9 @@
 """
 The path from headings to a verdict: no clock, thread, file or log.
 
-The rooms build on each other in this order: `statistics`, `pairing`, `timing`, `decision`,
-`observations`, `runs`, `conditions`, `diagnostics`, `verdict`. The modules `pipeline` and
-`offline` join them.
+The rooms build on each other in this order: `statistics`, `raw_streams`, `pairing`, `timing`,
+`decision`, `observations`, `runs`, `conditions`, `diagnostics`, `verdict`. The modules `pipeline`
+and `offline` join them.
 """
 
 from typing import TYPE_CHECKING

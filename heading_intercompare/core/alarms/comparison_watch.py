@@ -209,7 +209,9 @@ class ComparisonWatch:
         found = find_frozen(window.stamp_ns, heading, other, least_s=detectors.frozen_s,
                             moved_deg=detectors.frozen_moved_deg, sigma_deg=sigma_deg,
                             still_frozen=True)
-        if found.kind != 'frozen' or found.other_moved_deg is None:
+        norms = self._settings.norms
+        sigma_deg = max(norms.sigma_max_deg or 0.0, norms.sigma_ref_max_deg or 0.0)
+        if found.kind != 'frozen' or not found.is_plain(sigma_deg):
             # It may be frozen on a steady course, or at rest alongside.
             known.found_deg = None
         else:

@@ -78,7 +78,7 @@ def _part_means(stamps: np.ndarray, values: np.ndarray) -> np.ndarray:
 
 
 def _range_deg(stamps: np.ndarray, values: np.ndarray) -> float:
-    """Return the range of the `_part_means`; 0 for n = 0."""
+    """Return the range of headings, of their means over about a second; 0 for n = 0."""
     return float(np.ptp(_part_means(stamps, values))) if values.size else 0.0
 
 

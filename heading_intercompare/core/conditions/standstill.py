@@ -43,6 +43,7 @@ _LONGEST_STRETCHES = 256
 _DEAD_S = 3600.0
 _NEARLY_ALL = 0.9
 _STEPS = 2.0
+_PLAIN_STEPS, _PLAIN_NORMS = 10.0, 2.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +89,29 @@ class Frozen:
     resolution_deg: float | None = None
     hold_s: float | None = None
     allowed_deg: float | None = None
+
+    def is_plain(self, sigma_deg: float) -> bool:
+        """
+        Tell whether the other sensor moved so far that no working sensor misses it.
+
+        Parameters
+        ----------
+        sigma_deg : float
+            The larger of the norms of both sensors, degrees.
+
+        Notes
+        -----
+        That is ten steps of the sensor and two norms. A sound gyro of a moored ship may stick for
+        less.
+
+        """
+        return self.other_moved_deg is not None and self.other_moved_deg > max(
+            _PLAIN_STEPS * (self.resolution_deg or 0.0), _PLAIN_NORMS * sigma_deg)
+
+    @property
+    def moved_variance_deg2(self) -> float:
+        """Variance of the motion that the sensor missed at most, square degrees."""
+        return (self.other_moved_deg or 0.0) ** 2 / 12.0
 
 
 def find_coarse_resolution(heading_deg: ArrayLike) -> float | None:

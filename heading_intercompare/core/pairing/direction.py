@@ -110,7 +110,8 @@ class UsualSteps:
     """
     The usual step of one sensor in each stretch of its stream.
 
-    A stretch starts with the first reading, and with the first one after a silence. Its step is
+    A stretch starts with the first reading, with the first one after a silence, and where a logger
+    begins or ceases to hold values. Its step is
     that of its first minute, or of its first four steps if they last longer. So it depends on the
     stream alone, however it is cut into chunks.
 
@@ -133,9 +134,10 @@ class UsualSteps:
         self._steps: list[int | None] = []
         self._watched = np.empty(0, np.int64)
 
-    def note(self, stamp_ns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def note(self, stamp_ns: np.ndarray,
+             turned_ns: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """
-        Take the stamps of new readings, n >= 1.
+        Take the stamps of new readings, n >= 1, and those at which a hold begins or has ended.
 
         Returns
         -------
@@ -145,14 +147,15 @@ class UsualSteps:
 
         """
         stamps = np.concatenate((self._watched, stamp_ns))
-        begins = np.flatnonzero(np.diff(stamps) > self._silence_ns) + 1
+        is_silence = np.diff(stamps) > self._silence_ns
+        begins = np.flatnonzero(is_silence | np.isin(stamps[1:], turned_ns)) + 1
         if not self._starts:
             self._begin(int(stamps[0]))
         gaps = []
         for lo, hi in zip([0, *begins], [*begins, len(stamps)]):
             part = stamps[lo:hi]
             if lo:
-                if usual := self._steps[-1]:
+                if is_silence[lo - 1] and (usual := self._steps[-1]):
                     # A silence lies in its middle, between the runs that it parts.
                     silence_ns = int(part[0] - stamps[lo - 1])
                     gaps.append((part[:1] - silence_ns // 2,
@@ -241,9 +244,10 @@ class Direction:
 
     A stretch starts with the first reading of a sensor, and with the first one after a silence of
     that sensor that no pair can bridge: the longer of `runs.gap_s` and `pairing.max_gap_s`. A run
-    ends there, too. Both sensors are watched for the first `pairing.auto_s` of a stretch. If one
-    of them has fewer than 2 readings by then, the stretch takes the choice of the next one; the
-    last stretch takes that of the stretch before.
+    ends there, too. A stretch also starts where a logger begins or ceases to hold values. Both
+    sensors are watched for the first `pairing.auto_s` of a stretch. If one of them has fewer than
+    2 readings by then, the stretch takes the choice of the next one; the last stretch takes that
+    of the stretch before.
 
     Parameters
     ----------
@@ -274,12 +278,14 @@ class Direction:
         self._last_ns: dict[str, int] = {}
         self._stamp_ns = {'ts': np.empty(0, np.int64), 'rs': np.empty(0, np.int64)}
 
-    def note(self, sensor: str, stamp_ns: np.ndarray) -> None:
-        """Take the stamps of new readings of a sensor, n >= 1."""
+    def note(self, sensor: str, stamp_ns: np.ndarray, turned_ns: np.ndarray) -> None:
+        """Take the stamps of new readings, n >= 1, and those where a hold begins or ends."""
         last_ns = self._last_ns.get(sensor)
         steps = np.diff(stamp_ns, prepend=stamp_ns[0] if last_ns is None else last_ns)
         begins = steps > self._silence_ns
         begins[0] |= last_ns is None
+        if len(turned_ns):
+            begins |= np.isin(stamp_ns, turned_ns)
         for start_ns in stamp_ns[begins].tolist():
             if start_ns not in self._starts:
                 insort(self._starts, start_ns)

@@ -54,12 +54,14 @@ class LedgerKey(str, Enum):
 
     `PAIRED` counts pairs. Every other key counts readings of one sensor: in a pair without
     interpolation (`TS_PAIRED`), only used for interpolation (`TS_USED`), either (`RS_USED`),
-    neither (`TS_UNPAIRED`, `RS_UNUSED`), undecided (`TS_PENDING`, `RS_PENDING`), rejected, or
-    lost. Lost readings are not received. `TS_UNBRIDGED` and `RS_UNBRIDGED` also have no pair,
+    neither (`TS_UNPAIRED`, `RS_UNUSED`), repeating a value that a logger holds (`TS_HELD`,
+    `RS_HELD`), undecided (`TS_PENDING`, `RS_PENDING`), rejected, or lost. Lost readings are not
+    received. `TS_UNBRIDGED` and `RS_UNBRIDGED` also have no pair,
     because a few readings of the other sensor are missing there.
 
-    Some keys count no readings. `TS_GAPS` and `RS_GAPS` count the usual steps of a sensor without
-    a reading: no more can be lost. The `BRIDGED` keys count the pairs by the number of readings
+    Some keys count no readings. `TS_STANDING` and `RS_STANDING` count values that a logger held,
+    beside the fate of the readings that stand for them. `TS_GAPS` and `RS_GAPS` count the usual
+    steps of a sensor without a reading: no more can be lost. The `BRIDGED` keys count the pairs by the number of readings
     interpolated, and `STEP` sums up the usual steps of the sensor interpolated, microseconds.
     `COMPARED` counts the pairs at which the value by the most readings is compared with those by
     fewer; the `APART` keys sum up the squared distances, units of `APART_DEG2`.
@@ -70,6 +72,7 @@ class LedgerKey(str, Enum):
     TS_USED = 'ts_used'
     TS_UNPAIRED = 'ts_unpaired'
     TS_UNBRIDGED = 'ts_unbridged'
+    TS_HELD = 'ts_held'
     TS_PENDING = 'ts_pending'
     TS_INVALID = 'ts_rejected.invalid'
     TS_OUT_OF_RANGE = 'ts_rejected.out_of_range'
@@ -83,6 +86,7 @@ class LedgerKey(str, Enum):
     RS_USED = 'rs_used'
     RS_UNUSED = 'rs_unused'
     RS_UNBRIDGED = 'rs_unbridged'
+    RS_HELD = 'rs_held'
     RS_PENDING = 'rs_pending'
     RS_INVALID = 'rs_rejected.invalid'
     RS_OUT_OF_RANGE = 'rs_rejected.out_of_range'
@@ -93,6 +97,8 @@ class LedgerKey(str, Enum):
     RS_LOST_ON_THE_WAY = 'rs_lost.on_the_way'
     RS_LOST_AT_SOURCE = 'rs_lost.at_source'
     RS_LOST_BEFORE_START = 'rs_lost.before_start'
+    TS_STANDING = 'standing.ts'
+    RS_STANDING = 'standing.rs'
     TS_GAPS = 'gaps.ts'
     RS_GAPS = 'gaps.rs'
     BRIDGED_8 = 'bridged.8'
@@ -125,6 +131,16 @@ class LedgerKey(str, Enum):
     def of_pending(cls, stream: str) -> 'LedgerKey':
         """Return the key of readings of ``'ts'`` or ``'rs'`` that still wait for a partner."""
         return cls(f'{stream}_pending')
+
+    @classmethod
+    def of_held(cls, stream: str) -> 'LedgerKey':
+        """Return the key of readings of ``'ts'`` or ``'rs'`` that only repeat a held value."""
+        return cls(f'{stream}_held')
+
+    @classmethod
+    def of_standing(cls, stream: str) -> 'LedgerKey':
+        """Return the key of the values of ``'ts'`` or ``'rs'`` that were held."""
+        return cls(f'standing.{stream}')
 
     @classmethod
     def of_lost(cls, stream: str, where: str) -> 'LedgerKey':
@@ -201,6 +217,16 @@ class LedgerSegment:
     def received(self, stream: str) -> int:
         """Return how many readings of ``'ts'`` or ``'rs'`` came, whatever became of them."""
         return sum(n for key, n in self.counts.items() if key.stream == stream and not key.lost)
+
+    def reported(self, stream: str) -> int:
+        """Return how many of the readings that came do not only repeat a held value."""
+        return self.received(stream) - self.counts.get(LedgerKey.of_held(stream), 0)
+
+    def times_held(self, stream: str) -> float | None:
+        """Return for how many readings each held value stands; None if none was held."""
+        n = self.counts.get(LedgerKey.of_held(stream), 0)
+        values = self.counts.get(LedgerKey.of_standing(stream), 0)
+        return 1.0 + n / max(1, values) if n else None
 
     def rejected(self, stream: str) -> dict[str, int]:
         """Return how many readings of ``'ts'`` or ``'rs'`` were rejected, by reason."""

@@ -82,7 +82,8 @@ class Pairer:
 
     A reading whose stamp does not increase within its stream is rejected; the first is kept. One
     whose stamp jumps waits until later stamps decide (`stamp_jumps.JumpFilter`), and counts as
-    pending.
+    pending. So does one that repeats a value, while the stream looks as if a logger held it; of a
+    held value only the first reading is paired (`raw_streams.held_values.HoldFilter`).
 
     """
 
@@ -189,7 +190,7 @@ class Pairer:
 
     def _note(self, stream: Stream, stamp_ns: np.ndarray) -> None:
         if self._direction and len(stamp_ns):
-            self._direction.note(stream.name, stamp_ns)
+            self._direction.note(stream.name, stamp_ns, stream.turned_ns)
 
     def _pair(self, end: bool) -> Pairs:
         """Return the pairs that are decided, stretch by stretch."""

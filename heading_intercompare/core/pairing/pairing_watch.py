@@ -90,7 +90,7 @@ class PairingWatch:
 
         """
         total = ledger.total
-        received = total.received('ts'), total.received('rs')
+        received = total.reported('ts'), total.reported('rs')
         paired = total.counts.get(LedgerKey.PAIRED, 0)
         samples = self._samples
         if not samples:

@@ -19,6 +19,7 @@ from __future__ import annotations
 import numpy as np
 
 from heading_intercompare.core.angles import wrap360
+from heading_intercompare.core.raw_streams.held_values import HoldFilter, Unfolded
 from heading_intercompare.core.records import Headings, Losses
 
 from .direction import UsualSteps
@@ -40,7 +41,14 @@ class Stream:
     """
     The accepted readings of one sensor that may still be needed, with arrival times.
 
-    Readings whose stamps jump are held until later stamps decide, see `JumpFilter`.
+    Readings whose stamps jump wait until later stamps decide, see `JumpFilter`. Those that repeat
+    a value wait until it is decided whether a logger holds it, see `HoldFilter`.
+
+    Attributes
+    ----------
+    turned_ns : ndarray of int64
+        Stamps of the first readings, of those accepted last, after a hold has begun or ended.
+
     """
 
     def __init__(self, name: str, shift_ns: int, jump_s: float, ledger: Ledger,
@@ -57,6 +65,8 @@ class Stream:
         self.broken = np.empty(0, bool)
         self._lost = False
         self._jumps = JumpFilter(name, jump_s, Headings.empty())
+        self._holds = HoldFilter()
+        self.turned_ns = np.empty(0, np.int64)
         self._heard_s = self._back_s = -np.inf
         self.heard_ns: int | None = None
 
@@ -77,23 +87,33 @@ class Stream:
         self._heard_s = now_s
         if not good.all():
             stamp, heading = stamp[good], heading[good]
-        return self._accept(self._jumps.take(Headings(stamp - self.shift_ns, heading)), now_s)
+        accepted = self._decide(self._jumps.take(Headings(stamp - self.shift_ns, heading)))
+        return self._keep_first(self._holds.take(accepted), now_s)
 
     def end(self) -> np.ndarray:
-        """Decide the held readings at the end of the stream; return the stamps of those kept."""
-        stamps = self._accept(self._jumps.end(), np.nan)
+        """Decide what waits at the end of the stream; return the stamps of those kept."""
+        taken = self._holds.take(self._decide(self._jumps.end()))
+        stamps = self._keep_first(taken + self._holds.end(), np.nan)
         self.ledger.lose(LedgerKey.of_gaps(self.name), *self.steps.end())
         return stamps
 
-    def _accept(self, decided: Decided[Headings], now_s: float) -> np.ndarray:
+    def _decide(self, decided: Decided[Headings]) -> Headings:
+        """Count the readings whose stamps are rejected, and return the others."""
         for reason, stamps in (('stamp_not_increasing', decided.late_ns),
                                ('jump', decided.jumped_ns)):
             self.ledger.add(LedgerKey.of_rejected(self.name, reason), stamps)
         self.ledger.set_backs[self.name] = self._jumps.set_backs
-        stamp, heading = decided.accepted.stamp_ns, decided.accepted.heading_deg
+        return decided.accepted
+
+    def _keep_first(self, unfolded: Unfolded, now_s: float) -> np.ndarray:
+        """Keep the readings that do not only repeat a held value, and return their stamps."""
+        self.ledger.add(LedgerKey.of_held(self.name), unfolded.held_ns)
+        self.ledger.add(LedgerKey.of_standing(self.name), unfolded.standing_ns)
+        self.turned_ns = unfolded.turned_ns
+        stamp, heading = unfolded.kept.stamp_ns, unfolded.kept.heading_deg
         if stamp.size:
             self.last_ns = int(stamp[-1])
-            self.ledger.lose(LedgerKey.of_gaps(self.name), *self.steps.note(stamp))
+            self.ledger.lose(LedgerKey.of_gaps(self.name), *self.steps.note(stamp, self.turned_ns))
             self.stamp_ns = np.concatenate((self.stamp_ns, stamp))
             self.heading_deg = np.concatenate((self.heading_deg, wrap360(heading)))
             self.came_s = np.concatenate((self.came_s, np.full(stamp.shape, now_s)))
@@ -105,12 +125,14 @@ class Stream:
 
     @property
     def pending(self) -> int:
-        """Return how many readings wait for a partner, or for later stamps to confirm theirs."""
-        return len(self) + len(self._jumps)
+        """Return how many readings wait for a partner, or for later readings to decide."""
+        return len(self) + len(self._jumps) + len(self._holds)
 
     def reach_ns(self, since_s: float) -> int:
-        """Return the newest stamp, also of readings held, if the sensor has been heard since."""
-        return max(self.last_ns, self._jumps.held_ns) if self._heard_s >= since_s else self.last_ns
+        """Return the newest stamp, also of readings that wait, if the sensor was heard since."""
+        if self._heard_s < since_s:
+            return self.last_ns
+        return max(self.last_ns, self._jumps.held_ns, self._holds.waiting_ns)
 
     def is_behind(self, now_s: float, silence_s: float) -> bool:
         """Tell whether the sensor is silent, or is back and what it sent may still be coming."""

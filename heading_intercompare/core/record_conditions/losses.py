@@ -30,7 +30,7 @@ from heading_intercompare.core.validity.condition import (
 )
 from heading_intercompare.core.validity.examined import RunAccount
 
-__all__ = ['judge_losses', 'LOSSES', 'warn_of_alone', 'warn_of_rejected']
+__all__ = ['judge_losses', 'LOSSES', 'warn_of_alone', 'warn_of_held', 'warn_of_rejected']
 
 #: A larger share of rejected readings is a warning of the run.
 _REJECTED_SHARE = 0.01
@@ -40,7 +40,7 @@ def _settle(finding: Finding | None, account: RunAccount) -> Finding:
     """Judge the readings that a run could not use; at a look, the gaps between the pairs alone."""
     shares = []
     if account.lost_share is not None:
-        shares = [('lost', _take_unbridged(account.lost_share, account.inside))]
+        shares = [('lost', _find_lost(account.lost_share, account.inside))]
     elif account.inside is not None:
         shares = [('lost', _find_gaps(account.inside, account.interpolated))]
     if account.share is not None and account.inside is not None:
@@ -48,19 +48,23 @@ def _settle(finding: Finding | None, account: RunAccount) -> Finding:
     return judge_losses(shares, account.settings)
 
 
-def _take_unbridged(lost_share: float, inside: LedgerSegment | None) -> float:
-    """Return the share of pairs missing without those whose readings came: they are not lost."""
+def _find_lost(lost_share: float, inside: LedgerSegment | None) -> float:
+    """Return the share of pairs missing without those whose readings came, or only repeat one."""
     n = 0 if inside is None else inside.unbridged
-    if inside is None or not n:
+    held = 0 if inside is None else max(inside.counts.get(LedgerKey.of_held(stream), 0)
+                                        for stream in ('ts', 'rs'))
+    if inside is None or not (n or held) or lost_share >= 1.0:
         return lost_share
-    return max(0.0, lost_share - n / (n + inside.counts.get(LedgerKey.PAIRED, 0)))
+    paired = inside.counts.get(LedgerKey.PAIRED, 0)
+    explained = n / max(1, n + paired) + held * (1.0 - lost_share) / max(1, paired)
+    return max(0.0, lost_share - explained)
 
 
 def _find_gaps(inside: LedgerSegment, interpolated: str | None) -> float:
     """Return the share of its usual steps in which the sensor that gives the stamps was silent."""
     stream = 'rs' if interpolated == 'ts' else 'ts'
     gaps = inside.counts.get(LedgerKey.of_gaps(stream), 0)
-    return gaps / max(1, gaps + inside.received(stream))
+    return gaps / max(1, gaps + inside.reported(stream))
 
 
 def warn_of_rejected(share: LedgerSegment) -> list[str]:
@@ -73,6 +77,20 @@ def warn_of_rejected(share: LedgerSegment) -> list[str]:
             why = ', '.join(f'{count} {reason}' for reason, count in rejected.items())
             words.append(f'{100.0 * n / received:.2g} % of the {stream.upper()} readings were '
                          f'rejected: {why}')
+    return words
+
+
+def warn_of_held(share: LedgerSegment) -> list[str]:
+    """Return in words which sensors were polled faster than they report."""
+    words = []
+    for stream in ('ts', 'rs'):
+        times = share.times_held(stream)
+        if times is not None:
+            n = share.counts[LedgerKey.of_held(stream)]
+            words.append(
+                f'held: each value of the {stream.upper()} stands {times:.2g} times, as if a '
+                f'logger polled it faster than it reports; {n} of {share.received(stream)} '
+                'readings only repeat the one before, and the first one of each value is compared')
     return words
 
 
@@ -123,7 +141,7 @@ def _ledger_shares(account: RunAccount, share: LedgerSegment,
                    'rejected': sum(inside.rejected(stream).values()) + after,
                    'without partner': unpaired.get(stream, 0)}
         # What came before the first reading lies in no run.
-        sent = (inside.received(stream) + missing['lost on the way']
+        sent = (inside.reported(stream) + missing['lost on the way']
                 + missing['lost at the source'] + after)
         if sent:
             kinds = [kind for kind, n in missing.items() if n] or ['rejected']
@@ -140,7 +158,7 @@ def _unpaired(inside: LedgerSegment, interpolated: str | None) -> dict[str, int]
     kept = {stream: n for stream, n in unpaired.items() if stream != interpolated} or unpaired
     if not kept:
         return {}
-    least = min(kept, key=lambda stream: kept[stream] / inside.received(stream))
+    least = min(kept, key=lambda stream: kept[stream] / inside.reported(stream))
     return {least: kept[least]}
 
 

@@ -61,6 +61,8 @@ class PairingFigures:
     lost: LostReadings | None = leave_out_none()  # None until 2.1, the others until 2.6.
     ts_unbridged: int | None = leave_out_none()
     rs_unbridged: int | None = leave_out_none()
+    ts_held: int | None = leave_out_none()
+    rs_held: int | None = leave_out_none()
 
     def find_interpolated(self, method: str) -> str | None:
         """Return the sensor, 'ts' or 'rs', that a method interpolated; None for none or both."""
@@ -90,4 +92,6 @@ class PairingFigures:
                    rs_variance_factor=rs_variance_factor, ts_variance_factor=ts_variance_factor,
                    lost=LostReadings(share.lost('ts'), share.lost('rs')),
                    ts_unbridged=counts.get(LedgerKey.TS_UNBRIDGED, 0),
-                   rs_unbridged=counts.get(LedgerKey.RS_UNBRIDGED, 0))
+                   rs_unbridged=counts.get(LedgerKey.RS_UNBRIDGED, 0),
+                   ts_held=counts.get(LedgerKey.TS_HELD, 0),
+                   rs_held=counts.get(LedgerKey.RS_HELD, 0))

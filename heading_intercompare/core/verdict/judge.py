@@ -49,7 +49,11 @@ from heading_intercompare.core.motion.motion_check import check_motion
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.pairing.ledger import LedgerSegment
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
-from heading_intercompare.core.record_conditions.losses import warn_of_alone, warn_of_rejected
+from heading_intercompare.core.record_conditions.losses import (
+    warn_of_alone,
+    warn_of_held,
+    warn_of_rejected,
+)
 from heading_intercompare.core.record_conditions.mean_over_runs import judge_mean_over_runs
 from heading_intercompare.core.record_conditions.repeated_readings import judge_repeated_runs
 from heading_intercompare.core.records import Integers, Motion, Reals
@@ -162,7 +166,7 @@ class RunResult:
                                     old.rs_variance_factor, old.ts_variance_factor)
         verdict = replace(self.verdict, pairing=pairing,
                           warnings=(*self.verdict.warnings, *warnings,
-                                    *warn_of_rejected(share),
+                                    *warn_of_rejected(share), *warn_of_held(share),
                                     *warn_of_alone(share, inside, self.settings)))
         return replace(self, verdict=verdict, share=share, inside=inside,
                        set_backs=tuple(set_backs)).conclude()

@@ -344,7 +344,7 @@ def test_known_skew_is_taken_from_the_ts_stamps():
 def begun(**more):
     """Return a pairer that has taken the readings of 8, 9 and 10 s of both sensors, at 0 s."""
     pairer = Pairer(rules(**more))
-    first = headings((8 * S, 0.0), (9 * S, 0.0), (10 * S, 0.0))
+    first = headings((8 * S, 0.0), (9 * S, 0.1), (10 * S, 0.0))
     assert len(pairer.update(first, first, now_s=0.0)) == 3
     return pairer
 
@@ -382,11 +382,11 @@ def test_a_pause_of_both_sensors_costs_no_pair(chunk, pause_s):
 
 def test_live_no_bracket_reaches_over_a_dropped_reading():
     pairer = begun(kernel='line', max_wait_s=1.0, silent_wait_s=0.0)
-    pairer.update(ts=headings((11 * S, 0.0)), rs=headings((11 * S, 0.0)), now_s=0.0)
+    pairer.update(ts=headings((11 * S, 0.1)), rs=headings((11 * S, 0.1)), now_s=0.0)
     pairer.update(rs=headings((12 * S, 90.0)), now_s=0.0)
-    pairer.update(rs=headings((13 * S, 0.0), (14 * S, 0.0)), now_s=2.1)
-    pairs = pairer.update(ts=headings((23 * S // 2, 0.0), (13 * S, 0.0)), now_s=2.1)
-    assert pairs + pairer.flush() == Pairs.of([13 * S], [0.0], [0.0])
+    pairer.update(rs=headings((13 * S, 0.0), (14 * S, 0.1)), now_s=2.1)
+    pairs = pairer.update(ts=headings((23 * S // 2, 0.0), (13 * S, 0.1)), now_s=2.1)
+    assert pairs + pairer.flush() == Pairs.of([13 * S], [0.1], [0.0])
 
 
 def test_memory_is_bounded_when_one_sensor_is_silent():

@@ -73,3 +73,38 @@ def test_a_frozen_sensor_is_named_before_its_quarrel_with_the_motion(
     verdict = analyze(headings(streams['TS']), headings(streams['RS']), SETTINGS, motion=motion)
     assert verdict.runs[0].reason == 'void.frozen'
     assert f'the {sensor} froze' in verdict.headline
+
+
+def moored(rng, sticks, range_deg, hold_s, holds):
+    """Return TS and RS of a ship that swings in 28 s, one of which sticks at times."""
+    t_s = np.arange(0.0, 3600.0, 1.0)
+    swing = 180.0 + 0.5 * range_deg * np.sin(2.0 * np.pi * t_s / 28.0)
+    sensors = {name: np.round(swing + 0.01 * rng.standard_normal(t_s.size), 2)
+               for name in ('TS', 'RS')}
+    for begin in (np.arange(holds) + 0.3) * 3600.0 / holds:
+        at = slice(int(begin), int(begin + hold_s))
+        sensors[sticks][at] = sensors[sticks][at.start]
+    stamps = 10 ** 18 + (t_s * 1e9).astype(np.int64)
+    return (Headings.of(stamps, sensors['TS']), Headings.of(stamps, sensors['RS']))
+
+
+def frozen(verdict):
+    return next(found for found in verdict.runs[0].validity if found.condition == 'frozen')
+
+
+@pytest.mark.parametrize('sensor', ['TS', 'RS'])
+def test_a_sound_gyro_of_a_moored_ship_that_sticks_for_14_s_is_not_frozen(rng, sensor):
+    found = frozen(analyze(*moored(rng, sensor, 0.3, 14.0, 6), SETTINGS))
+    assert found.effect == 'holds' and f'the {sensor} repeated its value' in found.evidence
+
+
+@pytest.mark.parametrize('sensor', ['TS', 'RS'])
+def test_a_gyro_that_misses_more_than_twice_the_norm_is_frozen(rng, sensor):
+    found = frozen(analyze(*moored(rng, sensor, 0.8, 30.0, 6), SETTINGS))
+    assert found.effect == 'void' and found.words == f'the {sensor} froze'
+
+
+def test_a_gyro_that_sticks_most_of_the_time_is_doubtful(rng):
+    """0.32 deg of motion missed for 83 % of the hour: 0.007 deg2, above 5 % of 0.04 deg2."""
+    found = frozen(analyze(*moored(rng, 'TS', 0.32, 500.0, 6), SETTINGS))
+    assert found.effect == 'doubtful' and found.words == 'the TS sticks'
