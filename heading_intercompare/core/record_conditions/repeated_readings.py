@@ -25,6 +25,7 @@ from heading_intercompare.core.validity.condition import (
     HOLDS,
     NOT_TESTABLE,
     VOID,
+    worst_effect,
 )
 from heading_intercompare.core.validity.examined import Examined
 
@@ -41,6 +42,9 @@ def _judge(e: Examined) -> Finding:
     fingerprint = e.columns.fingerprint
     if fingerprint is None:
         return REPEATED_READINGS.find(NOT_TESTABLE, '', 'there are too few readings')
+    if worst_effect(e.findings) == VOID:
+        return REPEATED_READINGS.find(NOT_TESTABLE, '', 'the run is void, and its differences may '
+                                      'repeat the motion of the ship')
     shared = find_repeats(fingerprint)
     if shared is None:
         return REPEATED_READINGS.find(HOLDS, '', 'no stretch of some minutes comes twice')
@@ -83,4 +87,5 @@ REPEATED_READINGS = Condition(
     void_why='the copy shows no more of the TS than the original, but counts as if it did',
     doubtful_when='runs of a trial hold the same readings: two recorders, or one record under two '
                   'dates; they count once, and with `campaign.rule: sensor` they certify nothing',
-    judge=_judge)
+    judge=_judge,
+    weighs_others=True)

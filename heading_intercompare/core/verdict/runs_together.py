@@ -20,6 +20,7 @@ import math
 from typing import Sequence, TYPE_CHECKING
 
 from heading_intercompare.core.conditions.shared_readings import find_shared, Shared
+from heading_intercompare.core.validity.condition import VOID
 
 if TYPE_CHECKING:
     from .judge import RunResult
@@ -31,7 +32,7 @@ __all__ = ['find_repeated_runs', 'shortest_apart_s']
 
 def find_repeated_runs(results: Sequence[RunResult]) -> dict[int, tuple[int, Shared | None]]:
     """
-    Return the runs that hold readings of an earlier one.
+    Return the runs that hold readings of an earlier one; void runs are not compared.
 
     Parameters
     ----------
@@ -46,9 +47,10 @@ def find_repeated_runs(results: Sequence[RunResult]) -> dict[int, tuple[int, Sha
 
     """
     found: dict[int, tuple[int, Shared | None]] = {}
+    void = {at for at, one in enumerate(results, 1) if one.verdict.validity_effect == VOID}
     for number, result in enumerate(results, 1):
         for earlier in range(1, number):
-            if earlier in found:
+            if earlier in found or {number, earlier} & void:
                 continue
             other = results[earlier - 1]
             shared = None

@@ -46,8 +46,8 @@ from heading_intercompare.core.validity.examined import Examined, RunAccount
 
 __all__ = ['CONDITION_WORDS', 'CONDITIONS', 'examine', 'PERMANENT', 'settle', 'VOID_REASONS']
 
-CONDITIONS = (SAME_SOURCE, REPEATED_READINGS, CLOCKS, FROZEN, MOTION, CONVENTION, MEAN_DIFFERENCE,
-              PARTING, REFERENCE, STANDSTILL, OUTLIERS, INTERPOLATION, DRIFT_REMOVED,
+CONDITIONS = (SAME_SOURCE, CLOCKS, FROZEN, MOTION, CONVENTION, MEAN_DIFFERENCE, PARTING,
+              REFERENCE, STANDSTILL, OUTLIERS, INTERPOLATION, REPEATED_READINGS, DRIFT_REMOVED,
               ASSUMPTIONS, LOSSES, MEAN_OVER_RUNS, LEFT_OUT)
 """
 All conditions, causes before their consequences; the first that makes a run void is its reason.
