@@ -161,7 +161,8 @@ def test_every_number_of_a_run_and_of_the_worst_run_is_in_the_page(made):
     def mark(mapping):
         for part in (*mapping['runs'], mapping['campaign']):
             part |= {key: marked(v, marks) for key, v in part.items() if key not in (
-                'start_ns', 'end_ns', 'run', 'circular_mean_deg') and not isinstance(v, (dict, list))}
+                'start_ns', 'end_ns', 'run', 'circular_mean_deg') and not isinstance(
+                    v, (dict, list))}
     found = set(numbers(Page(html.render(changed(verdict, mark))).cells))
     assert len(marks) > 20
     assert [mark for mark in marks if mark not in found] == []
