@@ -59,12 +59,9 @@ class LedgerKey(str, Enum):
     received. `TS_UNBRIDGED` and `RS_UNBRIDGED` also have no pair,
     because a few readings of the other sensor are missing there.
 
-    Some keys count no readings. `TS_STANDING` and `RS_STANDING` count values that a logger held,
-    beside the fate of the readings that stand for them. `TS_GAPS` and `RS_GAPS` count the usual
-    steps of a sensor without a reading: no more can be lost. The `BRIDGED` keys count the pairs by the number of readings
-    interpolated, and `STEP` sums up the usual steps of the sensor interpolated, microseconds.
-    `COMPARED` counts the pairs at which the value by the most readings is compared with those by
-    fewer; the `APART` keys sum up the squared distances, units of `APART_DEG2`.
+    Other keys: `STANDING` counts values that a logger held, `GAPS` usual steps without a reading,
+    `BRIDGED` pairs by the readings interpolated, `COMPARED` those compared with fewer readings.
+    `STEP` sums up steps, microseconds, `APART` squared distances, units of `APART_DEG2`.
     """
 
     PAIRED = 'paired'
@@ -445,8 +442,7 @@ class Ledger:
     @property
     def rejected(self) -> int:
         """Return the number of readings rejected so far."""
-        total = self.total
-        return sum(sum(total.rejected(stream).values()) for stream in ('ts', 'rs'))
+        return sum(n for key, n in self.total.counts.items() if key.reason)
 
     @property
     def paired(self) -> int:

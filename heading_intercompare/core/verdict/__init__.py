@@ -19,10 +19,11 @@ from typing import TYPE_CHECKING
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
+    'all_runs': ('compare_runs', 'conclude_campaign', 'join'),
     'compare_verdicts': ('find_differences',),
     'conclusion': ('ALL_REASONS',),
     'headline': ('OUTCOME_WORDS',),
-    'judge': ('compare_runs', 'conclude_campaign', 'judge_run', 'look_at', 'RunResult'),
+    'judge': ('judge_run', 'look_at', 'RunResult'),
     'verdict_document': ('Input', 'OperatorNote', 'RunVerdict', 'SCHEMA', 'SCHEMA_VERSION',
                          'Verdict', 'VerdictError'),
     'verdict_table': ('summary_text', 'verdict_html', 'verdict_text'),
@@ -30,16 +31,15 @@ __getattr__, __dir__, __all__ = door(__name__, {
 
 if TYPE_CHECKING:
     # The same names for type checkers, by ``make docs``.
+    from .all_runs import (
+        compare_runs as compare_runs,
+        conclude_campaign as conclude_campaign,
+        join as join,
+    )
     from .compare_verdicts import find_differences as find_differences
     from .conclusion import ALL_REASONS as ALL_REASONS
     from .headline import OUTCOME_WORDS as OUTCOME_WORDS
-    from .judge import (
-        compare_runs as compare_runs,
-        conclude_campaign as conclude_campaign,
-        judge_run as judge_run,
-        look_at as look_at,
-        RunResult as RunResult,
-    )
+    from .judge import judge_run as judge_run, look_at as look_at, RunResult as RunResult
     from .verdict_document import (
         Input as Input,
         OperatorNote as OperatorNote,

@@ -24,12 +24,7 @@ import numpy as np
 
 from heading_intercompare.core.angles import circular_mean
 from heading_intercompare.core.conditions.shared_readings import Fingerprint
-from heading_intercompare.core.decision.campaign import (
-    conclude_every_run,
-    conclude_sensor,
-    judge_together,
-)
-from heading_intercompare.core.decision.coverage import Coverage, coverage_of, slowest_error_s
+from heading_intercompare.core.decision.coverage import coverage_of, slowest_error_s
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.gk import apply_gk, Printed
 from heading_intercompare.core.decision.guarded import decide, Evidence, gather_evidence, Guarded
@@ -54,17 +49,13 @@ from heading_intercompare.core.record_conditions.losses import (
     warn_of_held,
     warn_of_rejected,
 )
-from heading_intercompare.core.record_conditions.mean_over_runs import judge_mean_over_runs
-from heading_intercompare.core.record_conditions.repeated_readings import judge_repeated_runs
 from heading_intercompare.core.records import Integers, Motion, Reals
 from heading_intercompare.core.runs.pairing_figures import PairingFigures
 from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.settings import Risk, Settings
 from heading_intercompare.core.statistics.cells import Cells
 from heading_intercompare.core.statistics.ergodicity import (
-    examine_homogeneity,
     Homogeneity,
-    RunFigures,
 )
 from heading_intercompare.core.time_rules.exclusions import (
     Exclusion,
@@ -72,7 +63,7 @@ from heading_intercompare.core.time_rules.exclusions import (
     read_exclusions,
 )
 from heading_intercompare.core.timing.stamp_steps import measure_stamp_steps
-from heading_intercompare.core.validity.condition import Finding, VOID
+from heading_intercompare.core.validity.condition import Finding
 from heading_intercompare.core.validity.examined import Examined, RunAccount
 
 from .conclusion import (
@@ -84,11 +75,10 @@ from .conclusion import (
 )
 from .headline import add_looks, compose_headline
 from .recorded import JudgedPiece
-from .runs_together import find_repeated_runs, shortest_apart_s
 from .validity import examine, settle
-from .verdict_document import Campaign, RunVerdict
+from .verdict_document import RunVerdict
 
-__all__ = ['compare_runs', 'conclude_campaign', 'judge_run', 'look_at', 'RunResult']
+__all__ = ['judge_run', 'look_at', 'RunResult']
 
 #: Share of the work of judging a run before its diagnostics.
 _BEFORE = 0.1
@@ -449,72 +439,3 @@ def _warnings(data: PreparedRun, limits: Limits, guarded: Guarded,
     if settings.variant == 'A' and guarded.bias_significant:
         yield ('variant_A_mean_not_zero: the mean difference is not zero, but variant A assumes '
                'that it is')
-
-
-def compare_runs(results: Sequence[RunResult]) -> Homogeneity:
-    """Compare the means and variances of the runs with each other, repeated readings once."""
-    repeated = find_repeated_runs(results)
-    return examine_homogeneity([
-        RunFigures(r.verdict.mean_deg, r.evidence.spread.mean_variance_deg2,
-                   r.evidence.spread.d_deg2, r.evidence.spread.nu,
-                   None if r.verdict.drift.order is None else r.verdict.drift.order.order)
-        for number, r in enumerate(results, 1) if number not in repeated
-        and r.evidence.spread is not None and r.verdict.mean_deg is not None])
-
-
-def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,
-                      settings: Settings, incomplete: bool = False,
-                      ) -> tuple[Outcome, Coverage | None, Campaign]:
-    """
-    Return the outcome of the runs together, its coverage, and the figures.
-
-    Notes
-    -----
-    Runs with the readings of an earlier one count once, and certify nothing by the rule `sensor`.
-    A void run says nothing, so it is left out of the common variance. With a void run the
-    campaign is indeterminate, unless the others reject. It does not comply either if an input
-    could not be judged (`incomplete`).
-
-    """
-    risk = risk_at_the_end(settings)
-    repeated = find_repeated_runs(results)
-    once = [r for number, r in enumerate(results, 1) if number not in repeated]
-    sound = [r for r in once if r.verdict.validity_effect != VOID]
-    shared = judge_together([r.evidence for r in sound], [r.limits for r in sound], risk,
-                            settings.variant, shortest_apart_s([r.verdict for r in sound]))
-    scopes = [scope for r in results if (scope := r.verdict.coverage.scope) is not None]
-    if settings.campaign.rule == 'sensor':
-        met = all(r.printed.total.outcome in (None, Outcome.COMPLIANT) for r in results)
-        outcome, reason = conclude_sensor(shared, [r.limits for r in results], met, risk)
-        if repeated and outcome is not Outcome.NON_COMPLIANT:
-            outcome, reason = Outcome.INDETERMINATE, 'a_run_repeated'
-        coverage = None if shared is None else coverage_of(
-            shared.span_s, risk, apart_s=None if shared.between_upper_bound_deg2 is None
-            else shared.apart_s, scopes=scopes)
-    else:
-        outcome, reason = conclude_every_run(
-            [r.verdict.outcome for r in results],
-            [r.outcome_among(len(once), settings) for r in results])
-        spans = [r.evidence.span_s for r in results]
-        coverage = coverage_of(min(spans), risk, scopes=scopes) if spans else None
-    if len(sound) < len(once) and outcome is not Outcome.NON_COMPLIANT:
-        outcome, reason = Outcome.INDETERMINATE, 'a_run_void'
-    if incomplete and outcome is Outcome.COMPLIANT:
-        outcome, reason = Outcome.INDETERMINATE, 'an_input_not_judged'
-    verdicts = [r.verdict for r in results]
-    return outcome, coverage, Campaign.of(verdicts, runs, settings.campaign.rule, reason, shared,
-                                          _judge_campaign(results, runs, settings, incomplete))
-
-
-def _judge_campaign(results: Sequence[RunResult], runs: Homogeneity, settings: Settings,
-                    incomplete: bool) -> tuple[Finding, ...]:
-    """Return the findings on the runs together."""
-    repeats = judge_repeated_runs(find_repeated_runs(results))
-    others = () if repeats is None else (repeats,)
-    if settings.variant != 'B' or len(results) < 2:
-        return others
-    in_variant_c = conclude_campaign(results, runs, replace(settings, variant='C'),
-                                     incomplete)[0]
-    finding = judge_mean_over_runs(runs, max(r.limits.sigma_max_deg for r in results),
-                                   in_variant_c)
-    return others if finding is None else (*others, finding)
