@@ -78,7 +78,7 @@ ALLOWED = {
 # imports only what stands before it.
 ORDER = {
     'core': ('utc_text', 'units', 'records', 'angles', 'time_rules', 'declared_settings', 'rows',
-             'settings', 'json_keys', 'typed_reader', 'outcome', 'version', 'statistics',
+             'settings', 'json_keys', 'outcome', 'typed_reader', 'version', 'statistics',
              'raw_streams', 'pairing', 'timing', 'decision', 'observations', 'runs', 'conditions',
              'motion', 'diagnostics', 'validity', 'sensor_conditions', 'record_conditions',
              'alarms', 'verdict', 'kept_state', 'pipeline', 'offline', 'sensors'),
