@@ -198,12 +198,16 @@ def find_shared(one: Fingerprint, other: Fingerprint) -> Shared | None:
     is removed, so the correlation of a block of 64 is within 0.75 of 0 at every lag. Averages of
     the same readings are correlated nearly in full, also with other last digits and other bins.
 
+    References
+    ----------
+    E.25 of ``docs/diagnostics.md``.
+
     """
     return _compare(one, other, 0)
 
 
 def find_repeats(run: Fingerprint) -> Shared | None:
-    """Return readings that a run holds twice, the first place first; None without any."""
+    """Return readings that a run holds twice, E.25, the first place first; None without any."""
     found = _compare(run, run, _BLOCK)
     if found is None or found.first_ns < found.other_ns:
         return found

@@ -26,21 +26,21 @@ from typing import Sequence
 
 from heading_intercompare.core.record_conditions.assumptions import ASSUMPTIONS
 from heading_intercompare.core.record_conditions.clocks import CLOCKS
+from heading_intercompare.core.record_conditions.deciding_outliers import OUTLIERS
 from heading_intercompare.core.record_conditions.drift_removed import DRIFT_REMOVED
 from heading_intercompare.core.record_conditions.interpolation import INTERPOLATION
 from heading_intercompare.core.record_conditions.left_out import LEFT_OUT
 from heading_intercompare.core.record_conditions.losses import LOSSES
 from heading_intercompare.core.record_conditions.mean_over_runs import MEAN_OVER_RUNS
-from heading_intercompare.core.record_conditions.outliers import OUTLIERS
 from heading_intercompare.core.record_conditions.repeated_readings import REPEATED_READINGS
 from heading_intercompare.core.sensor_conditions.convention import CONVENTION
+from heading_intercompare.core.sensor_conditions.enough_motion import STANDSTILL
 from heading_intercompare.core.sensor_conditions.frozen import FROZEN
 from heading_intercompare.core.sensor_conditions.mean_difference import MEAN_DIFFERENCE
 from heading_intercompare.core.sensor_conditions.motion import MOTION
 from heading_intercompare.core.sensor_conditions.parting import PARTING
 from heading_intercompare.core.sensor_conditions.reference import REFERENCE
 from heading_intercompare.core.sensor_conditions.same_source import SAME_SOURCE
-from heading_intercompare.core.sensor_conditions.standstill import STANDSTILL
 from heading_intercompare.core.validity.condition import Finding
 from heading_intercompare.core.validity.examined import Examined, RunAccount
 
