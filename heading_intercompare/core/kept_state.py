@@ -49,6 +49,7 @@ class KeptRun:
     set_backs: tuple[SetBack, ...]
     cut_ns: int
     judged: tuple[Finding, ...]
+    fingerprint: str | None
     first_pair: int
 
     @classmethod

@@ -21,8 +21,10 @@ errors twice. Their stamps, their last digits and an offset may differ.
 
 from __future__ import annotations
 
+from base64 import b85decode, b85encode
 from dataclasses import dataclass, replace
 from functools import lru_cache
+import zlib
 
 import numpy as np
 import scipy
@@ -34,7 +36,7 @@ __all__ = ['find_repeats', 'find_shared', 'Fingerprint', 'Shared']
 
 #: Differences are averaged over four grains of half a second, or of a multiple by a power of two.
 _GRAIN_S, _GRAINS = 0.5, 4
-_MOST_GRAINS = 1 << 16
+_MOST_GRAINS = 1 << 14
 #: A bin holds at least two of the usual steps of the pairs.
 _STEPS = 2.0
 #: What this number of averages before tells is removed; the rest is compared in blocks.
@@ -49,6 +51,14 @@ _ALIKE, _TOGETHER, _SOME = 0.75, 0.45, 4
 _MOSTLY = 0.85
 #: Readings of a block that are there, and the share of the variance that is no pattern.
 _THERE, _LEAST_REST = 0.75, 1e-4
+
+
+_KINDS = ('<f4', '<f4', '<u4')
+
+
+def _short(column: np.ndarray) -> Reals:
+    """Return a column in the precision in which it is kept."""
+    return np.asarray(column.astype(np.float32), np.float64)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -94,10 +104,31 @@ class Fingerprint:
         n = int(at[-1]) + 1
         count = np.bincount(at, minlength=n).astype(np.int64)
         there = np.flatnonzero(count)
-        total_deg, turned_deg = (np.bincount(at, weights=column, minlength=n).astype(np.float64)
+        total_deg, turned_deg = (np.bincount(at, weights=column, minlength=n)
                                  for column in (x_deg - np.median(x_deg), unwrap_deg(rs_deg)))
-        return cls(int(stamp_ns[0]), grain_s, _STEPS * step_s, total_deg, count,
-                   np.interp(np.arange(n), there, turned_deg[there] / count[there]))
+        around = np.interp(np.arange(n), there, turned_deg[there] / count[there])
+        # As it is kept, so that a restart changes nothing.
+        return cls(int(stamp_ns[0]), grain_s, _STEPS * step_s, _short(total_deg), count,
+                   _short(around))
+
+    def to_text(self) -> str:
+        """Return the fingerprint as text; `from_text` gives the same to the bit."""
+        columns = b''.join(column.astype(kind).tobytes() for column, kind in zip(
+            (self.total_deg, self.rs_deg, self.count), _KINDS))
+        text = b85encode(zlib.compress(columns)).decode()
+        return f'{self.start_ns} {self.grain_s!r} {self.least_bin_s!r} {len(self.count)} {text}'
+
+    @classmethod
+    def from_text(cls, text: str) -> 'Fingerprint':
+        """Return the fingerprint in a text of `to_text`."""
+        start_ns, grain_s, least_bin_s, n, packed = text.split(' ', 4)
+        data, at = zlib.decompress(b85decode(packed)), 0
+        columns = []
+        for kind in _KINDS:
+            columns.append(np.frombuffer(data, kind, int(n), at))
+            at += columns[-1].nbytes
+        return cls(int(start_ns), float(grain_s), float(least_bin_s), columns[0].astype(float),
+                   columns[2].astype(np.int64), columns[1].astype(float))
 
     def coarsen(self, grain_s: float) -> 'Fingerprint':
         """Return the same with grains longer by a power of two."""
@@ -188,9 +219,14 @@ def _normalise(windows: np.ndarray) -> np.ndarray:
 
 
 @lru_cache(maxsize=4096)
-def find_shared(one: Fingerprint, other: Fingerprint) -> Shared | None:
+def find_shared(one: str, other: str) -> Shared | None:
     """
     Return the readings that two runs share; None if there are none.
+
+    Parameters
+    ----------
+    one, other : str
+        Fingerprints as text.
 
     Notes
     -----
@@ -203,7 +239,7 @@ def find_shared(one: Fingerprint, other: Fingerprint) -> Shared | None:
     E.25 of ``docs/diagnostics.md``.
 
     """
-    return _compare(one, other, 0)
+    return _compare(Fingerprint.from_text(one), Fingerprint.from_text(other), 0)
 
 
 def find_repeats(run: Fingerprint) -> Shared | None:

@@ -23,7 +23,6 @@ from typing import Any, Callable, Iterator, Sequence
 import numpy as np
 
 from heading_intercompare.core.angles import circular_mean
-from heading_intercompare.core.conditions.shared_readings import Fingerprint
 from heading_intercompare.core.decision.coverage import coverage_of, slowest_error_s
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.gk import apply_gk, Printed
@@ -111,9 +110,8 @@ class RunResult:
         Pairs of its input that lie in no run, with the first run of the input.
     share, inside : LedgerSegment or None
         Ledger of its readings, and of those between its first and last pair.
-    fingerprint : Fingerprint or None
-        By which its readings are known in another run; None if there are too few, and after a
-        restart of the node.
+    fingerprint : str or None
+        By which its readings are known in another run; None if there are too few.
 
     """
 
@@ -131,7 +129,7 @@ class RunResult:
     outside: tuple[Stretch, ...] = ()
     share: LedgerSegment | None = None
     inside: LedgerSegment | None = None
-    fingerprint: Fingerprint | None = None
+    fingerprint: str | None = None
 
     def with_pairing(self, share: LedgerSegment, inside: LedgerSegment,
                      warnings: Sequence[str] = (),
@@ -377,7 +375,8 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
         assumptions=found.assumptions, taken_out=taken_out, motion=checked,
         warnings=(*_warnings(data, limits, guarded, settings), *found.warnings))
     return RunResult(verdict, evidence, limits, printed, (outcome, reason), settings,
-                     run.stabilization_s, judged, fingerprint=columns.fingerprint).conclude()
+                     run.stabilization_s, judged, fingerprint=None if columns.fingerprint is None
+                     else columns.fingerprint.to_text()).conclude()
 
 
 def look_at(run: RunSeries, look: Look, looks: int, settings: Settings,

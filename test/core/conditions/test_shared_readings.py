@@ -56,6 +56,10 @@ def fingerprint(t_s, ts, rs):
     return Fingerprint.of(T0_NS + np.rint(t_s * 1e9).astype(np.int64), ts - rs, rs % 360.0)
 
 
+def share(one, other):
+    return find_shared(one.to_text(), other.to_text())
+
+
 def again(rng, t_s, ts, rs, how):
     """Return a trial as another recorder, or a careless person, has it."""
     if how == 'another date':
@@ -78,7 +82,7 @@ def again(rng, t_s, ts, rs, how):
     (7200.0, 0.2, 0.0)])
 def test_the_same_readings_are_found(how, span_s, hz, tau_s, rng):
     one = trial(rng, span_s, hz, tau_s)
-    found = find_shared(fingerprint(*one), fingerprint(*again(rng, *one, how)))
+    found = share(fingerprint(*one), fingerprint(*again(rng, *one, how)))
     assert found is not None and found.correlation > 0.7 and found.span_s >= 128.0
 
 
@@ -88,7 +92,7 @@ def test_the_same_readings_are_found(how, span_s, hz, tau_s, rng):
     (7200.0, 0.2, 0.0)])
 def test_independent_errors_under_the_same_motion_share_nothing(span_s, hz, tau_s, late_s, rng):
     runs = [fingerprint(*trial(rng, span_s, hz, tau_s, late_s)) for _ in range(3)]
-    assert [find_shared(runs[i], runs[j]) for i in range(3) for j in range(i)] == [None] * 3
+    assert [share(runs[i], runs[j]) for i in range(3) for j in range(i)] == [None] * 3
     assert [find_repeats(run) for run in runs] == [None] * 3
 
 
@@ -98,7 +102,7 @@ def test_shared_readings_are_told_with_their_places(rng):
     new = trial(rng)
     mixed = [np.concatenate((fresh[:200], known[500:900], fresh[600:]))
              for fresh, known in zip(new[1:], (ts, rs))]
-    found = find_shared(fingerprint(t_s, ts, rs), fingerprint(t_s, *mixed))
+    found = share(fingerprint(t_s, ts, rs), fingerprint(t_s, *mixed))
     assert (found.first_ns - found.other_ns) / 1e9 == pytest.approx(300.0, abs=1.0)
     assert 200.0 <= (found.other_ns - T0_NS) / 1e9 + 32.0 and 256.0 <= found.span_s <= 480.0
 
@@ -114,11 +118,11 @@ def test_a_block_that_was_pasted_is_found_in_its_run(hz, rng):
 
 
 def test_the_length_of_a_run_does_not_matter_to_another(rng):
-    """12 h have grains of 1 s, 20 min of half a second."""
+    """12 h have grains of 4 s, 2 h of half a second."""
     t_s, ts, rs = trial(rng, 43200.0)
-    part = slice(20_000, 21_200)
-    found = find_shared(fingerprint(t_s, ts, rs), fingerprint(t_s[part], ts[part], rs[part]))
-    assert found is not None and abs(found.first_ns - found.other_ns) <= 1_000_000_000
+    part = slice(20_000, 27_200)
+    found = share(fingerprint(t_s, ts, rs), fingerprint(t_s[part], ts[part], rs[part]))
+    assert found is not None and abs(found.first_ns - found.other_ns) <= 4_000_000_000
 
 
 def test_few_or_equal_readings_are_not_testable(rng):
@@ -126,4 +130,12 @@ def test_few_or_equal_readings_are_not_testable(rng):
     assert fingerprint(t_s, ts, rs) is None
     still = np.full(1200, 5.0)
     run = fingerprint(np.arange(1200.0), still, still)
-    assert find_shared(run, run) is None and find_repeats(run) is None
+    assert share(run, run) is None and find_repeats(run) is None
+
+
+def test_a_fingerprint_is_kept_to_the_bit(rng):
+    run = fingerprint(*trial(rng))
+    kept = Fingerprint.from_text(run.to_text())
+    assert kept.to_text() == run.to_text() and len(run.to_text()) < 30_000
+    assert all(np.array_equal(getattr(kept, name), getattr(run, name))
+               for name in ('start_ns', 'grain_s', 'least_bin_s', 'total_deg', 'count', 'rs_deg'))
