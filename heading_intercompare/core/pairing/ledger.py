@@ -61,8 +61,9 @@ class LedgerKey(str, Enum):
 
     Some keys count no readings. `TS_STANDING` and `RS_STANDING` count values that a logger held,
     beside the fate of the readings that stand for them. `TS_GAPS` and `RS_GAPS` count the usual
-    steps of a sensor without a reading: no more can be lost. The `BRIDGED` keys count the pairs by the number of readings
-    interpolated, and `STEP` sums up the usual steps of the sensor interpolated, microseconds.
+    steps of a sensor without a reading: no more can be lost. The `BRIDGED` keys count the pairs by
+    the number of readings interpolated, and `STEP` sums up the usual steps of the sensor
+    interpolated, microseconds.
     `COMPARED` counts the pairs at which the value by the most readings is compared with those by
     fewer; the `APART` keys sum up the squared distances, units of `APART_DEG2`.
     """
