@@ -24,10 +24,12 @@ from heading_intercompare.core.decision.gk import Printed
 from heading_intercompare.core.decision.guarded import Evidence
 from heading_intercompare.core.decision.taken_out import Stretch
 from heading_intercompare.core.pairing.stamp_jumps import SetBack
+from heading_intercompare.core.runs.record_pieces import PieceState
 from heading_intercompare.core.runs.run_cutter import CutterState
 from heading_intercompare.core.typed_reader import make_plain, read_plain
 from heading_intercompare.core.validity.condition import Finding
 from heading_intercompare.core.verdict.judge import RunResult
+from heading_intercompare.core.verdict.recorded import JudgedPiece
 from heading_intercompare.core.verdict.verdict_document import RunVerdict
 
 from .outcome import Outcome
@@ -85,6 +87,12 @@ class KeptState:
         Cut of the newest run that is too old.
     n_pairs, first_pair : int
         Pairs so far, and those before the run in progress.
+    record_ns : int or None
+        Stamp of the first pair.
+    record : tuple
+        State of `RecordPieces`.
+    outside : str
+        What pairs outside the runs are called.
     before : tuple of (int, int)
         Pairs up to the end of the newest run that is too old, and that end, nanoseconds.
     short : tuple of Stretch
@@ -101,6 +109,9 @@ class KeptState:
     n_short: int
     earlier_ns: int | None
     n_pairs: int
+    record_ns: int | None
+    record: tuple[CutterState, tuple[JudgedPiece, ...], PieceState | None]
+    outside: str
     first_pair: int
     before: tuple[int, int]
     short: tuple[Stretch, ...]

@@ -42,7 +42,7 @@ from heading_intercompare.core.runs.run_cutter import RunCutter
 from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.verdict.all_runs import join
 from heading_intercompare.core.verdict.judge import judge_run, look_at, RunResult
-from heading_intercompare.core.verdict.recorded import judge_piece
+from heading_intercompare.core.verdict.recorded import judge_piece, JudgedPiece
 from heading_intercompare.core.verdict.verdict_document import Input, Verdict
 
 from .kept_state import KeptRun, KeptState
@@ -104,14 +104,14 @@ class Compliance:
         self._limits = Limits.of(settings.norms, settings.model)
         self._source = source
         self._cutter = RunCutter(settings.runs, table)
-        self._record = RecordPieces(settings.runs)
+        self._record: RecordPieces[JudgedPiece] = RecordPieces(
+            settings.runs, lambda piece: judge_piece(piece, settings))
         self._outside = 'not in the table of runs' if table is not None else ''
         # Pairs before the run in progress, and the runs that were too short.
         self._first_pair = 0
         self._short: list[Stretch] = []
         # Pairs up to the end of the newest run that is too old for the verdict, and that end.
         self._before = 0, 0
-        self._is_record_whole = True
         self._run: RunSeries | None = None
         self._run_key: int | None = None
         self._looks: list[LookVerdict] = []
@@ -175,7 +175,8 @@ class Compliance:
             finished=tuple(KeptRun.of(*one) for one in self._finished),
             earlier=tuple(KeptRun.of(one) for one in self._earlier),
             n_earlier=self._n_earlier, n_short=self._n_short,
-            earlier_ns=self._earlier_ns, n_pairs=self._record.n, first_pair=self._first_pair,
+            earlier_ns=self._earlier_ns, n_pairs=self._record.n, record_ns=self._record.start_ns,
+            record=self._record.state, outside=self._outside, first_pair=self._first_pair,
             before=self._before, short=tuple(self._short))
 
     def go_on(self, state: KeptState, pairs: Pairs) -> None:
@@ -195,8 +196,8 @@ class Compliance:
         self._finished = [(one.result(self.settings), one.cut_ns) for one in state.finished]
         self._earlier = [one.result(self.settings) for one in state.earlier]
         self._n_earlier, self._n_short = state.n_earlier, state.n_short
-        # The sums of the record are not kept: what a verdict as recorded would be is unknown.
-        self._is_record_whole, self._record.n = False, state.n_pairs
+        self._outside = self._outside or state.outside
+        self._record.go_on(state.n_pairs, state.record_ns, *state.record)
         self._first_pair, self._before, self._short = (
             state.first_pair, state.before, [*state.short])
         for run, _ in self._finished:
@@ -335,8 +336,9 @@ class Compliance:
             set_backs = ledger.share_set_backs(starts)[len(before):]
             inside = [ledger.count_between(r.start_ns, r.end_ns)
                       for r in (result.verdict for result in results)]
-        results = self._account_for_left_out(results)
         n = self._leave_earlier()
+        # What the runs of the verdict leave out does not depend on when others were left.
+        results[n:] = self._account_for_left_out(results[n:])
         rows = [*zip(results, shares, inside, set_backs)]
         self._earlier += [r.with_pairing(share, within, (), steps)
                           for r, share, within, steps in rows[:n]]
@@ -351,6 +353,8 @@ class Compliance:
 
     def _account_for_left_out(self, results: list[RunResult]) -> list[RunResult]:
         """Return the runs, the first with what lies in none of them; all with the record."""
+        if not results:
+            return []
         ended = [self._before, *((r.first_pair + r.verdict.n_input, r.verdict.end_ns)
                                  for r in results)]
         begun = [(r.first_pair, r.verdict.start_ns) for r in results]
@@ -363,10 +367,9 @@ class Compliance:
                 outside.append(Stretch(end_ns or self._record.start_ns or start_ns, start_ns,
                                        self._outside or 'in no run', n))
         results = [replace(results[0], outside=tuple(outside)), *results[1:]]
-        if not self._is_record_whole or not any(r.left_out for r in results):
+        if not any(r.left_out for r in results):
             return results
-        pieces = tuple(judge_piece(piece, self.settings) for piece in self._record.pieces)
-        return [replace(r, pieces=pieces) for r in results]
+        return [replace(r, pieces=self._record.pieces) for r in results]
 
     def _leave_earlier(self) -> int:
         """Forget the finished runs that are too old for the verdict; return their number."""
@@ -377,7 +380,7 @@ class Compliance:
         if n:
             last, self._earlier_ns = self._finished[n - 1]
             self._before = last.first_pair + last.verdict.n_input, last.verdict.end_ns
-            self._record.forget_before(last.verdict.end_ns)
+            self._record.forget_before(last.verdict.end_ns, lambda piece: piece.end_ns)
             self._short = [s for s in self._short if s.start_ns >= last.verdict.end_ns]
             self._n_earlier += n
             del self._finished[:n]

@@ -17,18 +17,32 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Callable, Generic, Sequence, TypeVar
 
 import numpy as np
 
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.records import Differences, Pairs
 from heading_intercompare.core.settings import Norms, RunCutting
-from heading_intercompare.core.statistics.cells import Cells
+from heading_intercompare.core.statistics.cells import Cells, CellsState
 from heading_intercompare.core.statistics.moments import exact_sum, UNIT
 
-from .run_cutter import RunCutter
+from .run_cutter import CutterState, RunCutter
 
-__all__ = ['RecordPiece', 'RecordPieces']
+__all__ = ['PieceState', 'RecordPiece', 'RecordPieces']
+
+Judged = TypeVar('Judged')
+
+
+@dataclass(frozen=True, slots=True)
+class PieceState:
+    """What a piece remembers, to go on later."""
+
+    start_ns: int
+    end_ns: int
+    cells: CellsState
+    rs_units: int
+    ts_units: int
 
 
 @dataclass(slots=True)
@@ -48,7 +62,6 @@ class RecordPiece:
     start_ns: int
     end_ns: int
     cells: Cells = field(default_factory=Cells)
-    _n: int = 0
     _rs_units: int = 0
     _ts_units: int = 0
 
@@ -65,19 +78,30 @@ class RecordPiece:
             pairs, differences = pairs[finite], differences[finite]
         if len(pairs):
             self.cells.update(differences.x_deg, differences.stamp_ns)
-            self._n += len(pairs)
             self._rs_units += exact_sum(pairs.rs_variance_factor)
             self._ts_units += exact_sum(pairs.ts_variance_factor)
 
     def limits(self, norms: Norms, model: str) -> Limits:
         """Return the limits of a decision on the piece."""
-        if not self._n:
+        n = self.cells.n
+        if not n:
             return Limits.of(norms, model)
-        return Limits.of(norms, model, self._rs_units / self._n * UNIT,
-                         self._ts_units / self._n * UNIT)
+        return Limits.of(norms, model, self._rs_units / n * UNIT, self._ts_units / n * UNIT)
+
+    @property
+    def state(self) -> PieceState:
+        """Return what the piece remembers."""
+        return PieceState(self.start_ns, self.end_ns, self.cells.state, self._rs_units,
+                          self._ts_units)
+
+    @classmethod
+    def from_state(cls, state: PieceState) -> 'RecordPiece':
+        """Return a piece that goes on from the state of another."""
+        return cls(state.start_ns, state.end_ns, Cells.from_state(state.cells), state.rs_units,
+                   state.ts_units)
 
 
-class RecordPieces:
+class RecordPieces(Generic[Judged]):
     """
     Keep the sums of all differences of a record, in runs or not.
 
@@ -85,45 +109,63 @@ class RecordPieces:
     ----------
     rule : RunCutting
         Only silences and the clock cut the record.
+    judge : callable
+        Returns what is kept of a piece that has ended, or would end now.
 
     Attributes
     ----------
     n : int
         Pairs so far, in runs or not.
+    start_ns : int or None
+        Stamp of the first pair.
 
     Notes
     -----
-    A piece keeps sums over cells of time, so it takes some kilobytes however long it is.
+    The piece in progress has sums over cells of time: some ten kilobytes, however long it is.
 
     """
 
-    def __init__(self, rule: RunCutting) -> None:
-        self._cutter = RunCutter(rule)
+    def __init__(self, rule: RunCutting, judge: Callable[[RecordPiece], Judged]) -> None:
+        self._cutter, self._judge = RunCutter(rule), judge
         self._key: int | None = None
-        self._pieces: list[RecordPiece] = []
+        self._ended: list[Judged] = []
+        self._piece: RecordPiece | None = None
         self.n = 0
+        self.start_ns: int | None = None
 
     def update(self, pairs: Pairs, differences: Differences) -> None:
         """Take pairs in stamp order and their differences."""
-        for piece in self._cutter.update(pairs.stamp_ns):
-            part = slice(piece.lo, piece.hi)
-            if piece.key != self._key:
-                self._key = piece.key
-                start_ns = int(pairs.stamp_ns[piece.lo])
-                self._pieces.append(RecordPiece(start_ns, start_ns))
-            self._pieces[-1].update(pairs[part], differences[part])
+        if self.start_ns is None and len(pairs):
+            self.start_ns = int(pairs.stamp_ns[0])
+        for part in self._cutter.update(pairs.stamp_ns):
+            which = slice(part.lo, part.hi)
+            if self._piece is None or part.key != self._key:
+                self._ended, self._key = [*self.pieces], part.key
+                start_ns = int(pairs.stamp_ns[part.lo])
+                self._piece = RecordPiece(start_ns, start_ns)
+            self._piece.update(pairs[which], differences[which])
         self.n += len(pairs)
 
-    def forget_before(self, stamp_ns: int) -> None:
-        """Forget the pieces that end before a stamp."""
-        self._pieces = [piece for piece in self._pieces if piece.end_ns >= stamp_ns]
+    def forget_before(self, stamp_ns: int, end_of: Callable[[Judged], int]) -> None:
+        """Forget the pieces that end before a stamp, by a function that says when one ends."""
+        self._ended = [judged for judged in self._ended if end_of(judged) >= stamp_ns]
 
     @property
-    def start_ns(self) -> int | None:
-        """Stamp of the first pair of the first piece; None without any."""
-        return self._pieces[0].start_ns if self._pieces else None
+    def pieces(self) -> tuple[Judged, ...]:
+        """What is kept of the pieces so far, in the order of time."""
+        newest = () if self._piece is None else (self._judge(self._piece),)
+        return (*self._ended, *newest)
 
     @property
-    def pieces(self) -> tuple[RecordPiece, ...]:
-        """The pieces so far, in the order of time."""
-        return tuple(self._pieces)
+    def state(self) -> tuple[CutterState, tuple[Judged, ...], PieceState | None]:
+        """Return where the record is cut, the pieces that have ended, and that in progress."""
+        return (self._cutter.state, tuple(self._ended),
+                None if self._piece is None else self._piece.state)
+
+    def go_on(self, n: int, start_ns: int | None, cutter: CutterState, ended: Sequence[Judged],
+              piece: PieceState | None) -> None:
+        """Go on from the state of another record."""
+        self.n, self.start_ns, self._ended = n, start_ns, [*ended]
+        self._cutter.go_on(cutter)
+        self._key = cutter.key
+        self._piece = None if piece is None else RecordPiece.from_state(piece)

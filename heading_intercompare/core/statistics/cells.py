@@ -29,7 +29,7 @@ from numpy.typing import ArrayLike
 
 from heading_intercompare.core.records import Reals
 
-__all__ = ['Cells', 'CellValues', 'LEAST_CELLS']
+__all__ = ['Cells', 'CellsState', 'CellValues', 'LEAST_CELLS']
 
 LEAST_CELLS = 128
 """Fewest differences, and fewest cells, that give a result."""
@@ -129,6 +129,28 @@ def _sum_groups(x: np.ndarray, starts: np.ndarray) -> np.ndarray:
     power *= power
     rows[_M4] = np.add.reduceat(power, starts)
     return rows
+
+
+@dataclass(frozen=True, slots=True)
+class CellsState:
+    """What `Cells` remember, in numbers and tuples, to go on later to the bit."""
+
+    n: int
+    shift: float
+    largest: float
+    level: int
+    index: tuple[int, ...]
+    rows: tuple[tuple[float, ...], ...]
+    open_places: tuple[int, ...]
+    open_deg: tuple[float, ...]
+    last_place: int
+    held_ns: tuple[int, ...]
+    held_deg: tuple[float, ...]
+    step_ns: int | None
+    first_ns: int
+    newest_ns: int
+    anchor_ns: int
+    since_anchor: int
 
 
 class Cells:
@@ -349,6 +371,34 @@ class Cells:
         result.__dict__.update(self.__dict__, _open=list(self._open), _held=list(self._held))
         return result
 
+    @property
+    def state(self) -> CellsState:
+        """Return what the cells remember."""
+        places, x = _join_parts(self._open)
+        stamps, held = _join_parts(self._held)
+        return CellsState(
+            self.n, self._shift, self._largest, self._level, tuple(self._index.tolist()),
+            tuple(tuple(row) for row in self._rows.tolist()), tuple(places.tolist()),
+            tuple(x.tolist()), self._last_place, tuple(stamps.tolist()), tuple(held.tolist()),
+            self._step_ns, self._first_ns, self._newest_ns, self._anchor_ns, self._since_anchor)
+
+    @classmethod
+    def from_state(cls, state: CellsState) -> 'Cells':
+        """Return cells that go on from the state of others."""
+        result = cls()
+        result.n, result._shift, result._largest = state.n, state.shift, state.largest
+        result._level, result._last_place = state.level, state.last_place
+        result._index = np.array(state.index, np.int64)
+        result._rows = np.array(state.rows, np.float64).reshape(_ROWS, len(state.index))
+        if state.open_places:
+            result._open = [(np.array(state.open_places, np.int64), np.array(state.open_deg))]
+        if state.held_ns:
+            result._held = [(np.array(state.held_ns, np.int64), np.array(state.held_deg))]
+        result._step_ns, result._first_ns = state.step_ns, state.first_ns
+        result._newest_ns, result._anchor_ns = state.newest_ns, state.anchor_ns
+        result._since_anchor = state.since_anchor
+        return result
+
     def profile(self) -> tuple[np.ndarray, np.ndarray]:
         """Return the stamps of the complete cells, nanoseconds, and their means, degrees."""
         step_ns = 1 if self._step_ns is None else self._step_ns
@@ -399,6 +449,14 @@ class Cells:
         y[index] = scale * (rows[_M2] + counts * (off * off - q)) + q
         return CellValues(self.n, self._shift + mean, q, kurtosis, 1e-13 * self._largest, b, y,
                           index.size / k)
+
+
+def _join_parts(parts: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:
+    """Return the integers and the values of all parts."""
+    if not parts:
+        return np.empty(0, np.int64), np.empty(0)
+    integers, values = zip(*parts)
+    return np.concatenate(integers), np.concatenate(values)
 
 
 def _level_at(place: int) -> int:
