@@ -258,13 +258,13 @@ def test_stretches_taken_out_are_in_json_and_protocol_with_their_reasons(
     assert main(['analyze', str(bag), *NORMS, '--exclude', str(table), '--json', str(found),
                  '--report', str(page)]) == 0
     out = capsys.readouterr().out
-    assert 'taken out by hand' in out and 'with nothing taken out' in out
+    assert '10 % of the pairs are left out (tug' in out and 'as recorded' in out
     verdict = json.loads(found.read_text('utf-8'))
     (stretch,) = verdict['taken_out']['stretches']
     assert (stretch['reason'], stretch['n']) == ('tug <alongside>, by order', 600)
     text = page.read_text('utf-8')
     assert 'tug &lt;alongside&gt;, by order' in text
-    assert 'Verdict with nothing taken out: ' in text
+    assert 'Variance as recorded: ' in text
     assert 'left out: taken out by hand' in text
     assert '>taken out by hand</text>' in text, 'the figures against time are shaded'
 
@@ -274,7 +274,7 @@ def test_the_protocol_of_a_json_names_what_was_taken_out(bag, tmp_path, exclusio
     found, page = tmp_path / 'verdict.json', tmp_path / 'protocol.html'
     main(['analyze', str(bag), *NORMS, '--exclude', str(table), '--json', str(found)])
     assert main(['report', str(found), '-o', str(page)]) == 0
-    assert 'Verdict with nothing taken out: ' in page.read_text('utf-8')
+    assert 'Variance as recorded: ' in page.read_text('utf-8')
     capsys.readouterr()
     assert '--exclude' in refused(capsys, 'report', found, '-o', page, '--exclude', table)
 

@@ -49,6 +49,8 @@ _AT_ONCE = 8192
 _ALIKE, _TOGETHER, _SOME = 0.75, 0.45, 4
 #: A block belongs to them if it correlates nearly as well as the best one.
 _MOSTLY = 0.85
+#: Larger rests count as this multiple of their 0.9 quantile, 2.5 standard deviations.
+_MOST_OF_ONE = 1.5
 #: Readings of a block that are there, and the share of the variance that is no pattern.
 _THERE, _LEAST_REST = 0.75, 1e-4
 
@@ -202,7 +204,9 @@ def _whiten(run: Fingerprint, phase: int) -> Reals | None:
     rest: Reals = np.where(there, centred - known @ weights, np.nan)
     if float(np.nanvar(rest)) < _LEAST_REST * float(np.var(centred[there])):
         return None
-    return rest
+    # A few spikes, perhaps at even times, are no copy: all averages of a block must agree.
+    most = _MOST_OF_ONE * float(np.quantile(np.abs(rest[there]), 0.9))
+    return np.clip(rest, -most, most)
 
 
 def _normalise(windows: np.ndarray) -> np.ndarray:
