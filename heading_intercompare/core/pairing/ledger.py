@@ -59,7 +59,8 @@ class LedgerKey(str, Enum):
     received. `TS_UNBRIDGED` and `RS_UNBRIDGED` also have no pair,
     because a few readings of the other sensor are missing there.
 
-    Other keys: `STANDING` counts values that a logger held, `GAPS` usual steps without a reading,
+    Other keys: `STANDING` counts values that a logger held, `CHANGES` those of value compared by
+    `raw_streams.sequence_match` and those that differ, `GAPS` usual steps without a reading,
     `BRIDGED` pairs by the readings interpolated, `COMPARED` those compared with fewer readings.
     `STEP` sums up steps, microseconds, `APART` squared distances, units of `APART_DEG2`.
     """
@@ -96,6 +97,8 @@ class LedgerKey(str, Enum):
     RS_LOST_BEFORE_START = 'rs_lost.before_start'
     TS_STANDING = 'standing.ts'
     RS_STANDING = 'standing.rs'
+    CHANGES_COMPARED = 'changes.compared'
+    CHANGES_DIFFERING = 'changes.differing'
     TS_GAPS = 'gaps.ts'
     RS_GAPS = 'gaps.rs'
     BRIDGED_8 = 'bridged.8'

@@ -20,8 +20,10 @@ from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
     'held_values': ('HoldFilter', 'Unfolded'),
+    'sequence_match': ('Matched', 'SequenceMatch'),
 })
 
 if TYPE_CHECKING:
     # The same names for type checkers, by ``make docs``.
     from .held_values import HoldFilter as HoldFilter, Unfolded as Unfolded
+    from .sequence_match import Matched as Matched, SequenceMatch as SequenceMatch
