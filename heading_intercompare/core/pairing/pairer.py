@@ -28,14 +28,15 @@ import numpy as np
 
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.raw_streams.sequence_match import Matched, SequenceMatch
+from heading_intercompare.core.raw_streams.stamp_jumps import NEVER
 from heading_intercompare.core.records import Headings, Losses, Pairs
 from heading_intercompare.core.settings import Settings
 
 from .direction import Direction, UsualSteps
 from .interpolation_kernel import Bridged, find_left, interpolate, longest_step_ns, reach
-from .ledger import APART_DEG2, Ledger, LedgerKey
+from .ledger import Ledger
+from .ledger_keys import APART_DEG2, LedgerKey
 from .pending_readings import BRACKET, PAIRED, Stream, UNBRIDGED
-from .stamp_jumps import NEVER
 
 __all__ = ['pair', 'Pairer']
 

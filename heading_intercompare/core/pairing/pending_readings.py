@@ -20,11 +20,12 @@ import numpy as np
 
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.raw_streams.held_values import HoldFilter, Unfolded
+from heading_intercompare.core.raw_streams.stamp_jumps import Decided, JumpFilter, NEVER
 from heading_intercompare.core.records import Headings, Losses
 
 from .direction import UsualSteps
-from .ledger import Ledger, LedgerKey
-from .stamp_jumps import Decided, JumpFilter, NEVER
+from .ledger import Ledger
+from .ledger_keys import LedgerKey
 
 __all__ = ['BRACKET', 'PAIRED', 'Stream', 'UNBRIDGED']
 
