@@ -141,6 +141,9 @@ class SequenceMatch:
 
     def _compare(self, end: bool) -> Matched:
         streams = self._streams.values()
+        if self._from_ns is not None:
+            for stream in streams:
+                stream.forget(self._from_ns - self._margin_ns)
         if not all(len(stream.headings) for stream in streams):
             return Matched()
         heard_ns = min(int(stream.headings.stamp_ns[-1]) for stream in streams)
