@@ -46,7 +46,8 @@ from heading_intercompare.bags.rosbag2.readable import Readable
 from heading_intercompare.core.kept_state import KeptState
 from heading_intercompare.core.motion.antennas import find_baseline_headings
 from heading_intercompare.core.offline import judge_aligned
-from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
+from heading_intercompare.core.pairing.ledger import Ledger
+from heading_intercompare.core.pairing.ledger_keys import LedgerKey, LedgerSegment
 from heading_intercompare.core.pipeline import Compliance, Intercomparison
 from heading_intercompare.core.records import Headings, Losses, Motion, Pairs
 from heading_intercompare.core.runs.growing_columns import GrowingHeadings

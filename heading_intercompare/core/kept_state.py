@@ -23,7 +23,7 @@ from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.gk import Printed
 from heading_intercompare.core.decision.guarded import Evidence
 from heading_intercompare.core.decision.taken_out import Stretch
-from heading_intercompare.core.pairing.stamp_jumps import SetBack
+from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
 from heading_intercompare.core.runs.record_pieces import PieceState
 from heading_intercompare.core.runs.run_cutter import CutterState
 from heading_intercompare.core.typed_reader import make_plain, read_plain

@@ -20,10 +20,11 @@ import numpy as np
 import pytest
 
 from heading_intercompare import analyze, Headings, Settings
-from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment, LOSSES, REASONS
+from heading_intercompare.core.pairing.ledger import Ledger
+from heading_intercompare.core.pairing.ledger_keys import LedgerSegment, LOSSES, REASONS
 from heading_intercompare.core.pairing.pairer import Pairer
-from heading_intercompare.core.pairing.stamp_jumps import SetBack
 from heading_intercompare.core.pipeline import Compliance
+from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
 from heading_intercompare.core.records import Losses
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.ledger_messages import (

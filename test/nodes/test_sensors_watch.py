@@ -33,7 +33,7 @@ from std_srvs.srv import Trigger
 from heading_intercompare.app.sensors import judge_sensor_bags
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.pairing.ledger import LedgerKey
+from heading_intercompare.core.pairing.ledger_keys import LedgerKey
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.rows.sensor_table import read_sensors
 from heading_intercompare.core.sensors.compare_sensors import find_sensor_differences

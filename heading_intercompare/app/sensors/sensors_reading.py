@@ -31,7 +31,7 @@ from heading_intercompare.bags.recording.recorded_headings import find_problems,
 from heading_intercompare.bags.rosbag2.provenance import read_notes
 from heading_intercompare.bags.rosbag2.readable import Readable
 from heading_intercompare.core.offline import judge_aligned
-from heading_intercompare.core.pairing.ledger import LedgerKey
+from heading_intercompare.core.pairing.ledger_keys import LedgerKey
 from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Headings, Losses, Motion, Pairs
 from heading_intercompare.core.rows.sensor_table import describe_driver, read_sensors, Sensor

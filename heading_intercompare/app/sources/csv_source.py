@@ -35,9 +35,10 @@ from heading_intercompare.bags.csv.pairs_account import (
 )
 from heading_intercompare.bags.csv.pairs_csv import COLUMNS, PairsCsv
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey
-from heading_intercompare.core.pairing.stamp_jumps import Decided, JumpFilter
+from heading_intercompare.core.pairing.ledger import Ledger
+from heading_intercompare.core.pairing.ledger_keys import LedgerKey
 from heading_intercompare.core.pipeline import Compliance
+from heading_intercompare.core.raw_streams.stamp_jumps import Decided, JumpFilter
 from heading_intercompare.core.records import Motion, Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.units.angle_units import AngleWatch

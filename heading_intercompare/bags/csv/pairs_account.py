@@ -32,8 +32,9 @@ import numpy as np
 
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.json_keys import leave_out_none
-from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
-from heading_intercompare.core.pairing.stamp_jumps import SetBack
+from heading_intercompare.core.pairing.ledger import Ledger
+from heading_intercompare.core.pairing.ledger_keys import LedgerSegment
+from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.typed_reader import make_plain, read_plain, VerdictError
 from heading_intercompare.core.verdict.verdict_document import Input

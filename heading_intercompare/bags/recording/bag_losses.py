@@ -22,7 +22,7 @@ from typing import Callable, Mapping
 from heading_intercompare.bags.checked_text import decimal
 from heading_intercompare.bags.rosbag2.provenance import read_continues
 from heading_intercompare.bags.rosbag2.readable import Readable
-from heading_intercompare.core.pairing.ledger import LedgerKey
+from heading_intercompare.core.pairing.ledger_keys import LedgerKey
 from heading_intercompare.core.records import Losses
 from heading_intercompare.messages.ledger_messages import decode_losses, lost_topic
 from heading_intercompare.messages.status_messages import STATUS_TYPE

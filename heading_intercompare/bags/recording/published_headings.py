@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from heading_intercompare.core.pairing.ledger import LedgerKey
+from heading_intercompare.core.pairing.ledger_keys import LedgerKey
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.ledger_messages import decode_ledger
 

@@ -22,10 +22,10 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'difference': ('subtract',),
     'direction': ('typical_step_ns',),
     'ensembles': ('Ensembles', 'Ensembling'),
-    'ledger': ('Ledger', 'LedgerKey', 'LedgerSegment', 'REASONS'),
+    'ledger': ('Ledger',),
+    'ledger_keys': ('LedgerKey', 'LedgerSegment', 'REASONS'),
     'pairer': ('pair', 'Pairer'),
     'pairing_watch': ('PairingState', 'PairingWatch'),
-    'stamp_jumps': ('is_rising', 'JumpFilter', 'SetBack'),
 })
 
 if TYPE_CHECKING:
@@ -33,12 +33,11 @@ if TYPE_CHECKING:
     from .difference import subtract as subtract
     from .direction import typical_step_ns as typical_step_ns
     from .ensembles import Ensembles as Ensembles, Ensembling as Ensembling
-    from .ledger import (
-        Ledger as Ledger,
+    from .ledger import Ledger as Ledger
+    from .ledger_keys import (
         LedgerKey as LedgerKey,
         LedgerSegment as LedgerSegment,
         REASONS as REASONS,
     )
     from .pairer import pair as pair, Pairer as Pairer
     from .pairing_watch import PairingState as PairingState, PairingWatch as PairingWatch
-    from .stamp_jumps import is_rising as is_rising, JumpFilter as JumpFilter, SetBack as SetBack

@@ -22,7 +22,8 @@ from typing import Iterator, Mapping, NamedTuple, Sequence
 
 from heading_intercompare.core.utc_text import utc
 
-from .ledger import Ledger, LedgerKey, LedgerSegment
+from .ledger import Ledger
+from .ledger_keys import LedgerKey, LedgerSegment
 
 __all__ = ['Incarnations', 'StreamNumbers']
 

@@ -22,18 +22,21 @@ ahead. Only the waiting limit of a live clock can change that, and its effects a
 from __future__ import annotations
 
 from functools import partial
+from typing import Callable
 
 import numpy as np
 
 from heading_intercompare.core.angles import wrap360
+from heading_intercompare.core.raw_streams.sequence_match import Matched, SequenceMatch
+from heading_intercompare.core.raw_streams.stamp_jumps import NEVER
 from heading_intercompare.core.records import Headings, Losses, Pairs
 from heading_intercompare.core.settings import Settings
 
 from .direction import Direction, UsualSteps
 from .interpolation_kernel import Bridged, find_left, interpolate, longest_step_ns, reach
-from .ledger import APART_DEG2, Ledger, LedgerKey
+from .ledger import Ledger
+from .ledger_keys import APART_DEG2, LedgerKey
 from .pending_readings import BRACKET, PAIRED, Stream, UNBRIDGED
-from .stamp_jumps import NEVER
 
 __all__ = ['pair', 'Pairer']
 
@@ -108,6 +111,7 @@ class Pairer:
                    UsualSteps(silence_ns, round(rule.auto_s * 1e9)))
             for name, skew_s in (('ts', settings.alignment.skew_s), ('rs', 0.0)))
         self._direction = Direction(rule, self._run_gap_ns) if rule.method == 'auto' else None
+        self._sequences = SequenceMatch(settings.alignment.skew_range_s)
         self._at, self._of = self._ts, self._rs
         if rule.method == 'interpolate_ts':
             self._at, self._of = self._rs, self._ts
@@ -140,6 +144,7 @@ class Pairer:
         for stream, headings in ((self._ts, ts), (self._rs, rs)):
             if headings is not None and len(headings):
                 self._note(stream, stream.take(headings, came_s, self._max_wait_s))
+        self._compare(self._sequences.take)
         pairs = self._pair(end=False)
         if now_s is not None:
             self._expire(now_s)
@@ -180,6 +185,8 @@ class Pairer:
         """End both streams: decide all waiting readings and return the last pairs."""
         for stream in (self._ts, self._rs):
             self._note(stream, stream.end())
+        self._compare(self._sequences.take)
+        self._compare(lambda ts, rs: self._sequences.end())
         pairs = self._pair(end=True)
         for stream in (self._ts, self._rs):
             stream.release(len(stream))
@@ -187,6 +194,14 @@ class Pairer:
             self.ledger.cut(self._last_pair_ns + 1)
         self._forget()
         return pairs
+
+    def _compare(self, compare: Callable[[Headings, Headings], Matched]) -> None:
+        """Count the changes of value that are compared by now, and those that differ."""
+        found = compare(self._ts.accepted, self._rs.accepted)
+        for stream in (self._ts, self._rs):
+            stream.accepted = Headings.empty()
+        self.ledger.add(LedgerKey.CHANGES_COMPARED, found.compared_ns)
+        self.ledger.add(LedgerKey.CHANGES_DIFFERING, found.differing_ns)
 
     def _note(self, stream: Stream, stamp_ns: np.ndarray) -> None:
         if self._direction and len(stamp_ns):

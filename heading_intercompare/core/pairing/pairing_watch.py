@@ -21,7 +21,8 @@ from dataclasses import dataclass
 
 from heading_intercompare.core.settings import Pairing
 
-from .ledger import Ledger, LedgerKey
+from .ledger import Ledger
+from .ledger_keys import LedgerKey
 
 __all__ = ['PairingState', 'PairingWatch']
 

@@ -20,11 +20,12 @@ import numpy as np
 
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.raw_streams.held_values import HoldFilter, Unfolded
+from heading_intercompare.core.raw_streams.stamp_jumps import Decided, JumpFilter, NEVER
 from heading_intercompare.core.records import Headings, Losses
 
 from .direction import UsualSteps
-from .ledger import Ledger, LedgerKey
-from .stamp_jumps import Decided, JumpFilter, NEVER
+from .ledger import Ledger
+from .ledger_keys import LedgerKey
 
 __all__ = ['BRACKET', 'PAIRED', 'Stream', 'UNBRIDGED']
 
@@ -48,6 +49,8 @@ class Stream:
     ----------
     turned_ns : ndarray of int64
         Stamps of the first readings, of those accepted last, after a hold has begun or ended.
+    accepted : Headings
+        The readings that were accepted last.
 
     """
 
@@ -67,6 +70,7 @@ class Stream:
         self._jumps = JumpFilter(name, jump_s, Headings.empty())
         self._holds = HoldFilter()
         self.turned_ns = np.empty(0, np.int64)
+        self.accepted = Headings.empty()
         self._heard_s = self._back_s = -np.inf
         self.heard_ns: int | None = None
 
@@ -109,7 +113,7 @@ class Stream:
         """Keep the readings that do not only repeat a held value, and return their stamps."""
         self.ledger.add(LedgerKey.of_held(self.name), unfolded.held_ns)
         self.ledger.add(LedgerKey.of_standing(self.name), unfolded.standing_ns)
-        self.turned_ns = unfolded.turned_ns
+        self.accepted, self.turned_ns = unfolded.kept, unfolded.turned_ns
         stamp, heading = unfolded.kept.stamp_ns, unfolded.kept.heading_deg
         if stamp.size:
             self.last_ns = int(stamp[-1])

@@ -20,8 +20,12 @@ from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
     'held_values': ('HoldFilter', 'Unfolded'),
+    'sequence_match': ('Matched', 'SequenceMatch'),
+    'stamp_jumps': ('is_rising', 'JumpFilter', 'SetBack'),
 })
 
 if TYPE_CHECKING:
     # The same names for type checkers, by ``make docs``.
     from .held_values import HoldFilter as HoldFilter, Unfolded as Unfolded
+    from .sequence_match import Matched as Matched, SequenceMatch as SequenceMatch
+    from .stamp_jumps import is_rising as is_rising, JumpFilter as JumpFilter, SetBack as SetBack

@@ -27,11 +27,11 @@ import numpy as np
 from heading_intercompare.core.records import Headings, Integers
 
 from .hold_search import Held, HoldSearch
+from .stamp_jumps import NEVER
 
 __all__ = ['HoldFilter', 'Unfolded']
 
 _LINE, _LEAST_LINE = 64, 8
-_NEVER = np.iinfo(np.int64).min
 _NONE = np.empty(0, np.int64)
 
 
@@ -106,7 +106,7 @@ class HoldFilter:
         # It was decided by a later one.
         self._early = False
         self._line: _PollLine | None = None
-        self._kept_ns = _NEVER
+        self._kept_ns = NEVER
 
     def __len__(self) -> int:
         """Return the number of readings that wait."""
@@ -114,8 +114,8 @@ class HoldFilter:
 
     @property
     def waiting_ns(self) -> int:
-        """Newest stamp that waits; the least number of 64 bits if none does."""
-        return int(self._waiting.stamp_ns[-1]) if len(self._waiting) else _NEVER
+        """Newest stamp that waits; `NEVER` if none does."""
+        return int(self._waiting.stamp_ns[-1]) if len(self._waiting) else NEVER
 
     def take(self, headings: Headings) -> Unfolded:
         """Take readings with increasing stamps; return those that are now decided."""

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from typing import Mapping
 
 from heading_intercompare.core.json_keys import leave_out_none
-from heading_intercompare.core.pairing.ledger import LedgerKey, LedgerSegment
+from heading_intercompare.core.pairing.ledger_keys import LedgerKey, LedgerSegment
 
 __all__ = ['LostReadings', 'PairingFigures', 'RejectedReadings']
 

@@ -19,6 +19,7 @@ from __future__ import annotations
 import math
 
 from heading_intercompare.core.conditions.common_noise import CommonNoise
+from heading_intercompare.core.pairing.ledger_keys import LedgerKey
 from heading_intercompare.core.validity.condition import (
     Condition,
     DOUBTFUL,
@@ -27,9 +28,13 @@ from heading_intercompare.core.validity.condition import (
     NOT_TESTABLE,
     VOID,
 )
-from heading_intercompare.core.validity.examined import Examined
+from heading_intercompare.core.validity.examined import Examined, RunAccount
 
 __all__ = ['SAME_SOURCE']
+
+#: Changes of value needed to tell, and the share of them that one sensor in two loggers shows.
+_LEAST_CHANGES, _MOST_DIFFERING = 300, 0.003
+_TOO_QUIET = 'TS and RS differ by less than the RS alone should'
 
 _NO_NOISE = {
     'too_short': 'the run is too short to compare the noise of TS and RS',
@@ -54,7 +59,7 @@ def _judge(e: Examined) -> Finding:
     upper_deg2 = e.guarded.upper_bound_deg2
     if upper_deg2 is not None and 0.0 < upper_deg2 < least ** 2:
         return SAME_SOURCE.find(
-            VOID, 'TS and RS differ by less than the RS alone should',
+            VOID, _TOO_QUIET,
             f'the difference scatters by at most {math.sqrt(upper_deg2):.3g} '
             f'deg, but by its norm the RS alone by at least {least:.3g} deg')
     if noise.kind == 'unsure':
@@ -94,16 +99,42 @@ def _describe(noise: CommonNoise) -> str:
             f'{strongest.coherence:.2f}')
 
 
+def _settle(finding: Finding | None, account: RunAccount) -> Finding | None:
+    """Compare the sequences of values as the sensors sent them: two loggers write the same."""
+    if finding is None or account.inside is None:
+        return finding
+    n = account.inside.counts.get(LedgerKey.CHANGES_COMPARED, 0)
+    differing = account.inside.counts.get(LedgerKey.CHANGES_DIFFERING, 0)
+    if n < _LEAST_CHANGES:
+        return finding if finding.effect == VOID else SAME_SOURCE.find(
+            finding.effect, finding.words, f'{finding.evidence}; {n} changes of value are too few '
+            'to compare the sequences')
+    if differing <= _MOST_DIFFERING * n:
+        evidence = (f'{n - differing} of {n} changes of value of one sensor are found in the '
+                    'other, but for a delay, a constant and rounding: two loggers on one sensor')
+        if finding.effect == VOID and finding.words != _TOO_QUIET:
+            return SAME_SOURCE.find(VOID, finding.words, f'{finding.evidence}; {evidence}')
+        return SAME_SOURCE.find(VOID, 'TS and RS write the same sequence of values', evidence)
+    evidence = (f'{finding.evidence}; {differing} of {n} changes of value of one sensor differ in '
+                'the other')
+    if finding.words == _TOO_QUIET:
+        return SAME_SOURCE.find(HOLDS, '', f'{evidence}: two sensors, of which the RS is better '
+                                'than norms.m_low says')
+    return SAME_SOURCE.find(finding.effect, finding.words, evidence)
+
+
 SAME_SOURCE = Condition(
     name='same_source',
     holds='TS and RS are two sensors',
-    void='void: TS and RS show the same noise or glitches, so both may come from one sensor',
+    void='void: TS and RS show the same noise, glitches or values, so both may come from one '
+         'sensor',
     void_when="one of TS and RS shows the noise of the other on top of the ship's motion, the "
-              'same glitches or the same readings; or they differ by less than the RS alone '
-              'should by its norm',
+              'same glitches or the same sequence of readings, also late, thinned, repeated, '
+              'rounded or with a constant added; or they differ by less than the RS alone should '
+              'by its norm, and too few values change to compare the sequences',
     void_why='two outputs of one sensor agree whatever their error',
     doubtful_when='one sensor follows the noise of the other significantly, but less than a copy '
                   'would; or the TS repeats the RS, reading by reading, and neither noise nor '
                   'glitches show: this is one sensor twice, or two without error; void if the '
                   'readings are too few or too slow to show noise',
-    judge=_judge, is_permanent=True)
+    judge=_judge, settle=_settle, is_permanent=True)

@@ -25,8 +25,8 @@ from heading_intercompare.core.diagnostics.run_columns import RunColumns
 from heading_intercompare.core.diagnostics.run_diagnostics import Diagnostics
 from heading_intercompare.core.motion.motion_check import MotionCheck
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.pairing.ledger import LedgerSegment
-from heading_intercompare.core.pairing.stamp_jumps import SetBack
+from heading_intercompare.core.pairing.ledger_keys import LedgerSegment
+from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
 from heading_intercompare.core.records import Reals
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.timing.realignment import realign

@@ -41,8 +41,8 @@ from heading_intercompare.core.diagnostics.run_diagnostics import diagnose, with
 from heading_intercompare.core.diagnostics.run_findings import describe_drift, left_in_deg2
 from heading_intercompare.core.motion.motion_check import check_motion
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.pairing.ledger import LedgerSegment
-from heading_intercompare.core.pairing.stamp_jumps import SetBack
+from heading_intercompare.core.pairing.ledger_keys import LedgerSegment
+from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
 from heading_intercompare.core.record_conditions.losses import (
     warn_of_alone,
     warn_of_held,

@@ -20,7 +20,8 @@ from collections import Counter
 
 import numpy as np
 
-from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey
+from heading_intercompare.core.pairing.ledger import Ledger
+from heading_intercompare.core.pairing.ledger_keys import LedgerKey
 
 MINUTE_NS = 60_000_000_000
 ADDED = (LedgerKey.PAIRED, LedgerKey.TS_PAIRED, LedgerKey.RS_USED, LedgerKey.TS_UNPAIRED,

@@ -21,7 +21,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare.core.pairing.pairer import pair, Pairer
-from heading_intercompare.core.pairing.stamp_jumps import JumpFilter, SetBack
+from heading_intercompare.core.raw_streams.stamp_jumps import JumpFilter, SetBack
 from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.core.settings import Settings
 
