@@ -72,7 +72,8 @@ class _Stream:
         lo, hi = np.searchsorted(self.headings.stamp_ns, (from_ns, to_ns)).tolist()
         rows = np.arange(max(lo, 1), hi)
         change = wrap180(self.headings.heading_deg[rows] - self.headings.heading_deg[rows - 1])
-        return rows[np.abs(change) > _SLACK_DEG]
+        changed: np.ndarray = rows[np.abs(change) > _SLACK_DEG]
+        return changed
 
     def take_step(self, rows: np.ndarray) -> None:
         """Take changes into the greatest common divisor of all, units of 1e-4 deg."""
@@ -148,22 +149,22 @@ class SequenceMatch:
             return Matched()
         heard_ns = min(int(stream.headings.stamp_ns[-1]) for stream in streams)
         if self._from_ns is None:
-            first_ns = max(int(stream.headings.stamp_ns[0]) for stream in streams)
-            self._begin(first_ns)
-        found = []
-        while self._to_ns + self._margin_ns <= heard_ns or end and self._from_ns < heard_ns:
+            self._begin(max(int(stream.headings.stamp_ns[0]) for stream in streams))
+        matches = []
+        while (from_ns := self._from_ns) is not None and (
+                self._to_ns + self._margin_ns <= heard_ns or end and from_ns < heard_ns):
             to_ns = min(self._to_ns, heard_ns + 1) if end else self._to_ns
-            rows = [stream.changes(self._from_ns, to_ns) for stream in streams]
+            rows = [stream.changes(from_ns, to_ns) for stream in streams]
             is_full = min(map(len, rows)) >= _CHANGES
-            if not is_full and self._to_ns - self._from_ns < _LONGEST_NS and to_ns == self._to_ns:
+            if not is_full and self._to_ns - from_ns < _LONGEST_NS and to_ns == self._to_ns:
                 self._to_ns += _EPOCH_NS
                 continue
             for stream, at in zip(streams, rows):
                 stream.take_step(at)
-            found.append(self._match(to_ns, rows))
+            matches.append(self._match(to_ns, rows))
             self._begin(to_ns)
         compared, differing = (
-            np.concatenate([_no_stamps(), *(getattr(one, name) for one in found)])
+            np.concatenate([_no_stamps(), *(getattr(match, name) for match in matches)])
             for name in ('compared_ns', 'differing_ns'))
         return Matched(compared, differing)
 
@@ -195,7 +196,7 @@ class SequenceMatch:
         most_ns = min(max(self._range_ns, _RANGE_STEPS * max(spacing)), self._margin_ns,
                       _MOST_DELAYS // 2 * step_ns / _PER_STEP)
         n = int(most_ns * _PER_STEP / step_ns)
-        delay_ns = np.arange(-n, n + 1) * (step_ns / _PER_STEP)
+        delay_ns: Reals = np.arange(-n, n + 1, dtype=np.float64) * (step_ns / _PER_STEP)
         fine_deg = 0.0 if is_equal else min(units) * _UNIT_DEG
 
         def share(of_rows: np.ndarray, delays: Reals) -> tuple[np.ndarray, np.ndarray]:
@@ -258,17 +259,14 @@ def _find_differing(apart_deg: Reals, width_deg: float,
         around = quantile(0.5), 0.5 * (quantile(_EDGE) + quantile(1.0 - _EDGE))
         constants += [center + j * fine_deg for center in around
                       for j in range(-_CONSTANTS, _CONSTANTS + 1)]
-    least: np.ndarray | None = None
-    for constant in constants:
+    least = np.ones((len(apart_deg), apart_deg.shape[2]), bool)
+    for number, constant in enumerate(constants):
         off = np.abs(apart_deg - constant[:, None, None]) > width_deg
-        differs = (off & known).any(axis=1)
-        if least is None:
-            least = differs
-        else:
-            better = np.count_nonzero(differs, axis=1) < np.count_nonzero(least, axis=1)
-            least = np.where(better[:, None], differs, least)
-    assert least is not None
-    return known.any(axis=1), least
+        differs: np.ndarray = np.any(off & known, axis=1)
+        better = np.count_nonzero(differs, axis=1) < np.count_nonzero(least, axis=1)
+        least = differs if not number else np.where(better[:, None], differs, least)
+    comparable: np.ndarray = np.any(known, axis=1)
+    return comparable, least
 
 
 def _differing_share(known: np.ndarray, differs: np.ndarray) -> np.ndarray:
