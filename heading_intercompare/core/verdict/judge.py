@@ -30,6 +30,7 @@ from heading_intercompare.core.decision.guarded import decide, Evidence, gather_
 from heading_intercompare.core.decision.scope import Scope
 from heading_intercompare.core.decision.sequential import Look, LookVerdict, risk_at_the_end
 from heading_intercompare.core.decision.taken_out import Stretch, TakenOut
+from heading_intercompare.core.diagnostics.percentile import estimate_percentile
 from heading_intercompare.core.diagnostics.prepare import (
     HIGHEST_ORDER_REMOVED,
     prepare_run,
@@ -373,6 +374,9 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
         heading_dependence=found.heading_dependence, normality=found.normality,
         stationarity=found.stationarity, correlation=correlation, allan=found.allan,
         assumptions=found.assumptions, taken_out=taken_out, motion=checked,
+        limit_95=estimate_percentile(
+            data.series_deg, 0.0 if settings.variant == 'A' or data.residual_deg is not None
+            else moments.mean_deg, correlation.n_effective_variance) if n else None,
         warnings=(*_warnings(data, limits, guarded, settings), *found.warnings))
     return RunResult(verdict, evidence, limits, printed, (outcome, reason), settings,
                      run.stabilization_s, judged, fingerprint=None if columns.fingerprint is None

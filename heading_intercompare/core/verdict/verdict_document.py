@@ -32,6 +32,7 @@ from heading_intercompare.core.decision.sequential import LookVerdict
 from heading_intercompare.core.decision.taken_out import TakenOut
 from heading_intercompare.core.diagnostics.assumptions import Assumption
 from heading_intercompare.core.diagnostics.deviation import HeadingDependence
+from heading_intercompare.core.diagnostics.percentile import Percentile
 from heading_intercompare.core.diagnostics.run_findings import Allan, Correlation, Drift, RunSkew
 from heading_intercompare.core.json_keys import leave_out_none, no_key
 from heading_intercompare.core.motion.motion_check import MotionCheck
@@ -130,6 +131,8 @@ class RunVerdict:
     warnings: Sequence[str]
     taken_out: TakenOut | None = leave_out_none()
     motion: MotionCheck | None = leave_out_none()
+    #: None before version 2.7, and with too few independent differences.
+    limit_95: Percentile | None = leave_out_none()
 
 
 @dataclass(frozen=True, slots=True)

@@ -49,6 +49,13 @@ def _range(low: float | None, high: float | None, digits: int = 4) -> str:
     return f'{_number(low, digits)} .. {_number(high, digits)}'
 
 
+def _limit(run: RunVerdict) -> str:
+    limit = run.limit_95
+    if limit is None:
+        return _number(None)
+    return f'{_number(limit.limit_deg)} ({_range(limit.lower_deg, limit.upper_deg)})'
+
+
 def _describe_rejected(run: RunVerdict) -> str:
     rejected = run.pairing.rejected
     parts = [f'{n} {sensor} {reason}' for sensor, reasons in (('TS', rejected.ts),
@@ -94,6 +101,7 @@ _ROWS: tuple[tuple[str, Callable[[RunVerdict], str]], ...] = (
     ('effective size nu', lambda r: _number(r.guarded.nu, 1)),
     ('mean difference [deg]', lambda r: _number(r.mean_deg)),
     ('largest |difference| [deg]', lambda r: _number(r.max_abs_deg)),
+    ('limit of 95 % of them [deg]', _limit),
     ('standard deviation [deg]', lambda r: _number(r.std_deg)),
     ('variance [deg2]', lambda r: _number(r.variance_deg2, 6)),
     ('  with its bounds [deg2]',

@@ -144,6 +144,10 @@ RESULTS: tuple[Row[RunVerdict], ...] = (
     Row('minimum difference', 'deg', lambda run: run.min_deg),
     Row('maximum difference', 'deg', lambda run: run.max_deg),
     Row('largest |difference|', 'deg', lambda run: run.max_abs_deg),
+    Row('limit that 95 % of the differences keep, about their mean', 'deg',
+        lambda run: None if run.limit_95 is None else run.limit_95.limit_deg),
+    Row('its lower .. upper bound at 95 % confidence', 'deg', lambda run: ABSENT if (
+        run.limit_95 is None) else interval(run.limit_95.lower_deg, run.limit_95.upper_deg)),
     Row('mean square', 'deg²', lambda run: run.mean_square_deg2),
     Row('resultant length', '1', lambda run: run.resultant_length),
     Row('coefficients of the drift removed', 'deg',

@@ -1,0 +1,98 @@
+# Copyright 2026 The heading_intercompare authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The distance from the mean within which 95 % of the differences lie, with its bounds."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+__all__ = ['estimate_percentile', 'Percentile']
+
+SHARE = 0.95
+"""Share of the differences within the limit."""
+
+_Z95 = 1.959963984540054
+_LEAST = 20
+
+
+@dataclass(frozen=True, slots=True)
+class Percentile:
+    """
+    A limit that a share of the differences keeps; keys of the JSON.
+
+    Attributes
+    ----------
+    share : float
+        Share of the differences within the limit, 0.95.
+    limit_deg : float
+        Distance from their centre that this share does not exceed, degrees.
+    lower_deg, upper_deg : float or None
+        Bounds of the limit at 95 % confidence, degrees; None for an upper one beyond the record.
+
+    """
+
+    share: float
+    limit_deg: float
+    lower_deg: float
+    upper_deg: float | None
+
+
+def estimate_percentile(x_deg: ArrayLike, center_deg: float,
+                        n_effective: float) -> Percentile | None:
+    """
+    Return the limit of 95 % of the differences, whatever their distribution.
+
+    Parameters
+    ----------
+    x_deg : array_like, shape (n,)
+        Differences, or their residuals about a drift; finite, degrees.
+    center_deg : float
+        The centre that distances count from, degrees: 0 in variant A, otherwise the mean.
+    n_effective : float
+        Number of independent differences that they are worth.
+
+    Returns
+    -------
+    Percentile or None
+        None for fewer than 20 independent differences.
+
+    Notes
+    -----
+    The share of the differences within the true limit is that of a binomial distribution of
+    `n_effective` trials. So the bounds are the quantiles at 0.95 - u and 0.95 + u with
+    u = 1.96 sqrt(0.95 0.05 / n_effective), by the normal approximation.
+
+    References
+    ----------
+    Order statistics as distribution-free bounds of a quantile: Hahn & Meeker 1991, section 5.2.
+
+    Examples
+    --------
+    >>> limit = estimate_percentile(np.arange(-100.0, 101.0), 0.0, 201.0)
+    >>> round(limit.limit_deg, 1), round(limit.lower_deg, 1), round(limit.upper_deg, 1)
+    (95.0, 92.0, 98.0)
+
+    """
+    x = np.asarray(x_deg, dtype=np.float64)
+    if not x.size or n_effective < _LEAST:
+        return None
+    u = _Z95 * math.sqrt(SHARE * (1.0 - SHARE) / n_effective)
+    shares = [SHARE, SHARE - u, min(1.0, SHARE + u)]
+    limit, lower, upper = np.quantile(np.abs(x - center_deg), shares).tolist()
+    return Percentile(SHARE, limit, lower, None if SHARE + u >= 1.0 else upper)
