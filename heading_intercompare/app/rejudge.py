@@ -26,7 +26,7 @@ from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.sensors.pair_settings import check_sensors
 from heading_intercompare.core.sensors.sensors_verdict import is_of_sensors, SensorsVerdict
 from heading_intercompare.core.settings import (
-    leave_out_added,
+    fill_in_added,
     leave_out_gone,
     Settings,
     SettingsError,
@@ -303,8 +303,7 @@ def _find_changed(report: Mapping[str, Any] | None, settings: Settings) -> list[
     given = (report or {}).get('settings')
     if not isinstance(given, Mapping):
         return []
-    now, defaults = settings.to_mapping(), Settings().to_mapping()
-    # What a report leaves out of its settings has its default.
-    added = defaults.keys() - leave_out_added(defaults).keys()
-    then = {**{name: defaults[name] for name in added}, **given}
+    now = settings.to_mapping()
+    # What a report leaves out of its settings has the value that changes nothing.
+    then = fill_in_added(given)
     return [name for name, value in now.items() if name in then and then[name] != value]

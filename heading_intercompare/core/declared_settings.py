@@ -36,8 +36,8 @@ from typing import (
     Union,
 )
 
-__all__ = ['Checked', 'explain_unknown', 'flatten', 'from_mapping', 'leave_out_added',
-           'leave_out_gone', 'list_settings', 'name_keywords', 'Setting', 'setting',
+__all__ = ['Checked', 'explain_unknown', 'fill_in_added', 'flatten', 'from_mapping',
+           'is_added', 'leave_out_added', 'leave_out_gone', 'list_settings', 'name_keywords', 'Setting', 'setting',
            'settings_sha256', 'SettingsError', 'to_mapping', 'Used']
 
 
@@ -56,6 +56,7 @@ _ADDED: dict[str, Any] = {'pairing.jump_s': 10.0, 'pairing.silent_wait_s': 60.0,
                           'bag_namespace': None,
                           'alignment.clock_range_s': 600.0,
                           'exclusions': None, 'sensors': None, 'norms.systematic_max_deg': None,
+                          'norms.limiting_error_max_deg': None, 'pairing.kernel': 'line',
                           'motion.compare': True,
                           'ts_unit': 'auto', 'rs_unit': 'auto',
                           'motion.least_speed_kn': 3.0, 'motion.current_max_kn': 3.0,
@@ -413,3 +414,21 @@ class Checked:
             if not isinstance(getattr(self, name), group):
                 raise SettingsError(f'{name} = {getattr(self, name)!r}: must be '
                                     f'{group.__name__}(...); from_mapping takes mappings')
+
+
+def fill_in_added(given: Mapping[str, Any]) -> dict[str, Any]:
+    """
+    Return settings of an earlier version with those that were added since, which change nothing.
+
+    Parameters
+    ----------
+    given : mapping
+        Settings by their dotted names.
+
+    """
+    return {**_ADDED, **given}
+
+
+def is_added(name: str) -> bool:
+    """Tell whether a setting is newer than version 2.1 of the JSON, by its dotted name."""
+    return name in _ADDED

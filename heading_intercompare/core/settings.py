@@ -27,8 +27,10 @@ from typing import Any, Mapping
 from .declared_settings import (
     Checked,
     explain_unknown,
+    fill_in_added,
     flatten,
     from_mapping,
+    is_added,
     leave_out_added,
     leave_out_gone,
     list_settings,
@@ -46,7 +48,7 @@ from .time_rules.exclusions import read_exclusions
 from .units.angle_units import ANGLE_UNITS
 
 __all__ = ['Alignment', 'Antennas', 'CampaignRule', 'Checked', 'Detectors', 'explain_unknown',
-           'flatten', 'from_mapping', 'LARGEST_SKEW_S', 'leave_out_added', 'leave_out_gone',
+           'fill_in_added', 'flatten', 'from_mapping', 'is_added', 'LARGEST_SKEW_S', 'leave_out_added', 'leave_out_gone',
            'list_settings', 'MotionRule', 'Norms', 'Pairing', 'Risk', 'RunCutting', 'Sequential',
            'Setting', 'setting', 'Settings', 'settings_sha256', 'SettingsError', 'to_mapping',
            'Trial', 'Used']

@@ -24,7 +24,7 @@ from typing import Any, cast, get_args, get_origin, get_type_hints, Literal, Uni
 
 from heading_intercompare.core.json_keys import is_left_out, list_keys
 from heading_intercompare.core.settings import (
-    leave_out_added,
+    is_added,
     list_settings,
     Setting,
     Settings,
@@ -121,7 +121,8 @@ def _join(choices: list[dict[str, Any]]) -> dict[str, Any]:
 
 def _describe_settings() -> dict[str, Any]:
     rules = list_settings(Settings)
-    return {'type': 'object', 'required': [*leave_out_added(Settings().to_mapping())],
+    required = [name for name in Settings().to_mapping() if not is_added(name)]
+    return {'type': 'object', 'required': required,
             'properties': {rule.name: _describe_setting(rule) for rule in rules}}
 
 

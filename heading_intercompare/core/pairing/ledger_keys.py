@@ -20,6 +20,8 @@ from dataclasses import dataclass, field
 from enum import Enum
 from typing import Mapping
 
+from heading_intercompare.core.raw_streams.decimal_steps import DECIMAL_STEPS
+
 __all__ = ['APART_DEG2', 'LedgerKey', 'LedgerSegment', 'LOSSES', 'REASONS']
 
 REASONS = ('invalid', 'out_of_range', 'no_stamp', 'stamp_not_increasing', 'jump', 'burst')
@@ -47,9 +49,11 @@ class LedgerKey(str, Enum):
     because a few readings of the other sensor are missing there.
 
     Other keys: `STANDING` counts values that a logger held, `CHANGES` those of value compared by
-    `raw_streams.sequence_match` and those that differ, `GAPS` usual steps without a reading,
-    `BRIDGED` pairs by the readings interpolated, `COMPARED` those compared with fewer readings.
-    `STEP` sums up steps, microseconds, `APART` squared distances, units of `APART_DEG2`.
+    `raw_streams.sequence_match` and those that differ, `TS_STEP` and `RS_STEP` changes of value by
+    the coarsest step of which they are multiples, hundredths of a degree. `GAPS` counts usual
+    steps without a reading, `BRIDGED` pairs by the readings interpolated, `COMPARED` those
+    compared with fewer readings. `STEP` sums up steps, microseconds, `APART` squared distances,
+    units of `APART_DEG2`.
     """
 
     PAIRED = 'paired'
@@ -86,6 +90,26 @@ class LedgerKey(str, Enum):
     RS_STANDING = 'standing.rs'
     CHANGES_COMPARED = 'changes.compared'
     CHANGES_DIFFERING = 'changes.differing'
+    TS_STEP_100 = 'step.ts.100'
+    TS_STEP_50 = 'step.ts.50'
+    TS_STEP_25 = 'step.ts.25'
+    TS_STEP_20 = 'step.ts.20'
+    TS_STEP_10 = 'step.ts.10'
+    TS_STEP_5 = 'step.ts.5'
+    TS_STEP_4 = 'step.ts.4'
+    TS_STEP_2 = 'step.ts.2'
+    TS_STEP_1 = 'step.ts.1'
+    TS_STEP_0 = 'step.ts.0'
+    RS_STEP_100 = 'step.rs.100'
+    RS_STEP_50 = 'step.rs.50'
+    RS_STEP_25 = 'step.rs.25'
+    RS_STEP_20 = 'step.rs.20'
+    RS_STEP_10 = 'step.rs.10'
+    RS_STEP_5 = 'step.rs.5'
+    RS_STEP_4 = 'step.rs.4'
+    RS_STEP_2 = 'step.rs.2'
+    RS_STEP_1 = 'step.rs.1'
+    RS_STEP_0 = 'step.rs.0'
     TS_GAPS = 'gaps.ts'
     RS_GAPS = 'gaps.rs'
     BRIDGED_8 = 'bridged.8'
@@ -133,6 +157,11 @@ class LedgerKey(str, Enum):
     def of_lost(cls, stream: str, where: str) -> 'LedgerKey':
         """Return the key of readings of ``'ts'`` or ``'rs'`` lost at one of `LOSSES`."""
         return cls(f'{stream}_lost.{where}')
+
+    @classmethod
+    def of_step(cls, stream: str, step: int) -> 'LedgerKey':
+        """Return the key of changes of ``'ts'`` or ``'rs'`` by a step, hundredths of a degree."""
+        return cls(f'step.{stream}.{step}')
 
     @classmethod
     def of_gaps(cls, stream: str) -> 'LedgerKey':
@@ -200,6 +229,11 @@ class LedgerSegment:
     def reported(self, stream: str) -> int:
         """Return how many of the readings that came do not only repeat a held value."""
         return self.received(stream) - self.counts.get(LedgerKey.of_held(stream), 0)
+
+    def changes(self, stream: str) -> dict[int, int]:
+        """Return the changes of value of ``'ts'`` or ``'rs'`` by step, see `StepCount`."""
+        return {step: n for step in (*DECIMAL_STEPS, 0)
+                if (n := self.counts.get(LedgerKey.of_step(stream, step)))}
 
     def times_held(self, stream: str) -> float | None:
         """Return for how many readings each held value stands; None if none was held."""

@@ -19,6 +19,7 @@ from __future__ import annotations
 import numpy as np
 
 from heading_intercompare.core.angles import wrap360
+from heading_intercompare.core.raw_streams.decimal_steps import StepCount
 from heading_intercompare.core.raw_streams.held_values import HoldFilter, Unfolded
 from heading_intercompare.core.raw_streams.stamp_jumps import Decided, JumpFilter, NEVER
 from heading_intercompare.core.records import Headings, Losses
@@ -69,6 +70,7 @@ class Stream:
         self._lost = False
         self._jumps = JumpFilter(name, jump_s, Headings.empty())
         self._holds = HoldFilter()
+        self._changes = StepCount()
         self.turned_ns = np.empty(0, np.int64)
         self.accepted = Headings.empty()
         self._heard_s = self._back_s = -np.inf
@@ -114,6 +116,8 @@ class Stream:
         self.ledger.add(LedgerKey.of_held(self.name), unfolded.held_ns)
         self.ledger.add(LedgerKey.of_standing(self.name), unfolded.standing_ns)
         self.accepted, self.turned_ns = unfolded.kept, unfolded.turned_ns
+        for step, stamp_ns in self._changes.take(unfolded.kept).items():
+            self.ledger.add(LedgerKey.of_step(self.name, step), stamp_ns)
         stamp, heading = unfolded.kept.stamp_ns, unfolded.kept.heading_deg
         if stamp.size:
             self.last_ns = int(stamp[-1])

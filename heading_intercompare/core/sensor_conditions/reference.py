@@ -26,7 +26,7 @@ from heading_intercompare.core.validity.condition import (
     NOT_TESTABLE,
     VOID,
 )
-from heading_intercompare.core.validity.examined import Examined
+from heading_intercompare.core.validity.examined import Examined, RunAccount
 
 __all__ = ['REFERENCE']
 
@@ -48,12 +48,17 @@ def _find_excess(e: Examined) -> _Excess | None:
     if lower_deg is not None and most_deg2 is not None and lower_deg > norm_deg:
         return _Excess(lower_deg ** 2 - norm_deg ** 2, most_deg2 - norm_deg ** 2,
                        f'its noise is at least {lower_deg:.3g} deg')
-    rounding = e.columns.steps[1]
-    if rounding.step_deg is not None and rounding.variance_deg2 > norm_deg ** 2:
-        excess_deg2 = rounding.variance_deg2 - norm_deg ** 2
-        return _Excess(excess_deg2, excess_deg2, f'it reports in steps of {rounding.step_deg:g} '
-                       f'deg, which alone are {rounding.variance_deg2 ** 0.5:.2g} deg')
-    return None
+    return _find_rounding(e.columns.steps[1].step_deg, norm_deg)
+
+
+def _find_rounding(step_deg: float | None, norm_deg: float) -> _Excess | None:
+    """Return the excess of rounding to a step; None if there is none."""
+    rounding_deg2 = (step_deg or 0.0) ** 2 / 12.0
+    excess_deg2 = rounding_deg2 - norm_deg ** 2
+    if excess_deg2 <= 0.0:
+        return None
+    return _Excess(excess_deg2, excess_deg2, f'it reports in steps of {step_deg:g} '
+                   f'deg, which alone are {rounding_deg2 ** 0.5:.2g} deg')
 
 
 def _judge(e: Examined) -> Finding:
@@ -65,6 +70,21 @@ def _judge(e: Examined) -> Finding:
                                   'noise of the RS')
         return REFERENCE.find(HOLDS, '', f'the noise of the RS is at least {lower_deg:.3g} deg, '
                               f'its norm is {norm_deg:.3g} deg')
+    return _weigh(e, excess)
+
+
+def _settle(finding: Finding | None, account: RunAccount) -> Finding | None:
+    """Judge the step of the RS by the changes of value that it sent: interpolation hides it."""
+    excess = _find_rounding(account.step_deg('rs'), account.limits.sigma_ref_max_deg)
+    if finding is None or finding.effect == VOID or excess is None:
+        return finding
+    found = _weigh(account, excess)
+    return found if found.effect == VOID or finding.effect != HOLDS else finding
+
+
+def _weigh(e: Examined | RunAccount, excess: _Excess) -> Finding:
+    """Judge an excess by what it could change."""
+    norm_deg = e.limits.sigma_ref_max_deg
     evidence = f'the RS breaks its norm of {norm_deg:.3g} deg: {excess.words}'
     if _decides(e, excess):
         return REFERENCE.find(VOID, f'the RS breaks its norm of {norm_deg:.3g} deg',
@@ -72,7 +92,7 @@ def _judge(e: Examined) -> Finding:
     return REFERENCE.find(HOLDS, '', f'{evidence}; the outcome is the same without the excess')
 
 
-def _decides(e: Examined, excess: _Excess) -> bool:
+def _decides(e: Examined | RunAccount, excess: _Excess) -> bool:
     """Tell whether the outcome might differ with an RS that meets its norm."""
     lower_deg2, upper_deg2 = e.guarded.lower_bound_deg2, e.guarded.upper_bound_deg2
     if e.outcome is Outcome.COMPLIANT or lower_deg2 is None or upper_deg2 is None:
@@ -90,4 +110,4 @@ REFERENCE = Condition(
               'exceeds its norm, and with the excess taken off the outcome would differ',
     void_why='the paper compares with an RS within its norm: what the RS adds is not an error of '
              'the TS',
-    judge=_judge, is_permanent=True)
+    judge=_judge, settle=_settle, is_permanent=True)

@@ -24,10 +24,11 @@ from numpy.typing import ArrayLike
 import scipy
 
 from heading_intercompare.core.angles import unwrap_deg, wrap180
+from heading_intercompare.core.json_keys import leave_out_none
 
 from .autocorrelation import effective_size, sokal_times
 from .blocking import pick_stretches
-from .resolution import find_resolution, Resolution
+from .resolution import find_resolution, find_step_seen, Resolution
 
 __all__ = ['AndersonDarling', 'apply_anderson_darling', 'examine_normality', 'measure_shape',
            'moving_average_residual', 'Normality', 'Shape', 'symmetric_difference', 'thin']
@@ -275,6 +276,9 @@ class Normality:
         Share of readings equal to the previous one.
     rounding_variance_deg2 : float
         Variance that these resolutions add to the differences; not subtracted.
+    ts_step_seen_deg, rs_step_seen_deg : float or None
+        Coarsest step of the sensor whose rounding would show, by the motion that the other sensor
+        saw, degrees; 0 if none would.
 
     """
 
@@ -293,6 +297,8 @@ class Normality:
     ts_repeated_share: float | None
     rs_repeated_share: float | None
     rounding_variance_deg2: float
+    ts_step_seen_deg: float | None = leave_out_none()
+    rs_step_seen_deg: float | None = leave_out_none()
 
 
 def examine_normality(x_deg: ArrayLike, ts_deg: ArrayLike, rs_deg: ArrayLike, *,
@@ -335,7 +341,8 @@ def examine_normality(x_deg: ArrayLike, ts_deg: ArrayLike, rs_deg: ArrayLike, *,
         distance.adjusted if distance else None, distance.p if distance else None,
         ts_first, rs_first, ts_average, rs_average, width, ts_step.step_deg, rs_step.step_deg,
         ts_step.repeated_share, rs_step.repeated_share,
-        ts_step.variance_deg2 + rs_step.variance_deg2)
+        ts_step.variance_deg2 + rs_step.variance_deg2,
+        find_step_seen(rs_deg), find_step_seen(ts_deg))
 
 
 def _examine_sensor(heading_deg: np.ndarray, width: int) -> tuple[Shape, Shape, Resolution]:

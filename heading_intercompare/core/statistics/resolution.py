@@ -17,19 +17,24 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+import math
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from heading_intercompare.core.angles import wrap180
 
-__all__ = ['find_resolution', 'LOOKED_AT', 'Resolution']
+__all__ = ['find_resolution', 'find_step_seen', 'LOOKED_AT', 'Resolution']
 
 LOOKED_AT = 100_000
 """Only the first headings of a record, up to this number, are examined for a step."""
 _LEAST_STEP_DEG = 1e-7
 _LEAST_STEPS = 20
 _SHARE = 0.99
+_STEPS_DEG = (1.0, 0.5, 0.25, 0.2, 0.1, 0.05, 0.04, 0.02, 0.01)
+#: Sum of the phases in the step of a normal law whose standard deviation is 0.3 of it.
+_SEEN = math.exp(-2.0 * (0.3 * math.pi) ** 2)
+_PHASES = 1 << 14
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +98,36 @@ def find_resolution(heading_deg: ArrayLike) -> Resolution:
     moved = changes[changes > _LEAST_STEP_DEG]
     share = 1.0 - moved.size / changes.size
     return Resolution(heading.size, _common_step(moved), share)
+
+
+def find_step_seen(heading_deg: ArrayLike) -> float:
+    """
+    Return the coarsest step whose rounding would show in the run, degrees; 0 if none would.
+
+    Parameters
+    ----------
+    heading_deg : array_like, shape (n,)
+        Headings of the other sensor, finite, degrees.
+
+    Notes
+    -----
+    Rounding adds its step^2/12 to the variance only if the heading runs through the step. The
+    phases of the heading in the step are then spread over all of it: their mean vector is short.
+    The bound is that of a normal law whose standard deviation is 0.3 steps. Then 73 % of
+    step^2/12 or more show in 95 of 100 runs.
+
+    Examples
+    --------
+    >>> find_step_seen([90.0, 90.3, 89.8, 90.1, 89.6]), find_step_seen([90.0, 90.0])
+    (0.5, 0.0)
+
+    """
+    heading = np.asarray(heading_deg, dtype=np.float64)
+    some = heading[::max(1, heading.size // _PHASES)]
+    for step_deg in _STEPS_DEG:
+        if some.size and abs(np.exp(2j * np.pi / step_deg * some).mean()) <= _SEEN:
+            return step_deg
+    return 0.0
 
 
 def _common_step(changes: np.ndarray) -> float | None:

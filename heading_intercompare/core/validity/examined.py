@@ -26,9 +26,11 @@ from heading_intercompare.core.diagnostics.run_diagnostics import Diagnostics
 from heading_intercompare.core.motion.motion_check import MotionCheck
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.pairing.ledger_keys import LedgerSegment
+from heading_intercompare.core.raw_streams.decimal_steps import find_decimal_step
 from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
 from heading_intercompare.core.records import Reals
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.statistics.normality import Normality
 from heading_intercompare.core.timing.realignment import realign
 
 from .condition import Finding
@@ -109,6 +111,8 @@ class RunAccount:
         long as unknown, as at a look.
     set_backs : sequence of SetBack
         Clocks that were set back within the run.
+    normality : Normality or None
+        Holds the steps of both sensors as paired, and those whose rounding would show.
 
     """
 
@@ -121,3 +125,10 @@ class RunAccount:
     share: LedgerSegment | None = None
     inside: LedgerSegment | None = None
     set_backs: Sequence[SetBack] = ()
+    normality: Normality | None = None
+
+    def step_deg(self, stream: str) -> float | None:
+        """Return the step in which ``'ts'`` or ``'rs'`` reports, degrees; None if unknown."""
+        if self.inside is not None:
+            return find_decimal_step(self.inside.changes(stream))
+        return None if self.normality is None else getattr(self.normality, f'{stream}_step_deg')

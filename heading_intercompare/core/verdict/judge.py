@@ -188,7 +188,7 @@ class RunResult:
             alone, verdict.guarded, self.limits, self.settings,
             verdict.correlation.stamps.lost_share,
             verdict.pairing.find_interpolated(self.settings.pairing.method),
-            self.share, self.inside, self.set_backs))
+            self.share, self.inside, self.set_backs, verdict.normality))
         return replace(self, verdict=_conclude(verdict, self.alone, findings))
 
     def place_among(self, run: int, runs: Homogeneity) -> 'RunResult':

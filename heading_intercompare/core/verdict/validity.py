@@ -35,6 +35,7 @@ from heading_intercompare.core.record_conditions.mean_over_runs import MEAN_OVER
 from heading_intercompare.core.record_conditions.repeated_readings import REPEATED_READINGS
 from heading_intercompare.core.sensor_conditions.convention import CONVENTION
 from heading_intercompare.core.sensor_conditions.enough_motion import STANDSTILL
+from heading_intercompare.core.sensor_conditions.enough_resolution import RESOLUTION
 from heading_intercompare.core.sensor_conditions.frozen import FROZEN
 from heading_intercompare.core.sensor_conditions.mean_difference import MEAN_DIFFERENCE
 from heading_intercompare.core.sensor_conditions.motion import MOTION
@@ -47,8 +48,8 @@ from heading_intercompare.core.validity.examined import Examined, RunAccount
 __all__ = ['CONDITION_WORDS', 'CONDITIONS', 'examine', 'PERMANENT', 'settle', 'VOID_REASONS']
 
 CONDITIONS = (SAME_SOURCE, CLOCKS, FROZEN, MOTION, CONVENTION, MEAN_DIFFERENCE, PARTING,
-              REFERENCE, STANDSTILL, OUTLIERS, INTERPOLATION, REPEATED_READINGS, DRIFT_REMOVED,
-              ASSUMPTIONS, LOSSES, MEAN_OVER_RUNS, LEFT_OUT)
+              REFERENCE, RESOLUTION, STANDSTILL, OUTLIERS, INTERPOLATION, REPEATED_READINGS,
+              DRIFT_REMOVED, ASSUMPTIONS, LOSSES, MEAN_OVER_RUNS, LEFT_OUT)
 """
 All conditions, causes before their consequences; the first that makes a run void is its reason.
 

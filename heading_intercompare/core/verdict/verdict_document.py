@@ -39,6 +39,8 @@ from heading_intercompare.core.motion.motion_check import MotionCheck
 from heading_intercompare.core.outcome import Outcome, worst
 from heading_intercompare.core.runs.pairing_figures import PairingFigures
 from heading_intercompare.core.settings import (
+    fill_in_added,
+    is_added,
     leave_out_added,
     Settings,
     settings_sha256,
@@ -446,11 +448,11 @@ class Verdict:
 
 def _read_settings(given: Mapping[str, Any]) -> dict[str, Any]:
     """Return all settings as plain values, nested like the classes."""
-    for name in leave_out_added(Settings().to_mapping()):
-        if name not in given:
+    for name in Settings().to_mapping():
+        if name not in given and not is_added(name):
             raise VerdictError(f'settings.{name} is missing')
     try:
-        settings = Settings.from_mapping(given)
+        settings = Settings.from_mapping(fill_in_added(given))
         Limits.of(settings.norms, settings.model)
     except SettingsError as error:
         raise VerdictError(f'settings: {error}') from error
