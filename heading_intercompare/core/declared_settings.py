@@ -37,7 +37,8 @@ from typing import (
 )
 
 __all__ = ['Checked', 'explain_unknown', 'fill_in_added', 'flatten', 'from_mapping',
-           'is_added', 'leave_out_added', 'leave_out_gone', 'list_settings', 'name_keywords', 'Setting', 'setting',
+           'is_added', 'leave_out_added', 'leave_out_gone', 'list_settings', 'name_keywords',
+           'Setting', 'setting',
            'settings_sha256', 'SettingsError', 'to_mapping', 'Used']
 
 

@@ -114,7 +114,7 @@ def test_a_notebook_shows_the_same_table():
     rows = [[cell.text or '' for cell in row] for row in root.iter('tr')]
     words = {' '.join(' '.join(row).split()) for row in rows}
     printed = {' '.join(line.split()) for line in str(verdict).splitlines()}
-    assert len(words) == 2 * 32 and words <= printed
+    assert len(words) == 2 * 33 and words <= printed
     items = [item.text for item in root.iter('li')]
     assert {item.text for item in root.iter('p') if item.text} <= printed
     assert set(items) <= printed and len(items) >= 7
