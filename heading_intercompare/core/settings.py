@@ -49,9 +49,9 @@ from .units.angle_units import ANGLE_UNITS
 
 __all__ = ['Alignment', 'Antennas', 'CampaignRule', 'Checked', 'Detectors', 'explain_unknown',
            'fill_in_added', 'flatten', 'from_mapping', 'is_added', 'LARGEST_SKEW_S',
-           'leave_out_added', 'leave_out_gone', 'list_settings', 'MotionRule', 'Norms', 'Pairing', 'Risk', 'RunCutting', 'Sequential',
-           'Setting', 'setting', 'Settings', 'settings_sha256', 'SettingsError', 'to_mapping',
-           'Trial', 'Used']
+           'leave_out_added', 'leave_out_gone', 'list_settings', 'MotionRule', 'Norms',
+           'Pairing', 'Risk', 'RunCutting', 'Sequential', 'Setting', 'setting', 'Settings',
+           'settings_sha256', 'SettingsError', 'to_mapping', 'Trial', 'Used']
 
 
 @dataclass(frozen=True, slots=True)
