@@ -406,7 +406,8 @@ def test_what_comes_back_of_an_input_does_not_grow_with_its_pairs(folder, tmp_pa
     # With what the figures of a protocol are drawn from.
     assert all_of_it < 700_000 and all_of_it < 1.2 * some
     plain = Job(Settings.from_mapping(NORMS), None, sketched=False)
-    assert len(pickle.dumps(plain.survive(str(folder / 'p.csv')))) < 20_000
+    # With a fingerprint of the differences, by which runs that share readings are known.
+    assert len(pickle.dumps(plain.survive(str(folder / 'p.csv')))) < 40_000
 
 
 def test_linear_algebra_has_one_thread_until_the_last_of_several_tasks_is_done():

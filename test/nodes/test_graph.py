@@ -63,7 +63,8 @@ def trial(tmp_path_factory):
 
 def test_the_live_verdict_is_that_of_the_recording(trial):
     live, bag = trial
-    assert live['runs'][0]['n'] > 1000
+    # A tenth of the readings of the RS is missing, and no pair bridges that.
+    assert live['runs'][0]['n'] > 900
     assert_same(live, offline(bag))
 
 
@@ -190,7 +191,7 @@ def test_runs_that_the_clock_cuts_are_the_same_live_in_replay_and_offline(tmp_pa
     Logbook(books[2]).write(make_rows(judged.verdict, earlier=judged.earlier))
     rows = [Logbook(book).read() for book in books]
     assert {row.bag for row in rows[0]} == {bag} and len(rows[0]) >= 4
-    assert sum(row.n for row in rows[0]) == sum(row.paired for row in rows[0]) > 1000
+    assert sum(row.n for row in rows[0]) == sum(row.paired for row in rows[0]) > 900
     for found in rows[1:]:
         assert [(row.key, row.n, row.outcome, row.paired, row.ts_received, row.rs_unused)
                 for row in found] == [

@@ -240,7 +240,7 @@ def test_absent_scenario_and_present_bag_are_named(scenario, bag, tmp_path, caps
 @pytest.mark.slow
 @pytest.mark.parametrize('name, outcome, code', [
     ('ts_below_norm', 'compliant', 0), ('ts_at_norm', 'indeterminate', 3),
-    ('ts_above_norm', 'non_compliant', 1), ('degraded_rs', 'non_compliant', 1)])
+    ('ts_above_norm', 'non_compliant', 1), ('degraded_rs', 'indeterminate', 3)])
 def test_scenario_is_judged_as_its_file_promises(name, outcome, code, tmp_path):
     """
     Under norms of 0.3 and 0.1 degrees; the truth in the bag tells who is to blame.
