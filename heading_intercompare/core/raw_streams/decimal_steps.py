@@ -77,6 +77,10 @@ def find_decimal_step(changes: Mapping[int, int]) -> float | None:
         The coarsest of `DECIMAL_STEPS` of which 99 % of all changes are multiples, degrees. None
         for fewer than three changes, and for a finer step.
 
+    References
+    ----------
+    E.28 of ``docs/diagnostics.md``.
+
     Examples
     --------
     >>> find_decimal_step({100: 40}), find_decimal_step({100: 4, 20: 5, 10: 40})

@@ -28,7 +28,7 @@ _TURN = 360_000_000
 _WINDOW, _PERIODS = 32, 64
 """Times between large changes, and distances between changes, that are looked at together."""
 _LARGE_2 = 3
-_MOST_ONES = 3
+_MOST_SINGLES = 4
 _ODD = 2
 _LEAST_MEAN_10, _MOST_CV2, _LEAST_SIZE_CV2, _MORE = 17, 0.36, 0.16, 1.7
 _BREAK_NS, _LONGEST_NS, _BEGIN_NS = 15 * 10**9, 300 * 10**9, 120 * 10**9
@@ -109,6 +109,8 @@ class _Changes:
     stamp_ns: Integers
     size: Integers
     is_large: np.ndarray
+    #: Distances of one reading so far.
+    singles: Integers
     #: The constant period that the distances up to the change show; 1 if none.
     period: Integers
 
@@ -122,6 +124,9 @@ class _Times:
     first_ns: Integers
     end_ns: Integers
     size: Integers
+    #: Distances of one reading between any changes so far, at both ends.
+    first_singles: Integers
+    end_singles: Integers
     #: No hold spans the time from the one before to this one.
     is_apart: np.ndarray
     #: Nothing was between the start of the stream and this one.
@@ -144,18 +149,19 @@ class HoldSearch:
     the sensor. Two rules find a hold.
 
     *Wandering*: a window holds the times, in readings, between 32 pairs of neighbouring large
-    changes. At most 3 of them are a single reading, their mean is at least 1.7, and they scatter
+    changes. In it, at most 4 changes of any size come one reading after another. The mean of the
+    times is at least 1.7, and they scatter
     by at most 0.6 of their mean. The changes scatter in size by at least 0.4 of their mean, and
     relatively more than the times: a hold has even times and uneven sizes, a sticky sensor has
-    the reverse. All readings of the window are held, and those after it until more than 3 of the
-    newest 32 times are a single reading, or until 15 s pass without such a time.
+    the reverse. All readings of the window are held, and those after it until more than 4 changes
+    in the newest 32 times come one reading after another, or until 15 s pass without such a time.
 
     *Constant*: one number from 2 to 60 divides at least 62 of the last 64 distances between any
     changes. This holds from the change on that shows it, until 64 distances contradict it. If the
     first two minutes of a stream show it, without 15 s between changes, it holds from their start.
 
     A reading is open as long as a window that covers it may still pass. A window cannot pass with
-    more than 3 single readings, with 15 s between two of its times, or in more than 5 minutes.
+    more than 4 such changes, with 15 s between two of its times, or in more than 5 minutes.
     The first value of a stream is open for 3 s. A value that is the same after more than 3 s
     without a reading is a new one: no logger polls so slowly.
 
@@ -167,8 +173,8 @@ class HoldSearch:
 
     def __init__(self) -> None:
         none, no = np.empty(0, np.int64), np.empty(0, bool)
-        self._changes = _Changes(none, none, none, no, none)
-        self._times = _Times(none, none, none, none, none, no, no, no, no, none, np.empty(0), none)
+        self._changes = _Changes(none, none, none, no, none, none)
+        self._times = _Times(*(none,) * 7, *(no,) * 4, none, np.empty(0), none)
         self._rows = self._newest_ns = 0
         self._value: int | None = None
         self._step = _TURN
@@ -234,6 +240,7 @@ class HoldSearch:
             np.concatenate((old.row, row)), np.concatenate((old.stamp_ns, stamp_ns)),
             np.concatenate((old.size, size)),
             np.concatenate((old.is_large, 2 * size >= _LARGE_2 * step)),
+            np.concatenate((old.singles, self._count_singles(row))),
             np.concatenate((old.period, np.ones(n, np.int64))))
         at = np.arange(max(1, known), known + n)
         at = at[now.is_large[at - 1] & now.is_large[at]]
@@ -241,6 +248,13 @@ class HoldSearch:
         if len(at):
             self._add_times(at)
         self._find_periods(known)
+
+    def _count_singles(self, row: Integers) -> Integers:
+        """Return the number of distances of one reading up to each of new changes."""
+        known = self._changes
+        last, before = (known.row[-1], known.singles[-1]) if len(known.row) else (row[0] - 2, 0)
+        singles: Integers = before + np.cumsum(np.diff(row, prepend=last) == 1)
+        return singles
 
     def _add_times(self, at: Integers) -> None:
         now, old, n = self._changes, self._times, len(at)
@@ -254,6 +268,8 @@ class HoldSearch:
             np.concatenate((old.first_row, now.row[at - 1])),
             np.concatenate((old.end_row, now.row[at])), np.concatenate((old.first_ns, first_ns)),
             np.concatenate((old.end_ns, end_ns)), np.concatenate((old.size, now.size[at])),
+            np.concatenate((old.first_singles, now.singles[at - 1])),
+            np.concatenate((old.end_singles, now.singles[at])),
             np.concatenate((old.is_apart, is_apart)), np.concatenate((old.begins, begins)),
             np.concatenate((old.passes, np.zeros(n, bool))),
             np.concatenate((old.lasts, np.zeros(n, bool))),
@@ -276,13 +292,14 @@ class HoldSearch:
             sums = np.concatenate(([0], np.cumsum(column)))
             return sums[_WINDOW:] - sums[:-_WINDOW]
 
-        ones, total = windows((length == 1).astype(np.int64)), windows(length)
+        singles = now.end_singles[ends] - now.first_singles[ends - _WINDOW + 1]
+        total = windows(length)
         apart = windows(now.is_apart[lo:].astype(np.int64)) - now.is_apart[lo:][:len(ends)]
         span_ns = now.end_ns[ends] - now.first_ns[ends - _WINDOW + 1]
         mean, mean_size = total / _WINDOW, windows(size) / _WINDOW
         cv2 = windows(length ** 2) / _WINDOW / mean ** 2 - 1.0
         size_cv2 = windows(size ** 2) / _WINDOW / mean_size ** 2 - 1.0
-        may_pass = (ones <= _MOST_ONES) & (apart == 0)
+        may_pass = (singles <= _MOST_SINGLES) & (apart == 0)
         passes = (may_pass & (10 * total >= _LEAST_MEAN_10 * _WINDOW) & (cv2 <= _MOST_CV2)
                   & (size_cv2 >= np.maximum(_LEAST_SIZE_CV2, _MORE * cv2))
                   & (span_ns <= _LONGEST_NS))
@@ -348,12 +365,12 @@ class HoldSearch:
         """Find the readings that a window still to come may cover; `last` is the time before."""
         times, changes = self._times, self._changes
         n = len(times.end_ns)
-        ones = np.concatenate(([0], np.cumsum(times.end_row - times.first_row == 1)))
         apart = np.concatenate(([0], np.cumsum(times.is_apart)))
         is_broken = self._newest_ns - int(times.end_ns[-1]) > _BREAK_NS and not (
             is_under_way and int(changes.stamp_ns[-1]) - int(times.end_ns[-1]) <= _BREAK_NS)
         s = np.arange(n)
-        may_pass = ((s + _WINDOW > n) & (ones[n] - ones[s] <= _MOST_ONES)
+        may_pass = ((s + _WINDOW > n)
+                    & (changes.singles[-1] - times.first_singles <= _MOST_SINGLES)
                     & (apart[n] == apart[s + 1])
                     & (self._newest_ns - times.first_ns <= _LONGEST_NS))
         if is_broken:

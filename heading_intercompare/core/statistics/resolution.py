@@ -116,6 +116,10 @@ def find_step_seen(heading_deg: ArrayLike) -> float:
     The bound is that of a normal law whose standard deviation is 0.3 steps. Then 73 % of
     step^2/12 or more show in 95 of 100 runs.
 
+    References
+    ----------
+    E.28 of ``docs/diagnostics.md``.
+
     Examples
     --------
     >>> find_step_seen([90.0, 90.3, 89.8, 90.1, 89.6]), find_step_seen([90.0, 90.0])
