@@ -38,6 +38,8 @@ _USUAL = 0.6
 _COVERED = 10
 #: The least number of steps for which a slow sensor is watched.
 _LEAST_STEPS = 4
+#: More steps tell nothing new, and live the first pairs wait for them.
+_MOST_STEPS = 64
 
 
 def typical_step_ns(stamp_ns: np.ndarray) -> int | None:
@@ -111,8 +113,8 @@ class UsualSteps:
     The usual step of one sensor in each stretch of its stream.
 
     A stretch starts with the first reading, with the first one after a silence, and where a logger
-    begins or ceases to hold values. Its step is
-    that of its first minute, or of its first four steps if they last longer. So it depends on the
+    begins or ceases to hold values. Its step is that of its first minute, of its first 64 steps
+    if they are over sooner, or of its first four steps if they last longer. So it depends on the
     stream alone, however it is cut into chunks.
 
     Parameters
@@ -182,7 +184,7 @@ class UsualSteps:
 
     def _decide(self, stamps: np.ndarray, is_over: bool) -> None:
         until = int(np.searchsorted(stamps, self._starts[-1] + self._watched_ns, side='right'))
-        until = max(until, _LEAST_STEPS + 1)
+        until = min(max(until, _LEAST_STEPS + 1), _MOST_STEPS + 1)
         if is_over or len(stamps) > until:
             self._steps[-1] = usual_step_ns(stamps[:until]) or 0
 
