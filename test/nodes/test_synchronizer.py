@@ -32,6 +32,7 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import Imu
 
+from heading_intercompare.core.pairing.ledger_keys import LedgerKey
 from heading_intercompare.core.pairing.pairer import pair
 from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.core.settings import Settings, SettingsError
@@ -46,6 +47,12 @@ from heading_intercompare.nodes.synchronizer import Synchronizer
 from heading_intercompare.nodes.taking.intake import Intake
 
 T0_NS = 1_700_000_000_000_000_000
+
+
+def fates(ledger):
+    """Return the counts of pairs and readings, without those of steps and gaps."""
+    return {key: n for key, n in ledger.total.counts.items()
+            if key.stream or key is LedgerKey.PAIRED}
 
 
 def stream(rng, rate_hz, span_s, offset_ns=0):
@@ -157,7 +164,7 @@ def test_the_ledger_comes_every_second_and_its_last_one_is_final(ros, rng):
     assert not ledger_from(ledgers[-1])[1]
     send(sensors[0], stream(rng, 10.0, 1.0))
     ledger = finish(ros, node, sensors, ledgers)
-    assert ledger.total.counts == {'ts_unpaired': 10}
+    assert fates(ledger) == {'ts_unpaired': 10}
     assert ledger.newest_ns == T0_NS + 900_000_000
 
 
@@ -165,7 +172,7 @@ def test_rejected_readings_are_counted_by_reason(ros):
     node, sensors, _, ledgers = graph(ros)
     send(sensors[0], Headings.as_sent([T0_NS, T0_NS, 0, T0_NS + 1], [1.0, 2.0, 3.0, np.nan]))
     ledger = finish(ros, node, sensors, ledgers)
-    assert ledger.total.counts == {
+    assert fates(ledger) == {
         'ts_rejected.invalid': 1, 'ts_rejected.no_stamp': 1,
         'ts_rejected.stamp_not_increasing': 1, 'ts_unpaired': 1}
 
@@ -301,7 +308,7 @@ def test_readings_held_for_a_jump_are_pending_and_do_not_let_others_expire(ros, 
         send(sensor, after[40:])
     ros.spin_until(lambda: len(pairs) == 110)
     ledger = finish(ros, node, sensors, ledgers)
-    assert ledger.total.counts == {'paired': 110, 'ts_paired': 110, 'rs_used': 110}
+    assert fates(ledger) == {'paired': 110, 'ts_paired': 110, 'rs_used': 110}
 
 
 def test_a_clock_set_back_is_told_in_words_and_in_the_ledger(ros, rng):
@@ -393,7 +400,7 @@ def test_what_a_driver_lost_is_in_the_ledger(ros, rng):
     ros.spin_until(lambda: node._pairer.ledger.total.lost('rs')
                    and node._pairer.ledger.total.received('rs') == 13)
     ledger = finish(ros, node, [*sensors, told], ledgers)
-    assert ledger.total.counts == {'rs_lost.at_source': 7, 'rs_rejected.burst': 3,
+    assert fates(ledger) == {'rs_lost.at_source': 7, 'rs_rejected.burst': 3,
                                    'rs_unused': 10}
 
 

@@ -315,7 +315,8 @@ def test_a_ts_put_onto_the_rs_by_hand():
     assert pairs.rs_variance_factor.tolist() == [1.0, 1.0] and pairs.lag_ns.tolist() == [0, 0]
     assert ledger.total.counts == {
         'paired': 2, 'ts_used': 1, 'ts_paired': 1, 'ts_unpaired': 2, 'rs_used': 2, 'rs_unused': 2,
-        'bridged.2': 1, 'bridged.step': 10 ** 6, 'gaps.ts': 1, 'gaps.rs': 4}
+        'bridged.2': 1, 'bridged.step': 10 ** 6, 'gaps.ts': 1, 'gaps.rs': 4,
+        'changes.compared': 1, 'step.ts.100': 3, 'step.rs.100': 2}
 
 
 def test_nothing_is_extrapolated():
