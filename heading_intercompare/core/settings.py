@@ -45,7 +45,7 @@ from .declared_settings import (
 from .rows.sensor_table import read_sensors, SENSOR_CLASS_NAMES
 from .time_rules.clock_cuts import ClockCuts
 from .time_rules.exclusions import read_exclusions
-from .units.angle_units import ANGLE_UNITS
+from .units.full_turns import ANGLE_UNITS
 
 __all__ = ['Alignment', 'Antennas', 'CampaignRule', 'Checked', 'Detectors', 'explain_unknown',
            'fill_in_added', 'flatten', 'from_mapping', 'is_added', 'LARGEST_SKEW_S',

@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Collection
 
 from heading_intercompare.core.declared_settings import Checked, setting, SettingsError
-from heading_intercompare.core.units.angle_units import ANGLE_UNITS
+from heading_intercompare.core.units.full_turns import ANGLE_UNITS
 
 from .settings_rows import read_rows
 

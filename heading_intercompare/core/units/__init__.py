@@ -19,17 +19,18 @@ from typing import TYPE_CHECKING
 from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
-    'angle_units': ('ANGLE_UNITS', 'AngleWatch', 'find_named_unit', 'read_angles'),
+    'angle_units': ('AngleWatch', 'find_named_unit', 'read_angles'),
+    'full_turns': ('ANGLE_UNITS',),
     'given_stamps': ('find_unit', 'integer_stamps', 'utc_stamps'),
 })
 if TYPE_CHECKING:
     # The same names for type checkers, by ``make docs``.
     from .angle_units import (
-        ANGLE_UNITS as ANGLE_UNITS,
         AngleWatch as AngleWatch,
         find_named_unit as find_named_unit,
         read_angles as read_angles,
     )
+    from .full_turns import ANGLE_UNITS as ANGLE_UNITS
     from .given_stamps import (
         find_unit as find_unit,
         integer_stamps as integer_stamps,

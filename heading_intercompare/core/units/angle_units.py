@@ -22,12 +22,11 @@ import re
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ['ANGLE_UNITS', 'AngleWatch', 'find_named_unit', 'fold_angles', 'read_angles']
+from .full_turns import ANGLE_UNITS
+
+__all__ = ['AngleWatch', 'find_named_unit', 'fold_angles', 'read_angles']
 
 _Reals = NDArray[np.float64]
-
-ANGLE_UNITS = {'deg': 360.0, 'rad': 2.0 * math.pi, 'rev': 1.0}
-"""A full turn in each unit."""
 
 _NAMES = {'deg': ('deg', 'degs', 'degree', 'degrees', '°'),
           'rad': ('rad', 'rads', 'radian', 'radians'),

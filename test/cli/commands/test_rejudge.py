@@ -195,7 +195,7 @@ def test_a_bag_of_the_first_build_is_judged_and_says_which_settings_are_gone(tol
     assert code == 1
     assert lines[0] == (f'{tmp_path / "a"}: COMPLIANT by rule 1 -> INDETERMINATE: shorter than a '
                         'run must be to comply; measure 10 min (0.17 h) in all '
-                        '(other settings: risk.min_duration_s)')
+                        '(other settings: pairing.kernel, risk.min_duration_s)')
     assert f'note: {tmp_path / "a"}: risk.method = dyadic+acf is gone: ' in said
     code, lines, said = told(tmp_path / 'a', tmp_path / 'b', '--check')
     assert code == 0 and ': same: COMPLIANT' in lines[0]
