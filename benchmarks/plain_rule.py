@@ -218,6 +218,8 @@ def _flat(times: float, p: int) -> float:
 def stated_bound(figures: Plain, times: float, alpha: float) -> float:
     """Return U of one run whose length in slowest errors is stated. S.17."""
     n, p, d, k4 = figures.n, figures.order, figures.d_deg2, figures.k4
+    if figures.c2 is None:
+        return d  # all errors are equal
     seen, g = times * figures.occupied, max(1.0, k4 / 3.0)
     modes = min(128, figures.cells // 4, max(8, math.floor(seen / 3.0)))
     w = float(np.mean(figures.c2[:modes])) / figures.cells

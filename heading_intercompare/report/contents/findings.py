@@ -334,6 +334,8 @@ LEFT_TO_JSON = {
     'skew.scan.curve_std_deg': 'the curve is drawn, not printed',
     'drift.order.bic': 'only the order that it chooses says something',
     'motion.legs.start_ns': 'the legs are printed in their order, and drawn on the track',
+    'normality.ts_step_seen_deg': 'the finding on the resolution says the step',
+    'normality.rs_step_seen_deg': 'the finding on the resolution says the step',
     'heading_dependence.covariance_deg2': 'its diagonal is printed, as uncertainties',
 }
 """Figures that the protocol leaves to the JSON, and why."""
