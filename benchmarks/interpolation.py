@@ -75,7 +75,7 @@ class Row:
 
     @property
     def name(self) -> str:
-        """The row in words."""
+        """Return the row in words."""
         words = f'{self.ship}, {self.ts_hz:g}:{self.rs_hz:g} Hz'
         if self.phase == 0.0:
             words += ', equal stamps'

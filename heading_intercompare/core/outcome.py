@@ -34,7 +34,7 @@ class Outcome(str, Enum):
 
     @property
     def words(self) -> str:
-        """The outcome as it stands in a sentence."""
+        """Return the outcome as it stands in a sentence."""
         return self.value.replace('_', '-')
 
 

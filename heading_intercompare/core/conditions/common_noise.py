@@ -144,7 +144,7 @@ class CommonNoise:
 
     @property
     def strongest(self) -> FollowedNoise:
-        """The direction with the largest coherence."""
+        """Return the direction with the largest coherence."""
         return max(self.of_rs, self.of_ts, key=lambda noise: noise.coherence or -math.inf)
 
 

@@ -122,7 +122,7 @@ class RunColumns:
 
     @cached_property
     def stamps(self) -> StampSteps:
-        """Steps of the stamps."""
+        """Return steps of the stamps."""
         return measure_stamp_steps(self.stamp_ns, self.settings.detectors.silence_steps)
 
     @cached_property
@@ -137,7 +137,7 @@ class RunColumns:
 
     @cached_property
     def steps(self) -> tuple[Resolution, Resolution]:
-        """Steps in which TS and RS report."""
+        """Return steps in which TS and RS report."""
         return find_resolution(self.ts_deg), find_resolution(self.rs_deg)
 
     @cached_property

@@ -198,7 +198,7 @@ class UsualSteps:
 
     @property
     def newest_ns(self) -> int:
-        """The newest usual step, nanoseconds; 0 if unknown."""
+        """Return the newest usual step, nanoseconds; 0 if unknown."""
         return next((step for step in reversed(self._steps) if step is not None), 0)
 
     def stretches(self, from_ns: int) -> list[tuple[int, int | None]]:

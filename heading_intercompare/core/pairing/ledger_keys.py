@@ -264,6 +264,6 @@ class LedgerSegment:
 
     @property
     def unbridged(self) -> int:
-        """Number of readings without a pair because the other sensor lacks some around them."""
+        """Return how many readings have no pair for a gap of the other sensor around them."""
         return sum(self.counts.get(key, 0)
                    for key in (LedgerKey.TS_UNBRIDGED, LedgerKey.RS_UNBRIDGED))

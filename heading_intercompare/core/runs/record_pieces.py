@@ -152,7 +152,7 @@ class RecordPieces(Generic[Judged]):
 
     @property
     def pieces(self) -> tuple[Judged, ...]:
-        """What is kept of the pieces so far, in the order of time."""
+        """Return what is kept of the pieces so far, in the order of time."""
         newest = () if self._piece is None else (self._judge(self._piece),)
         return (*self._ended, *newest)
 

@@ -183,7 +183,7 @@ class AngleWatch:
 
     @property
     def unit(self) -> str | None:
-        """The unit that the angles show, 'rad' or 'rev'; None if they may be degrees."""
+        """Return the unit that the angles show, 'rad' or 'rev'; None if they may be degrees."""
         if self._n < _LEAST:
             return None
         for unit in ('rev', 'rad'):

@@ -166,7 +166,7 @@ class RunResult:
 
     @property
     def left_out(self) -> tuple[Stretch, ...]:
-        """What is left out of the run, and of its input outside the runs."""
+        """Return what is left out of the run, and of its input outside the runs."""
         run = self.verdict
         settled_ns = run.start_ns + round(
             1e9 * run.duration_s * run.n_stabilization / max(1, run.n_input))
