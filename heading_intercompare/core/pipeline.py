@@ -368,9 +368,9 @@ class Compliance:
                 outside.append(Stretch(end_ns or self._record.start_ns or start_ns, start_ns,
                                        self._outside or 'in no run', n))
         results = [replace(results[0], outside=tuple(outside)), *results[1:]]
-        if not any(r.left_out for r in results):
-            return results
-        return [replace(r, pieces=self._record.pieces) for r in results]
+        # Also if nothing is left out here: another input of the verdict may leave something out.
+        pieces = self._record.pieces
+        return [replace(r, pieces=pieces) for r in results]
 
     def _leave_earlier(self) -> int:
         """Forget the finished runs that are too old for the verdict; return their number."""

@@ -64,7 +64,7 @@ def judge_left_out(outcome: Outcome, left_out: TakenOut, by_hand: bool) -> Findi
                              'recorded is unknown')
     recorded = left_out.as_recorded.outcome
     reasons = ', '.join(dict.fromkeys(s.reason for s in left_out.stretches if s.n))
-    share = f'{100.0 * left_out.share:.2g} % of the pairs are left out ({reasons})'
+    share = f'{_percent(left_out.share)} % of the pairs are left out ({reasons})'
     evidence = f'{left_out.n} pairs, {share}; as recorded {recorded.words}'
     decides = recorded is not outcome and outcome is not Outcome.INDETERMINATE and not (
         outcome is Outcome.NON_COMPLIANT and recorded is Outcome.INDETERMINATE)
@@ -73,3 +73,8 @@ def judge_left_out(outcome: Outcome, left_out: TakenOut, by_hand: bool) -> Findi
     is_said = by_hand or left_out.share >= NAMED_SHARE
     return LEFT_OUT.find(HOLDS, f'{share}, as recorded {recorded.words}' if is_said else '',
                          evidence)
+
+
+def _percent(share: float) -> str:
+    """Return a share in percent with two digits, and 100 for all that rounds to it."""
+    return '100' if share >= 0.995 else f'{100.0 * share:.2g}'

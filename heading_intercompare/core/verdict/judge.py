@@ -106,7 +106,7 @@ class RunResult:
     first_pair : int
         Pairs of its input before its first one, in runs or not.
     pieces : tuple of JudgedPiece
-        The record of its input as the sensors made it; empty if nothing is left out.
+        The record of its input as the sensors made it.
     outside : tuple of Stretch
         Pairs of its input that lie in no run, with the first run of the input.
     share, inside : LedgerSegment or None

@@ -210,7 +210,7 @@ def test_a_large_file_is_refused_and_not_read_to_its_end(tmp_path):
 @pytest.mark.parametrize('lines', [
     '    - bag_{}.mcap\n', '    - bag.mcap\n  custom_{}: x\n  relative_{}:\n'])
 def test_many_names_take_a_time_that_grows_with_their_number(tmp_path, lines):
-    """Twice the names take about twice the time, not four times."""
+    """Eight times the names take about eight times the time; were it the square, 64 times."""
     def seconds(count: int) -> float:
         text = ''.join(lines.format(n, n) for n in range(count))
         path = listing(tmp_path, f'\n    - first.mcap\n{text}    - last.mcap\n')
@@ -218,7 +218,7 @@ def test_many_names_take_a_time_that_grows_with_their_number(tmp_path, lines):
         assert list_parts(path)[0] == 'first.mcap'
         return process_time() - began_s
     seconds(100)
-    assert seconds(20_000) < 3.0 * seconds(10_000)
+    assert seconds(20_000) < 24.0 * min(seconds(2_500) for _ in range(3))
 
 
 def test_the_bound_is_one_of_bytes_not_of_letters(tmp_path):

@@ -155,3 +155,17 @@ def test_inputs_are_accounted_for_together(bad, good, rng):
     verdict = analyze([ts for ts, _ in runs], [rs for _, rs in runs], Settings.from_mapping(
         {'norms': NORMS, 'runs': {'stabilization_s': 510.0}}))
     assert verdict.taken_out.n == 2 * 5100 and finding(verdict).effect == DOUBTFUL
+
+
+def test_an_input_without_anything_left_out_counts_in_the_record(bad, good, rng):
+    """The second day is bad and stays in: the record is as bad as the runs."""
+    days = []
+    for day, errors in enumerate((good, bad)):
+        stamps = STAMPS + day * 86_400 * 10 ** 9
+        days.append((Headings.as_sent(stamps, (SHIP + errors) % 360.0),
+                     Headings.as_sent(stamps, (SHIP + 0.05 * rng.standard_normal(N)) % 360.0)))
+    verdict = analyze([ts for ts, _ in days], [rs for _, rs in days], Settings.from_mapping(
+        {'norms': NORMS, 'exclusions': '2027-01-15 08:00:00, 2027-01-15 08:05:00, because'}))
+    assert verdict.outcome is Outcome.NON_COMPLIANT and finding(verdict).effect == HOLDS
+    assert verdict.taken_out.share == pytest.approx(2999 / (2 * N))
+    assert verdict.taken_out.as_recorded.n == 2 * N
