@@ -37,7 +37,7 @@ import time
 from typing import Iterable
 import zlib
 
-from made_up_ships import KINDS, raised, voyage, watch
+from made_up_ships import KINDS, norms_of, raised, voyage, watch
 import numpy as np
 import scipy
 
@@ -91,7 +91,7 @@ def count_alarms(kind: str, hours: float, seed: int) -> Alarms:
         rng = np.random.default_rng([seed, zlib.crc32(kind.encode()), number])
         trip = voyage(rng, span_s=_VOYAGE_S, **KINDS[kind])
         began_s = time.process_time()
-        found.update(raised(watch(*trip)[0]))
+        found.update(raised(watch(*trip, **norms_of(kind))[0]))
         cpu_s += time.process_time() - began_s
     return Alarms(n * _VOYAGE_S, cpu_s, found)
 

@@ -31,6 +31,8 @@ from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
 
 NORMS = {'norms': {'sigma_max_deg': 0.3, 'sigma_ref_max_deg': 0.1}}
+#: Norms that sensors keep which report whole degrees.
+WHOLE_DEGREES = {'norms': {'sigma_max_deg': 0.6, 'sigma_ref_max_deg': 0.4}}
 T0_NS = 1_700_000_000_000_000_000
 
 _TURNING, _ALONGSIDE = {'motion': 'turning'}, {'motion': 'alongside'}
@@ -116,6 +118,11 @@ def watch(t_s, ts, rs, every_s=1.0, settings=None, **values):
         changes += [((newest_ns - T0_NS) / 1e9, alarm)
                     for alarm in table.update(watcher.look(), newest_ns)]
     return changes, table
+
+
+def norms_of(kind):
+    """Return the settings with norms that the sensors of a kind keep."""
+    return WHOLE_DEGREES if KINDS[kind].get('step_deg') == 1.0 else NORMS
 
 
 def raised(changes):

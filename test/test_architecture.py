@@ -81,7 +81,7 @@ ORDER = {
              'settings', 'json_keys', 'outcome', 'typed_reader', 'version', 'statistics',
              'raw_streams', 'pairing', 'timing', 'decision', 'observations', 'runs', 'conditions',
              'motion', 'diagnostics', 'validity', 'sensor_conditions', 'record_conditions',
-             'alarms', 'verdict', 'kept_state', 'pipeline', 'offline', 'sensors'),
+             'verdict', 'kept_state', 'pipeline', 'offline', 'alarms', 'sensors'),
     'drivers': ('settings', 'framing', 'sentences', 'log_lines', 'sentence_choice', 'bursts',
                 'csv_log', 'nmea', 'refused_lines', 'logs', 'motion', 'datagrams', 'playback',
                 'sources'),

@@ -29,6 +29,14 @@ from heading_intercompare.core.settings import (
     Setting,
     Settings,
 )
+from heading_intercompare.core.validity.condition import (
+    DOUBTFUL,
+    Finding,
+    HOLDS,
+    NOT_TESTABLE,
+    VOID,
+)
+from heading_intercompare.core.verdict.validity import CONDITION_WORDS
 from heading_intercompare.core.verdict.verdict_document import SCHEMA, SCHEMA_VERSION, Verdict
 
 __all__ = ['make_schema']
@@ -60,6 +68,10 @@ def make_schema() -> dict[str, Any]:
     required = [*properties.keys() - whole['properties'].keys(), *whole['required']]
     properties['ledger_complete'] = {'type': 'boolean'}
     del kinds[Settings.__name__]
+    # Later minor versions may add conditions, so the names are no closed list.
+    kinds[Finding.__name__]['properties'] |= {
+        'condition': {'type': 'string', 'examples': [*CONDITION_WORDS]},
+        'effect': {'enum': [HOLDS, NOT_TESTABLE, DOUBTFUL, VOID]}}
     return {
         '$schema': 'https://json-schema.org/draft/2020-12/schema',
         '$id': f'urn:heading_intercompare:verdict:{SCHEMA_VERSION}',

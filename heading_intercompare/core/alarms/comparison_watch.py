@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Mapping
 
 import numpy as np
@@ -32,9 +32,13 @@ from heading_intercompare.core.conditions.standstill import (
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.records import Pairs, Reals
+from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.statistics.resolution import find_resolution
 from heading_intercompare.core.timing.clock_drift import estimate_clock_drift
+from heading_intercompare.core.validity.condition import NOT_TESTABLE, VOID
+from heading_intercompare.core.verdict.judge import judge_run
+from heading_intercompare.core.verdict.validity import CONDITIONS
 
 from .alarm import Priority, Rule, Sign
 from .jump_watch import JumpWatch
@@ -45,7 +49,8 @@ __all__ = ['COMPARISON_RULES', 'ComparisonWatch']
 COMPARISON_RULES = (
     Rule('ts_frozen'), Rule('rs_frozen'), Rule('rotated'), Rule('mirrored'), Rule('jump'),
     Rule('outliers', Priority.CAUTION, 10.0), Rule('same_source', clear_s=5.0),
-    Rule('clock_step', clear_s=0.0))
+    Rule('clock_step', clear_s=0.0),
+    *(Rule(condition.name, clear_s=0.0) for condition in CONDITIONS if condition.is_alarm))
 """The alarms of a comparison, the graver ones first where one explains another."""
 
 # The newest readings, which show a rotation at once.
@@ -64,7 +69,7 @@ _LEAST_STEP_S = 0.3
 # A repetition is examined again when the other sensor has moved this much further, or later.
 _FURTHER, _AGAIN_NS = 1.05, 10 * 10 ** 9
 # The slow detectors run this seldom, seconds of stamp time.
-_NOISE_EVERY_S, _CLOCK_EVERY_S, _STEP_EVERY_S = 20.0, 30.0, 10.0
+_NOISE_EVERY_S, _CLOCK_EVERY_S, _STEP_EVERY_S, _RUN_EVERY_S = 20.0, 30.0, 10.0, 60.0
 
 
 @dataclass(slots=True)
@@ -109,20 +114,25 @@ class ComparisonWatch:
     The detectors and their thresholds are those of the verdict. They see the newest part of the
     rolling window, at most 65536 pairs. One situation has one alarm: a frozen sensor explains what
     looks rotated, mirrored or like a jump; a rotated or mirrored one explains a jump; and a jump
-    explains outliers.
+    explains outliers. A condition without a detector of its own here is judged once a minute, on
+    the window as if it were a run.
 
     """
 
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
         self._limits = Limits.of(settings.norms, settings.model)
+        # The window as a run: all of it, with no looks and nothing left out.
+        self._as_run = replace(
+            settings, exclusions=None, runs=replace(settings.runs, stabilization_s=0.0),
+            sequential=replace(settings.sequential, plan_s=None))
         self._window = PairWindow(settings.window_s)
         self._jumps = JumpWatch(settings.alignment.skew_range_s)
         self._looked_ns: int | None = None
         self._due_ns: dict[str, int] = {}
         self._step_deg, self._repeats = 0.0, False
         self._repeated = {name: _Repeated(name) for name in ('TS', 'RS')}
-        self._turned_with_ns = 0
+        self._turned_with_ns = self._explained_ns = 0
         self._holds: dict[str, bool] = {}
         self._steps = find_resolution([]), find_resolution([])
         self.newest_ns: int | None = None
@@ -175,6 +185,12 @@ class ComparisonWatch:
         signs['same_source'] = self._look_same_source(ts)
         if self._is_due('clock', _CLOCK_EVERY_S):
             signs['clock_step'] = self._look_clock()
+        self._remember(signs)
+        if any(self._holds.values()):
+            # What a detector of its own explains is no news of another condition, then and later.
+            self._explained_ns = self.newest_ns or 0
+        elif self._is_due('run', _RUN_EVERY_S):
+            signs |= self._look_at_conditions()
         return signs
 
     def _remember(self, signs: Mapping[str, Sign]) -> bool:
@@ -300,3 +316,22 @@ class ComparisonWatch:
         return Sign(True, f'the skew between TS and RS stepped by {size_s:+.2f} s',
                     {'step_s': size_s, 'step_ns': int(window.stamp_ns[0])
                      + round(step.time_s * 1e9)})
+
+    def _look_at_conditions(self) -> dict[str, Sign]:
+        """Judge as a run what no alarm explains; the first condition to void it is the cause."""
+        pairs, differences = self._window.to_pairs(self._as_run.installation_offset_deg)
+        at = int(np.searchsorted(pairs.stamp_ns, self._explained_ns, 'right'))
+        if at == len(pairs):
+            return {}
+        run = RunSeries(int(pairs.stamp_ns[at]), self._as_run)
+        run.update(pairs[at:], differences[at:])
+        findings = {f.condition: f for f in judge_run(run, self._as_run, 1, '').verdict.validity}
+        cause = next((name for name, finding in findings.items() if finding.effect == VOID), None)
+        signs = {}
+        for name in (condition.name for condition in CONDITIONS if condition.is_alarm):
+            finding = findings.get(name)
+            if finding is None or finding.effect == NOT_TESTABLE or cause not in (None, name):
+                signs[name] = Sign(None)
+            else:
+                signs[name] = Sign(name == cause, finding.words)
+        return signs

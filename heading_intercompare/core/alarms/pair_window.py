@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.records import Differences, Integers, Pairs, Reals
 
 __all__ = ['PairWindow']
@@ -46,7 +47,7 @@ class PairWindow:
     def __init__(self, window_s: float, most: int = _MOST) -> None:
         self._window_ns, self._most = round(window_s * 1e9), most
         self._stamps = np.empty(2 * most, np.int64)
-        self._columns = np.empty((3, 2 * most))
+        self._columns = np.empty((4, 2 * most))
         self._lo = self._hi = 0
         self.interpolates_ts = False
 
@@ -75,7 +76,7 @@ class PairWindow:
         at = slice(self._hi, self._hi + n)
         self._stamps[at] = pairs.stamp_ns
         factors = pairs.rs_variance_factor, pairs.ts_variance_factor
-        self._columns[:, at] = differences.x_deg, pairs.rs_deg, factors[0] * factors[1]
+        self._columns[:, at] = differences.x_deg, pairs.rs_deg, *factors
         self.interpolates_ts = bool((factors[1] != 1.0).sum() > (factors[0] != 1.0).sum())
         self._hi += n
         first_ns = int(self._stamps[self._hi - 1]) - self._window_ns
@@ -107,7 +108,14 @@ class PairWindow:
     @property
     def factor(self) -> Reals:
         """Factor by which interpolation reduces the variance of white noise."""
-        return self._column(2)
+        return self._column(2) * self._column(3)
+
+    def to_pairs(self, offset_deg: float) -> tuple[Pairs, Differences]:
+        """Return the pairs and their differences, from which an offset was removed, degrees."""
+        stamps, x_deg, rs_deg = self.stamp_ns.copy(), self.x_deg.copy(), self.rs_deg.copy()
+        pairs = Pairs.of(stamps, wrap360(rs_deg + x_deg + offset_deg), rs_deg, None,
+                         self._column(2).copy(), self._column(3).copy())
+        return pairs, Differences.of(stamps, x_deg)
 
     def _column(self, at: int) -> Reals:
         column: Reals = self._columns[at, self._lo:self._hi]

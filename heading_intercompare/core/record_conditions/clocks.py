@@ -154,4 +154,4 @@ CLOCKS = Condition(
                   'headline gives both outcomes; or the skew is beyond `alignment.skew_range_s` '
                   '(up to 60 s), and the run complies or would differ: the headline says by how '
                   'much; or a clock was set back: the headline says which, by how much and when',
-    judge=_judge, settle=_settle, is_permanent=True)
+    judge=_judge, settle=_settle, is_permanent=True, watched_by=('clock_step',))

@@ -59,4 +59,4 @@ OUTLIERS = Condition(
     name='outliers',
     holds='no single reading decides',
     doubtful_when='without them the outcome would differ',
-    judge=_judge)
+    judge=_judge, watched_by=('outliers',))

@@ -78,4 +78,4 @@ CONVENTION = Condition(
               'the differences lie on the seam of `wrap_center_deg`',
     void_why='a yaw is treated as a heading, or an axis is reversed; a wrap amid the differences '
              'creates a variance of its own',
-    judge=_judge, is_permanent=True)
+    judge=_judge, is_permanent=True, watched_by=('rotated', 'mirrored'))

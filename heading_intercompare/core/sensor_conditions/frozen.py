@@ -97,4 +97,4 @@ FROZEN = Condition(
     doubtful_when='a sensor that reports decimals sends one value for nine tenths of the run, and '
                   'the motion is too small to call it void: "the TS never changed its value"; or '
                   'it sticks so often that it misses 5 % of the acceptance limit',
-    judge=_judge)
+    judge=_judge, watched_by=('ts_frozen', 'rs_frozen'))

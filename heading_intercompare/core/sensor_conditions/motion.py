@@ -100,4 +100,4 @@ MOTION = Condition(
     doubtful_when='a heading points off the course for a shorter time; or neither heading follows '
                   'the rate of turn, which may itself be wrong; or a TS that is rejected '
                   'contradicts the motion, too',
-    judge=_judge, is_permanent=True, weighs_others=True)
+    judge=_judge, is_permanent=True, weighs_others=True, watched_by=('motion',))

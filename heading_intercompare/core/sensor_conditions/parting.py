@@ -53,4 +53,4 @@ PARTING = Condition(
     doubtful_when='the sensors point apart by more than ten times what both norms explain, for a '
                   'minute or longer and less than half of the run, and without that the outcome '
                   'would differ: the headline says by how much and from when to when',
-    judge=_judge)
+    judge=_judge, watched_by=('jump',))

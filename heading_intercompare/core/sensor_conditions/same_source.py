@@ -137,4 +137,4 @@ SAME_SOURCE = Condition(
                   'would; or the TS repeats the RS, reading by reading, and neither noise nor '
                   'glitches show: this is one sensor twice, or two without error; void if the '
                   'readings are too few or too slow to show noise',
-    judge=_judge, settle=_settle, is_permanent=True)
+    judge=_judge, settle=_settle, is_permanent=True, watched_by=('same_source',))

@@ -79,7 +79,8 @@ class Condition:
     """
     What must hold of a run for its comparison to say something about the TS.
 
-    Headline, JSON, tables, protocol, page and ``docs/refusals.md`` take their words from here.
+    Headline, JSON, schema, tables, protocol, page, live alarms and ``docs/refusals.md`` take their
+    words from here.
 
     Attributes
     ----------
@@ -102,6 +103,9 @@ class Condition:
         set-up of the sensors makes it void.
     weighs_others : bool
         Whether it is judged after all others, by their findings too.
+    watched_by : tuple of str
+        Names of the live alarms that show it by detectors of their own. Without any, a condition
+        that `judge` can find void has a live alarm of its own name.
 
     """
 
@@ -115,6 +119,12 @@ class Condition:
     settle: 'Callable[[Finding | None, RunAccount], Finding | None] | None' = None
     is_permanent: bool = False
     weighs_others: bool = False
+    watched_by: tuple[str, ...] = ()
+
+    @property
+    def is_alarm(self) -> bool:
+        """Whether it has a live alarm of its own name."""
+        return bool(self.void) and self.judge is not None and not self.watched_by
 
     def find(self, effect: str, words: str, evidence: str) -> Finding:
         """Return a finding on this condition."""

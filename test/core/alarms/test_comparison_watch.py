@@ -23,19 +23,29 @@ import numpy as np
 import pytest
 
 from heading_intercompare.core.alarms.alarm import AlarmState
-from heading_intercompare.core.alarms.comparison_watch import ComparisonWatch
+from heading_intercompare.core.alarms.comparison_watch import COMPARISON_RULES, ComparisonWatch
+from heading_intercompare.core.alarms.motion_watch import MOTION_RULES
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.verdict.validity import CONDITIONS
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[3] / 'benchmarks'))
 
-from made_up_ships import KINDS, NORMS, raised, T0_NS, voyage, watch  # noqa: E402
+from made_up_ships import (  # noqa: E402
+    KINDS,
+    NORMS,
+    norms_of,
+    raised,
+    T0_NS,
+    voyage,
+    watch,
+)
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize('kind', KINDS)
 def test_sound_sensors_raise_nothing(rng, kind):
-    changes, table = watch(*voyage(rng, span_s=400.0, **KINDS[kind]))
+    changes, table = watch(*voyage(rng, span_s=400.0, **KINDS[kind]), **norms_of(kind))
     assert raised(changes) == []
     assert {alarm.state for alarm in table.alarms} == {AlarmState.NORMAL}
 
@@ -202,3 +212,31 @@ def test_a_look_costs_no_more_after_a_day(rng):
         watcher.update(Pairs.of(stamps, rng.normal(90.0, 0.1, 1000), rng.normal(90.0, 0.1, 1000)))
     assert len(watcher._window) == 1 << 16
     assert len(watcher._window._stamps) == 1 << 17
+
+
+def test_every_condition_that_voids_a_run_is_watched():
+    """By detectors of its own, or as a condition of the window; by the ledger at the end."""
+    names = {rule.name for rule in (*COMPARISON_RULES, *MOTION_RULES)}
+    for condition in CONDITIONS:
+        assert set(condition.watched_by) <= names
+        watched = condition.is_alarm and condition.name in names or bool(condition.watched_by)
+        assert watched or not condition.void or condition.judge is None
+
+
+@pytest.mark.slow
+def test_an_rs_out_of_its_norm_is_raised_by_the_condition_of_the_verdict(rng):
+    """White noise of the RS of three norms from 400 s to 1400 s; the window is 600 s."""
+    t, ts, rs = voyage(rng, span_s=2200.0)
+    rs = (rs + 0.4 * rng.standard_normal(t.size) * ((t >= 400.0) & (t < 1400.0))) % 360.0
+    changes, table = watch(t, ts, rs)
+    assert {'reference'} <= set(raised(changes)) <= {'reference', 'outliers'}
+    assert 460.0 <= first(changes, 'reference') <= 400.0 + 660.0
+    assert last(changes, 'reference') <= 1400.0 + 660.0
+    assert 'RS' in table['reference'].words
+
+
+def test_one_course_for_minutes_before_a_fault_does_not_blame_another_condition(rng):
+    """A quarter turn for a minute: the mean of the window is far off afterwards."""
+    t, ts, rs = voyage(rng, rate_hz=1.0, span_s=500.0)
+    ts = np.where((t >= 200.0) & (t < 260.0), ts + 90.0, ts) % 360.0
+    assert raised(watch(t, ts, rs)[0]) == ['rotated']
