@@ -21,6 +21,10 @@ and 0.1 deg, m_low 0.5. Each row has a TS at some shares of its norm, and counts
 non-compliant (N), void for the interpolation (V), indeterminate (I) and compliant (C), with the
 band-limited kernel and with the line.
 
+Rows with a polled sensor hold each of its values until the next one, as a logger of a fixed rate
+writes them. They count whole verdicts, with decisions in doubt as void: the delay of the logger is
+a skew, which the verdict names.
+
 A row fails if a TS up to its norm is N, or one at its norm is C, in too many runs.
 
     python benchmarks/interpolation.py --replications 100
@@ -40,11 +44,11 @@ import history
 import numpy as np
 from scipy.signal import lfilter
 
-from heading_intercompare import Compliance, Headings, pair, Settings
+from heading_intercompare import analyze, Compliance, Headings, pair, Settings
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.record_conditions.interpolation import judge_interpolation
 from heading_intercompare.core.timing.interpolation_error import estimate_interpolation_error
-from heading_intercompare.core.validity.condition import VOID
+from heading_intercompare.core.validity.condition import is_doubtful, VOID
 from heading_intercompare.core.validity.examined import RunAccount
 
 NORM_DEG, REF_DEG, M_LOW, RS_SHARE = 0.2, 0.1, 0.5, 0.7
@@ -71,6 +75,8 @@ class Row:
     jitter: float = 0.0
     tau_s: float = 0.0
     average_s: float = 0.0
+    #: Rates at which a logger polls TS and RS, so that each value stands; 0 for their own rates.
+    polled_hz: tuple[float, float] = (0.0, 0.0)
     shares: tuple[float, ...] = SHARES
 
     @property
@@ -90,6 +96,8 @@ class Row:
             words += ' missing'
         if self.average_s:
             words += f', TS averages over {self.average_s:g} s'
+        for sensor, rate_hz in zip(('TS', 'RS'), self.polled_hz):
+            words += f', {sensor} polled at {rate_hz:g} Hz' if rate_hz else ''
         return words
 
 
@@ -113,6 +121,15 @@ ROWS = (
     Row('craft 6 s', 1.0, 1.0, average_s=2.0, shares=(0.3,)),
     Row('yacht', 2.0, 2.0, average_s=1.0, shares=(0.3,)),
     Row('merchant 8 s', 1.0, 1.0, average_s=2.5, shares=(0.3,)),
+    Row('merchant 10 s', 5.0, 1.0, phase=None, polled_hz=(0.0, 5.0)),
+    Row('merchant 10 s', 10.0, 1.0, phase=None, polled_hz=(0.0, 10.0)),
+    Row('merchant 10 s', 10.0, 1.0, phase=None, tau_s=5.0, polled_hz=(0.0, 10.0)),
+    Row('merchant 10 s', 10.0, 1.0, phase=None, polled_hz=(0.0, 7.3)),
+    Row('merchant 10 s', 1.0, 10.0, phase=None, polled_hz=(10.0, 0.0)),
+    Row('merchant 10 s', 1.0, 1.0, phase=None, polled_hz=(10.0, 10.0)),
+    Row('merchant 10 s', 5.0, 1.0, phase=None, polled_hz=(0.0, 2.5)),
+    Row('craft 6 s', 10.0, 1.0, phase=None, polled_hz=(0.0, 10.0)),
+    Row('craft 6 s', 10.0, 1.0, phase=None, polled_hz=(0.0, 7.3)),
 )
 
 
@@ -165,7 +182,18 @@ def readings(row: Row, share: float, rng: np.random.Generator) -> Iterator[Headi
         kept = np.ones(t_s.size, bool)
         if is_rs or row.both_missing:
             kept = rng.uniform(size=t_s.size) >= row.missing
-        yield headings(t_s[kept], heading[kept])
+        if row.polled_hz[is_rs]:
+            yield poll(t_s[kept], heading[kept], row.polled_hz[is_rs], rng)
+        else:
+            yield headings(t_s[kept], heading[kept])
+
+
+def poll(t_s: np.ndarray, heading_deg: np.ndarray, rate_hz: float,
+         rng: np.random.Generator) -> Headings:
+    """Return what a logger writes that polls a sensor: the newest value, with its own stamps."""
+    polled_s = t_s[0] + (rng.uniform() + np.arange((t_s[-1] - t_s[0]) * rate_hz)) / rate_hz
+    newest = np.searchsorted(t_s, polled_s, 'right') - 1
+    return headings(polled_s, np.round(heading_deg[newest], 3))
 
 
 def decide(ts: Headings, rs: Headings, settings: Settings) -> tuple[str, float, float]:
@@ -193,6 +221,18 @@ def decide(ts: Headings, rs: Headings, settings: Settings) -> tuple[str, float, 
         (pairs.ts_variance_factor * pairs.rs_variance_factor).mean())
 
 
+def decide_wholly(ts: Headings, rs: Headings, settings: Settings) -> tuple[str, float, float]:
+    """Return the same of the whole verdict, in which a decision in doubt counts as void."""
+    verdict = analyze(ts, rs, settings)
+    run = verdict.runs[0]
+    letter = {Outcome.COMPLIANT: 'C', Outcome.NON_COMPLIANT: 'N'}.get(verdict.outcome, 'I')
+    if verdict.validity_effect == VOID or is_doubtful(verdict.outcome, verdict.validity_effect):
+        letter = 'V'
+    pairing = run.pairing
+    return letter, run.std_deg or math.nan, (pairing.ts_variance_factor or 1.0) * (
+        pairing.rs_variance_factor or 1.0)
+
+
 def main() -> int:
     """Print the table; the exit code is 1 if a row of the band-limited kernel fails."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[1])
@@ -216,7 +256,8 @@ def main() -> int:
             for share in row.shares:
                 # Each cell has its own seed, so it does not depend on the others.
                 rng = np.random.default_rng([arguments.seed, number, round(100 * share)])
-                found = [decide(*readings(row, share, rng), settings) for _ in range(n)]
+                judge = decide_wholly if any(row.polled_hz) else decide
+                found = [judge(*readings(row, share, rng), settings) for _ in range(n)]
                 count = {letter: sum(one[0] == letter for one in found) for letter in 'NVIC'}
                 cells.append(f'{share:g}: ' + '/'.join(map(str, count.values())))
                 if kernel == 'band_limited':

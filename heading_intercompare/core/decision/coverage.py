@@ -55,6 +55,8 @@ class SensorClass:
         Source of the figure.
     trial : str
         The trial that is long enough, in words.
+    settles_s : float
+        Time from power-on within which it must have settled, seconds; 0 if no norm grants any.
 
     """
 
@@ -62,6 +64,7 @@ class SensorClass:
     error_s: float
     source: str
     trial: str
+    settles_s: float = 0.0
 
     @property
     def slowest_s(self) -> float:
@@ -79,7 +82,7 @@ SENSOR_CLASSES: Mapping[str, SensorClass] = {
         'gyrocompass, Schuler-tuned and damped', 2300.0,
         'a swing of 84.4 min, damped to a third at each half swing, falls to 1/e in '
         '42.2 min / ln 3 = 38.4 min',
-        'ten runs of 6.4 h with campaign.rule sensor, or one of at least 12.8 h'),
+        'ten runs of 6.4 h with campaign.rule sensor, or one of at least 12.8 h', 6.0 * 3600.0),
     'ins': SensorClass(
         'inertial navigation system, unaided', 86164.0,
         'Schuler, Foucault and Earth-rate oscillations are undamped: they stay coherent for at '
@@ -168,6 +171,24 @@ def slowest_error_s(risk: Risk) -> float | None:
     if risk.sensor_class is None:
         return None
     return SENSOR_CLASSES[risk.sensor_class].slowest_s
+
+
+def settling_time_s(risk: Risk) -> float:
+    """
+    Return the time that the class of the sensor has to settle after power-on, seconds.
+
+    Examples
+    --------
+    >>> from heading_intercompare.core.settings import Risk
+    >>> settling_time_s(Risk(sensor_class='gyrocompass')) / 3600.0, settling_time_s(Risk())
+    (6.0, 0.0)
+
+    References
+    ----------
+    IMO A.424(XI) and A.821(19): a gyro-compass settles within 6 h.
+
+    """
+    return 0.0 if risk.sensor_class is None else SENSOR_CLASSES[risk.sensor_class].settles_s
 
 
 def least_duration_s(risk: Risk) -> float:

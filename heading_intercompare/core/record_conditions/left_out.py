@@ -36,8 +36,9 @@ LEFT_OUT = Condition(
     holds='nothing that is left out of the runs decides',
     doubtful_when='marks, a table of runs, the stabilisation period, the least duration or '
                   'exclusions leave out pairs, and all pairs of the record together give another '
-                  'outcome; a warm-up that the data show does not count. The headline gives the '
-                  'share and the outcome as recorded')
+                  'outcome; a warm-up that the data show does not count, nor the time in which '
+                  'a sensor of its class settles. The headline gives the share and the outcome as '
+                  'recorded')
 
 
 def judge_left_out(outcome: Outcome, left_out: TakenOut, by_hand: bool) -> Finding:

@@ -22,6 +22,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
+from heading_intercompare.core.records import Integers, Reals
+
 from .drift import average_blocks, bic_of, rounding_floor, select_order
 
 __all__ = ['fit_warm_up', 'mser5', 'WarmUp']
@@ -71,6 +73,28 @@ class WarmUp:
     def stabilization_s(self) -> float:
         """Time to discard at the start, seconds; the whole run if it never settles."""
         return min(self.settle_s, self.span_s) if self.preferred else 0.0
+
+    def explains(self, stamp_ns: Integers, mean_deg: Reals, sigma_deg: float) -> bool:
+        """
+        Tell whether differences before it settles lie around the exponential.
+
+        A bad stretch at the start of a record also fits an exponential better than a constant.
+
+        Parameters
+        ----------
+        stamp_ns : ndarray of int64, shape (n,)
+            Stamps, the first one that of the run, nanoseconds.
+        mean_deg : ndarray, shape (n,)
+            Means of the differences there, degrees.
+        sigma_deg : float
+            Their largest rms distance from the exponential, degrees.
+
+        """
+        t_s = (stamp_ns - stamp_ns[0]) / 1e9
+        settling = t_s < self.stabilization_s
+        left_deg = (mean_deg - self.level_deg - self.amplitude_deg * np.exp(
+            -t_s / self.tau_s))[settling]
+        return bool(settling.any()) and float(np.mean(left_deg ** 2)) <= sigma_deg ** 2
 
 
 def fit_warm_up(stamp_ns: ArrayLike, x_deg: ArrayLike, tolerance_deg: float) -> WarmUp | None:

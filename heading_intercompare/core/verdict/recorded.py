@@ -24,6 +24,7 @@ from heading_intercompare.core.decision.campaign import (
     conclude_sensor,
     judge_together,
 )
+from heading_intercompare.core.decision.coverage import settling_time_s
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.guarded import decide, Evidence, gather_evidence
 from heading_intercompare.core.decision.sequential import risk_at_the_end
@@ -73,14 +74,19 @@ def judge_piece(piece: RecordPiece, settings: Settings) -> JudgedPiece:
     """
     Gather what decides on a piece of a record as recorded.
 
-    A warm-up that the data show is left out: then its reason is in the data.
+    A warm-up that the data show is left out: then its reason is in the data. So is a stated
+    stabilisation period, as far as the class of the sensor has time to settle.
     """
     limits, cells, span_s = piece.limits(settings.norms, settings.model), piece.cells, piece.span_s
     stamps, means = cells.profile()
     warm_up = fit_warm_up(stamps, means, SETTLED_SHARE * limits.sigma_max_deg)
-    if warm_up is not None and warm_up.stabilization_s > 0.0:
-        cells = cells.after(piece.start_ns + round(warm_up.stabilization_s * 1e9))
-        span_s = max(0.0, span_s - warm_up.stabilization_s)
+    stated = settings.runs.stabilization_s
+    settled_s = min(stated, settling_time_s(settings.risk)) if isinstance(stated, float) else 0.0
+    if warm_up is not None and warm_up.explains(stamps, means, limits.sigma_max_deg):
+        settled_s = max(settled_s, warm_up.stabilization_s)
+    if settled_s > 0.0:
+        cells = cells.after(piece.start_ns + round(settled_s * 1e9))
+        span_s = max(0.0, span_s - settled_s)
     values = cells.values()
     evidence = gather_evidence(
         cells, n_plus=0, n_plus_plus=0, span_s=span_s,

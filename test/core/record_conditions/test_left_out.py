@@ -169,3 +169,22 @@ def test_an_input_without_anything_left_out_counts_in_the_record(bad, good, rng)
     assert verdict.outcome is Outcome.NON_COMPLIANT and finding(verdict).effect == HOLDS
     assert verdict.taken_out.share == pytest.approx(2999 / (2 * N))
     assert verdict.taken_out.as_recorded.n == 2 * N
+
+
+@pytest.mark.parametrize('sensor_class, effect', [
+    ('gyrocompass', HOLDS), ('gnss_compass', DOUBTFUL)])
+def test_the_settling_time_of_a_class_may_be_left_out(sensor_class, effect):
+    """Two swings of a quarter of an hour, no decay, before 40 h of a good sensor at 0.1 Hz."""
+    n = 14_400
+    rng = np.random.default_rng(5)
+    stamps = STAMPS[0] + np.arange(n) * 10 ** 10
+    ship = 90.0 + 30.0 * np.sin(2.0 * np.pi * np.arange(n) / 360.0)
+    error = 0.05 * rng.standard_normal(n)
+    error[60:150] += 10.0
+    error[200:290] -= 10.0
+    verdict = analyze(
+        Headings.as_sent(stamps, (ship + error) % 360.0),
+        Headings.as_sent(stamps, (ship + 0.03 * rng.standard_normal(n)) % 360.0),
+        Settings.from_mapping({'norms': NORMS, 'runs': {'stabilization_s': 3600.0},
+                               'risk': {'sensor_class': sensor_class}}))
+    assert verdict.outcome is Outcome.COMPLIANT and finding(verdict).effect == effect
