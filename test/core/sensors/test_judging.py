@@ -213,4 +213,4 @@ def test_the_text_has_outcomes_matrices_and_the_vote():
     assert 'who is wrong: gyro2 differs from gyro1, ins and gnss' in text
     rows = [line.split() for line in text.splitlines()]
     assert ['gyro1', 'gyro2', 'ins', 'gnss'] in rows
-    assert all(len(line) <= 400 for line in text.splitlines())
+    assert all(len(line) <= 300 for line in text.splitlines())
