@@ -24,7 +24,6 @@ import tempfile
 import numpy as np
 
 from heading_intercompare.app.analysis import judge_bags
-from heading_intercompare.app.sensors.sensors_analysis import judge_sensor_bags
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
@@ -65,9 +64,9 @@ def measure(path: Path) -> tuple[float, float, float]:
         ts_topic='gyro1/heading', rs_topic='gnss/heading', sigma_max_deg=0.3,
         sigma_ref_max_deg=0.3), jobs=1)
     two = cpu_s()
-    judge_sensor_bags([str(path)], Settings.of(sensors=f'{ROWS} rs'), jobs=1)
+    judge_bags([str(path)], Settings.of(sensors=f'{ROWS} rs'), jobs=1)
     with_reference = cpu_s()
-    judge_sensor_bags([str(path)], Settings.of(sensors=ROWS), jobs=1)
+    judge_bags([str(path)], Settings.of(sensors=ROWS), jobs=1)
     return two - began, with_reference - two, cpu_s() - with_reference
 
 

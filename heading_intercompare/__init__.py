@@ -26,9 +26,8 @@ from heading_intercompare._doors import door
 from heading_intercompare.core.version import VERSION as __version__
 
 __getattr__, __dir__, __all__ = door(__name__, {
-    'app.analysis': ('analyze', 'analyze_bag', 'analyze_bags', 'judge_bags'),
-    'app.sensors.sensors_analysis': ('analyze_sensors', 'judge_sensor_bags',
-                                     'judge_sensor_logs'),
+    'app.analysis': ('analyze', 'analyze_bag', 'analyze_bags', 'analyze_sensors', 'judge_bags'),
+    'app.logs.trial_logs': ('judge_logs',),
     'bags.recording.recorded_headings': ('read_bag', 'RecordedHeadings'),
     'bags.rosbag2.bag_reader': ('BagReader',),
     'core.diagnostics.three_cornered_hat': ('three_cornered_hat',),
@@ -49,13 +48,10 @@ if TYPE_CHECKING:
         analyze as analyze,
         analyze_bag as analyze_bag,
         analyze_bags as analyze_bags,
+        analyze_sensors as analyze_sensors,
         judge_bags as judge_bags,
     )
-    from .app.sensors.sensors_analysis import (
-        analyze_sensors as analyze_sensors,
-        judge_sensor_bags as judge_sensor_bags,
-        judge_sensor_logs as judge_sensor_logs,
-    )
+    from .app.logs.trial_logs import judge_logs as judge_logs
     from .bags.recording.recorded_headings import (
         read_bag as read_bag,
         RecordedHeadings as RecordedHeadings,

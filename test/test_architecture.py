@@ -330,7 +330,7 @@ def test_a_module_imports_only_rooms_that_stand_before_its_own(path):
 
 @pytest.mark.parametrize('module, statement', [
     ('core.pairing.pairer', 'from heading_intercompare.core.verdict.judge import judge_run'),
-    ('core.settings', 'from .offline import analyze'),
+    ('core.settings', 'from .offline import judge_aligned'),
     ('core.statistics.cells', 'from ..runs import run_series'),
     ('core.helpers.sums', 'import math'),
     ('bags.mcap.chunks', 'from heading_intercompare.bags.recovery import scanner'),
@@ -344,7 +344,7 @@ def test_the_check_sees_an_import_against_the_order(module, statement):
     ('core.pairing.pairer', 'from .ledger import Ledger\nfrom heading_intercompare.core.angles '
      'import wrap180'),
     ('core.pipeline', 'from .verdict.judge import judge'),
-    ('bags.rosbag2.bag_reader', 'from heading_intercompare.core.offline import analyze'),
+    ('bags.rosbag2.bag_reader', 'from heading_intercompare.core.offline import judge_aligned'),
 ])
 def test_the_check_lets_an_import_along_the_order_pass(module, statement):
     package = ('heading_intercompare', *module.split('.')[:-1])

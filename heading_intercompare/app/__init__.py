@@ -23,8 +23,8 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'campaign': ('judge_inputs',),
     'cluster': ('open_cluster',),
     'config': ('load_config', 'settings_for'),
-    'inputs': ('analyze_input', 'sha256'),
-    'job': ('Job', 'Judged'),
+    'inputs': ('judge_input', 'sha256'),
+    'job': ('Job',),
     'outputs': ('check_outputs', 'open_tables', 'Outputs'),
     'rejudge': ('rejudge_bag', 'Rejudged'),
     'run_table': ('assign_runs', 'read_run_table', 'RunTable'),
@@ -42,8 +42,8 @@ if TYPE_CHECKING:
     from .campaign import judge_inputs as judge_inputs
     from .cluster import open_cluster as open_cluster
     from .config import load_config as load_config, settings_for as settings_for
-    from .inputs import analyze_input as analyze_input, sha256 as sha256
-    from .job import Job as Job, Judged as Judged
+    from .inputs import judge_input as judge_input, sha256 as sha256
+    from .job import Job as Job
     from .outputs import (
         check_outputs as check_outputs,
         open_tables as open_tables,

@@ -12,30 +12,43 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The analysis of readings, of a bag, or of a campaign of several, to one verdict."""
+"""The analysis of readings, of a recording, or of a campaign of several, to one verdict."""
 
 from __future__ import annotations
 
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 import os
-from typing import Callable, Iterable, Sequence
+from typing import Callable, Mapping, Sequence
 import warnings
 
 from heading_intercompare.bags.csv.pairs_account import PairsAccount
-from heading_intercompare.core import offline
-from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.pipeline import join
-from heading_intercompare.core.records import Headings, Motion, Pairs
+from heading_intercompare.core.records import Headings, Motion
+from heading_intercompare.core.rows.sensor_table import find_reference, list_tested
+from heading_intercompare.core.sensors.judging import judge_sensors
+from heading_intercompare.core.sensors.pair_settings import (
+    check_norms,
+    check_sensors,
+    list_sensors,
+    Names,
+    settings_of_pair,
+)
+from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.units.angle_units import AngleWatch
+from heading_intercompare.core.verdict.judge import RunResult
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 from heading_intercompare.report import SeriesSketch
 from heading_intercompare.report.figures.notebook import Plotter
 
 from .campaign import judge_inputs
-from .run_table import assign_runs, name_outside, read_run_table, RunTable
+from .run_table import assign_runs, name_unused, read_run_table, RunTable
+from .sources.input_comparison import InputComparison, PairTakers
+from .sources.judged_input import JudgedInput
 
-__all__ = ['analyze', 'analyze_bag', 'analyze_bags', 'judge_bags', 'Judgement']
+__all__ = ['analyze', 'analyze_bag', 'analyze_bags', 'analyze_sensors', 'conclude',
+           'judge_bags', 'Judgement']
 
 Place = str | os.PathLike[str]
 
@@ -43,33 +56,43 @@ Place = str | os.PathLike[str]
 @dataclass(frozen=True, slots=True)
 class Judgement:
     """
-    The verdict on recorded runs, with notes.
+    The verdict on two sensors or more, with notes.
 
     Attributes
     ----------
-    verdict : Verdict
-        On all runs of all inputs; not compliant if an input could not be judged.
+    verdicts : mapping of str to Verdict
+        The verdict on each sensor against the reference, by its name: `ts` of two. Empty if no
+        sensor is the reference.
+    sensors : SensorsVerdict or None
+        The verdict on all together; None without the setting `sensors`.
     notes : tuple of str
         What the user should know about the inputs: unfinished bag, no run, not judged again.
-    sketches : tuple of SeriesSketch
-        Data for the graphs of a report, one per input that was read; empty unless requested.
-    earlier : tuple of RunVerdict
-        Runs that the verdict does not cover because they are too old (`runs.keep`).
-    account : PairsAccount or None
-        What belongs beside a csv of the pairs; None of several inputs.
+    sketches : mapping of str to tuple of SeriesSketch
+        Data for the figures of each tested sensor, one per input that was read; empty unless
+        requested.
+    earlier : mapping of str to tuple of RunVerdict
+        Runs of each tested sensor that are too old for the verdict (`runs.keep`).
+    accounts : mapping of str to PairsAccount
+        What belongs beside a csv of the pairs of each tested sensor; empty of several inputs.
 
     """
 
-    verdict: Verdict
+    verdicts: Mapping[str, Verdict]
+    sensors: SensorsVerdict | None = None
     notes: tuple[str, ...] = ()
-    sketches: tuple[SeriesSketch, ...] = ()
-    earlier: tuple[RunVerdict, ...] = ()
-    account: PairsAccount | None = None
+    sketches: Mapping[str, tuple[SeriesSketch, ...]] = field(default_factory=dict)
+    earlier: Mapping[str, tuple[RunVerdict, ...]] = field(default_factory=dict)
+    accounts: Mapping[str, PairsAccount] = field(default_factory=dict)
+
+    @property
+    def verdict(self) -> Verdict | SensorsVerdict:
+        """The verdict on all sensors; without the setting `sensors` that on the TS."""
+        return self.verdicts['ts'] if self.sensors is None else self.sensors
 
 
 def judge_bags(paths: Sequence[Place], settings: Settings, *,
                runs: Place | RunTable | None = None, executor: Executor | None = None,
-               jobs: int | None = None, takers: Iterable[Callable[[Pairs], None]] = (),
+               jobs: int | None = None, takers: PairTakers | None = None,
                sketched: bool = False,
                progress: Callable[[str], None] = lambda text: None) -> Judgement:
     """
@@ -80,7 +103,7 @@ def judge_bags(paths: Sequence[Place], settings: Settings, *,
     paths : sequence of path
         ``.mcap`` files, rosbag2 directories, ``.csv`` files of pairs or journals, at least one.
     settings : Settings
-        Settings with the norms.
+        Settings with the norms; with `sensors` for more than two.
     runs : path or sequence of (start_ns, stop_ns, source), optional
         Table of runs, or the csv file that holds it; see `read_run_table`. Without one, marks in
         the bag and silences decide.
@@ -88,8 +111,9 @@ def judge_bags(paths: Sequence[Place], settings: Settings, *,
         Judges the inputs; see `judge_inputs`.
     jobs : int, optional
         Processes on this machine, without an executor; by default one per core.
-    takers : iterable of callable
-        Each is called with the pairs, chunk by chunk; for one input, and not with an executor.
+    takers : mapping of str to sequence of callable, optional
+        Each is called with the pairs of a tested sensor (`ts` of two), chunk by chunk; for one
+        input, and not with an executor.
     sketched : bool
         Collect the data for the figures of the report and of `Verdict.plot`.
     progress : callable
@@ -98,6 +122,7 @@ def judge_bags(paths: Sequence[Place], settings: Settings, *,
     Returns
     -------
     Judgement
+        An unreadable recording does not stop the others, but then no sensor is compliant.
 
     Raises
     ------
@@ -110,7 +135,7 @@ def judge_bags(paths: Sequence[Place], settings: Settings, *,
     if isinstance(paths, (str, os.PathLike)) or not paths:
         raise ValueError(f'paths = {paths!r}: must be a list of at least one path')
     # Check the norms now; otherwise every input would be reported as unreadable.
-    Limits.of(settings.norms, settings.model)
+    check_norms(settings)
     names = [os.fspath(path) for path in paths]
     table: RunTable | None = None
     elsewhere: list[str] = []
@@ -119,19 +144,51 @@ def judge_bags(paths: Sequence[Place], settings: Settings, *,
         table, elsewhere = assign_runs(given, names)
     judged = judge_inputs(names, settings, table, takers=takers, sketched=sketched, jobs=jobs,
                           executor=executor, progress=progress)
-    verdict = join([result for each in judged for result in each.results], settings,
-                   [each.description for each in judged],
-                   incomplete=any(each.error or each.no_run for each in judged))
     called = os.fspath(runs) if isinstance(runs, (str, os.PathLike)) else 'runs'
-    notes = [note for each in judged for note in each.notes]
-    notes += [f'{called}: source {source} is not one of the INPUTs' for source in elsewhere]
-    notes += name_outside(verdict)
-    sketches = tuple(each.sketch for each in judged if each.sketch)
-    if sketches:
-        verdict = replace(verdict, plotter=Plotter(sketches))
-    return Judgement(verdict, tuple(notes), sketches,
-                     tuple(run for each in judged for run in each.earlier),
-                     judged[0].account if len(judged) == 1 else None)
+    return conclude(judged, settings, [f'{called}: source {source} is not one of the INPUTs'
+                                       for source in elsewhere])
+
+
+def conclude(judged: Sequence[JudgedInput], settings: Settings,
+             notes: Sequence[str] = ()) -> Judgement:
+    """Join the runs of all inputs to the verdict on each sensor, and on all of them."""
+    sensors = list_sensors(settings)
+    reference = find_reference(sensors)
+    results: dict[Names, list[RunResult]] = {}
+    for judged_input in judged:
+        for names, runs in judged_input.results.items():
+            results.setdefault(names, []).extend(runs)
+    lacking = {names for names in results
+               if any(judged_input.lacks_run(names) for judged_input in judged)}
+    verdicts: dict[str, Verdict] = {}
+    sketches: dict[str, tuple[SeriesSketch, ...]] = {}
+    for sensor in list_tested(sensors):
+        assert reference is not None
+        name, names = sensor.name, (sensor.name, reference.name)
+        verdict = join(results.get(names, []), settings_of_pair(settings, sensor, reference),
+                       [entry for judged_input in judged
+                        for entry in judged_input.entries_of_tested.get(name, ())],
+                       incomplete=names in lacking)
+        sketches[name] = tuple(judged_input.sketches[name] for judged_input in judged
+                               if name in judged_input.sketches)
+        verdicts[name] = (replace(verdict, plotter=Plotter(sketches[name])) if sketches[name]
+                          else verdict)
+    together = None
+    if settings.sensors is not None:
+        others = {names: runs for names, runs in results.items()
+                  if reference is None or reference.name not in names}
+        together = judge_sensors(
+            settings, verdicts, others,
+            [entry for judged_input in judged for entry in judged_input.entries],
+            incomplete=[names for names in others if names in lacking])
+    unused = name_unused([run.verdict for runs in results.values() for run in runs],
+                         settings.exclusions)
+    return Judgement(
+        verdicts, together,
+        (*(note for judged_input in judged for note in judged_input.notes), *notes, *unused),
+        sketches, {name: tuple(run for judged_input in judged
+                               for run in judged_input.earlier.get(name, ()))
+                   for name in verdicts}, judged[0].accounts if len(judged) == 1 else {})
 
 
 def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings],
@@ -145,7 +202,7 @@ def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings]
     ts, rs : Headings, or equally long lists of them
         Readings of the two sensors; each element of a list is a separate input.
     settings : Settings
-        Must hold the norms.
+        Must hold the norms; `sensors` is not read.
     motion : Motion, or a list as long as those of the sensors, optional
         The motion of the ship, against which the headings are checked.
 
@@ -160,30 +217,88 @@ def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings]
     SettingsError
         If a norm is missing.
     ValueError
-        If the lists differ in length.
+        If the lists differ in length, or headings look like radians or revolutions.
 
     References
     ----------
     GK (1)-(7); the guarded decision of ``docs/verdict.md``.
 
     """
-    sketches: dict[int, SeriesSketch] = {}
+    ts = [ts] if isinstance(ts, Headings) else list(ts)
+    rs = [rs] if isinstance(rs, Headings) else list(rs)
+    if len(ts) != len(rs):
+        raise ValueError(f'{len(ts)} TS inputs but {len(rs)} RS inputs: give one RS for each TS')
+    motions = [motion] * len(ts) if motion is None or isinstance(motion, Motion) else list(motion)
+    if len(motions) != len(ts):
+        raise ValueError(f'{len(ts)} inputs but motion of {len(motions)}: give one for each input')
+    return _judge_headings([{'ts': of_ts, 'rs': of_rs} for of_ts, of_rs in zip(ts, rs)], motions,
+                           replace(settings, sensors=None)).verdicts['ts']
 
-    def take(at: int, pairs: Pairs) -> None:
-        if at not in sketches:
-            sketches[at] = SeriesSketch()
-            told = motion if motion is None or isinstance(motion, Motion) else motion[at]
-            if told is not None:
-                sketches[at].take_motion(told)
-        sketches[at].update(pairs, settings)
 
-    verdict = offline.analyze(ts, rs, settings, take, motion=motion)
-    return replace(verdict, plotter=Plotter(tuple(sketches.values())))
+def analyze_sensors(headings: Mapping[str, Headings], settings: Settings,
+                    motion: Motion | None = None) -> SensorsVerdict:
+    """
+    Judge several sensors from their readings.
+
+    Parameters
+    ----------
+    headings : mapping of str to Headings
+        The readings of each sensor, by its name.
+    settings : Settings
+        With `sensors` and the norms.
+    motion : Motion, optional
+        The motion of the ship, against which the headings are checked.
+
+    Returns
+    -------
+    SensorsVerdict
+        Its `verdicts` are those of `analyze` on each sensor and the reference.
+
+    Raises
+    ------
+    SettingsError
+        If there are no sensors, or one has no norm.
+    ValueError
+        If a sensor has no readings, or headings look like radians or revolutions.
+
+    """
+    for sensor in check_sensors(settings):
+        if sensor.name not in headings:
+            raise ValueError(f'headings: has no {sensor.name}; the setting sensors names it')
+    verdict = _judge_headings([headings], [motion], settings).sensors
+    assert verdict is not None
+    return verdict
+
+
+def _judge_headings(inputs: Sequence[Mapping[str, Headings]], motions: Sequence[Motion | None],
+                    settings: Settings) -> Judgement:
+    """Judge sensors whose readings are in memory, by their names."""
+    for headings in inputs:
+        for name, readings in headings.items():
+            _check_degrees(name, readings)
+    judged = []
+    for headings, motion in zip(inputs, motions):
+        comparison = InputComparison(settings, sketched=True)
+        if motion is not None:
+            comparison.take_motion(motion)
+        comparison.update(headings)
+        judged.append(comparison.describe(comparison.finish(), (), lambda ts, rs: ()))
+    return conclude(judged, settings)
+
+
+def _check_degrees(name: str, readings: Headings) -> None:
+    """Raise ValueError if the headings of a stream are no degrees."""
+    watch = AngleWatch()
+    watch.update(readings.stamp_ns, readings.heading_deg)
+    if watch.words:
+        raise ValueError(f'{name}: {watch.words}; make them with Headings.of(stamp_ns, heading, '
+                         f'{watch.unit!r})')
 
 
 def analyze_bag(path: Place, settings: Settings, *, runs: Place | RunTable | None = None,
                 jobs: int | None = None,
-                progress: Callable[[str], None] = lambda text: None) -> Verdict:
+                progress: Callable[[str], None] = lambda text: None,
+                ) -> Verdict | SensorsVerdict:
     """
     Judge the runs of one recording.
 
@@ -196,8 +311,9 @@ def analyze_bag(path: Place, settings: Settings, *, runs: Place | RunTable | Non
 
     Returns
     -------
-    Verdict
-        The verdict of ``analyze``. Notes on the recording are issued as warnings.
+    Verdict or SensorsVerdict
+        The verdict of ``analyze``, on several sensors if `settings` has `sensors`. Notes on the
+        recording are issued as warnings.
 
     Raises
     ------
@@ -214,7 +330,8 @@ def analyze_bag(path: Place, settings: Settings, *, runs: Place | RunTable | Non
 def analyze_bags(paths: Sequence[Place], settings: Settings, *,
                  runs: Place | RunTable | None = None, executor: Executor | None = None,
                  jobs: int | None = None,
-                 progress: Callable[[str], None] = lambda text: None) -> Verdict:
+                 progress: Callable[[str], None] = lambda text: None,
+                 ) -> Verdict | SensorsVerdict:
     """
     Judge the runs of several recordings together.
 
@@ -225,7 +342,7 @@ def analyze_bags(paths: Sequence[Place], settings: Settings, *,
 
     Returns
     -------
-    Verdict
+    Verdict or SensorsVerdict
         The verdict of ``analyze``. An unreadable recording does not stop the others, but then the
         verdict is not compliant. Notes on the recordings are issued as warnings.
 
@@ -241,7 +358,7 @@ def analyze_bags(paths: Sequence[Place], settings: Settings, *,
                             sketched=True, progress=progress))
 
 
-def _warn(judgement: Judgement) -> Verdict:
+def _warn(judgement: Judgement) -> Verdict | SensorsVerdict:
     """Issue the notes as warnings at the caller of the caller; return the verdict."""
     for note in judgement.notes:
         warnings.warn(note, stacklevel=3)

@@ -26,7 +26,6 @@ from concurrent.futures import (
 )
 from concurrent.futures.process import BrokenProcessPool
 from contextlib import contextmanager
-from dataclasses import replace
 from functools import partial
 from multiprocessing import get_context
 from multiprocessing.connection import Connection, wait
@@ -34,17 +33,18 @@ import os
 from pathlib import Path
 import signal
 from threading import Thread
-from typing import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import Callable, Iterator, Mapping, Sequence
 
 from heading_intercompare.bags.rosbag2.trial_parts import find_parts
-from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Input
 
-from .inputs import sha256
-from .job import Job, Judged
+from .inputs import describe_recording, sha256
+from .job import Job
 from .remote_task import describe_libraries, judge_there
 from .run_table import RunTable
+from .sources.input_comparison import PairTakers
+from .sources.judged_input import JudgedInput
 
 __all__ = ['count_cores', 'judge_inputs', 'MOST_READERS']
 
@@ -67,9 +67,9 @@ def count_cores() -> int:
 
 
 def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | None = None, *,
-                 takers: Iterable[Callable[[Pairs], None]] = (), sketched: bool = False,
+                 takers: PairTakers | None = None, sketched: bool = False,
                  jobs: int | None = None, executor: Executor | None = None,
-                 progress: Callable[[str], None] = lambda text: None) -> list[Judged]:
+                 progress: Callable[[str], None] = lambda text: None) -> list[JudgedInput]:
     """
     Judge inputs, several at once.
 
@@ -81,8 +81,9 @@ def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | Non
         By which each of them is judged.
     table : sequence of (start_ns, stop_ns, source), optional
         Runs; those with a source apply only to the input of that name.
-    takers : iterable of callable
-        Each is called with the pairs, chunk by chunk; for one input, and not with an executor.
+    takers : mapping of str to sequence of callable, optional
+        Each is called with the pairs of a tested sensor (`ts` of two), chunk by chunk; for one
+        input, and not with an executor.
     sketched : bool
         Collect the data for the graphs of a report.
     jobs : int, optional
@@ -96,7 +97,7 @@ def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | Non
 
     Returns
     -------
-    list of Judged
+    list of JudgedInput
         In the order of the paths; the same whichever executor judges. An input with the same data
         as an earlier one is not judged again: `same_as` in its description names that one.
 
@@ -115,7 +116,6 @@ def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | Non
     processes is tried once more, alone. Any other exception is passed on.
 
     """
-    takers = list(takers)
     if takers and (executor is not None or len(paths) > 1):
         raise ValueError('takers: must be empty with several inputs or with an executor')
     trials = find_parts(paths)
@@ -140,34 +140,29 @@ def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | Non
 
 
 def _add_parts(paths: Sequence[str], trials: Mapping[str, Sequence[str]],
-               judged: Sequence[Judged], settings: Settings) -> list[Judged]:
+               judged: Sequence[JudgedInput], settings: Settings) -> list[JudgedInput]:
     """Add an entry for each bag that was judged together with the one before it."""
     firsts = {part: first for first, parts in trials.items() for part in parts}
     others = iter(judged)
-    return [next(others) if path not in firsts else Judged(
-        path, [], [f'{path}: judged together with {firsts[path]}'],
-        Input(path, sha256(path), settings.ts_topic, settings.rs_topic,
-              continues=firsts[path])) for path in paths]
+    return [next(others) if path not in firsts else describe_recording(
+        path, Input(path, sha256(path), continues=firsts[path]), settings).without_runs(
+            f'judged together with {firsts[path]}') for path in paths]
 
 
-def _drop_repeats(judged: Sequence[Judged]) -> list[Judged]:
+def _drop_repeats(judged: Sequence[JudgedInput]) -> list[JudgedInput]:
     """Drop the runs of inputs that have the same data as an earlier one."""
-    first: dict[str | None, Judged] = {}
-    found = []
-    for each in judged:
-        digest = each.description.sha256
-        if digest is None or first.setdefault(digest, each) is each:
-            found.append(each)
-            continue
-        same = first[digest].path
-        found.append(Judged(
-            each.path, [], [f'{each.path}: not judged again: it has the data of {same}'],
-            replace(each.description, same_as=same)))
-    return found
+    firsts: dict[str, JudgedInput] = {}
+    once = []
+    for judged_input in judged:
+        digest = judged_input.sha256
+        first = judged_input if digest is None else firsts.setdefault(digest, judged_input)
+        once.append(judged_input if first is judged_input else judged_input.without_runs(
+            f'not judged again: it has the data of {first.path}', same_as=first.path))
+    return once
 
 
 def _judge_in_turn(job: Job, paths: Sequence[str],
-                   progress: Callable[[str], None]) -> list[Judged]:
+                   progress: Callable[[str], None]) -> list[JudgedInput]:
     judged = []
     for done, path in enumerate(paths):
         progress(f'{done} of {len(paths)} done, {path}')
@@ -176,14 +171,14 @@ def _judge_in_turn(job: Job, paths: Sequence[str],
 
 
 def _judge_in_processes(job: Job, paths: Sequence[str], jobs: int,
-                        progress: Callable[[str], None]) -> list[Judged]:
+                        progress: Callable[[str], None]) -> list[JudgedInput]:
     with _pool(jobs) as pool:
         futures = _complete(pool, [partial(job.survive, path) for path in paths], paths, progress)
     return [_result(job, path, future) for path, future in zip(paths, futures)]
 
 
 def _judge_elsewhere(job: Job, paths: Sequence[str], executor: Executor,
-                     progress: Callable[[str], None]) -> list[Judged]:
+                     progress: Callable[[str], None]) -> list[JudgedInput]:
     here = describe_libraries()
     # Another process may have another working directory.
     tasks = [partial(judge_there, job, path, os.path.abspath(path), here) for path in paths]
@@ -218,10 +213,10 @@ def _begin(ended: Connection) -> None:
     Thread(target=watch, daemon=True).start()
 
 
-def _complete(executor: Executor, tasks: Sequence[Callable[[], Judged]], paths: Sequence[str],
-              progress: Callable[[str], None]) -> list[Future[Judged]]:
+def _complete(executor: Executor, tasks: Sequence[Callable[[], JudgedInput]], paths: Sequence[str],
+              progress: Callable[[str], None]) -> list[Future[JudgedInput]]:
     """Run tasks, those of the largest inputs first, so that no large one is left to the end."""
-    futures: dict[Future[Judged], int] = {}
+    futures: dict[Future[JudgedInput], int] = {}
     progress(f'0 of {len(paths)} done')
     try:
         for at in sorted(range(len(paths)), key=lambda at: -_size(paths[at])):
@@ -234,7 +229,7 @@ def _complete(executor: Executor, tasks: Sequence[Callable[[], Judged]], paths: 
     return sorted(futures, key=futures.__getitem__)
 
 
-def _result(job: Job, path: str, future: Future[Judged]) -> Judged:
+def _result(job: Job, path: str, future: Future[JudgedInput]) -> JudgedInput:
     """Return the result for an input; if its pool broke, perhaps through another, try it alone."""
     try:
         return future.result()

@@ -16,15 +16,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 import re
 from typing import Any, Mapping, Sequence
 
+from heading_intercompare.core.rows.sensor_table import read_sensors
+from heading_intercompare.core.sensors.pair_settings import settings_of_pair
 from heading_intercompare.core.settings import flatten, list_settings, Settings, SettingsError
 from heading_intercompare.yaml_file import load_settings, parse_yaml, YamlError
 
-__all__ = ['Config', 'load_config', 'settings_for']
+__all__ = ['choose_pair', 'Config', 'load_config', 'settings_for']
 
 SHARED = '/**'
 """The section whose settings apply to every node and every command."""
@@ -170,3 +172,37 @@ def settings_for(config: Config, assignments: Sequence[str] = (),
     given = {**from_file, **_parse_assignments(assignments),
              **{k: v for k, v in overrides.items() if v is not None}}
     return Settings.from_mapping(given)
+
+
+def choose_pair(settings: Settings, ts: str | None, rs: str | None) -> Settings:
+    """
+    Return the settings of two of several sensors that ``--ts`` and ``--rs`` name.
+
+    Parameters
+    ----------
+    settings : Settings
+        With `ts` and `rs` as topics.
+    ts, rs : str or None
+        As given: names of sensors, or topics.
+
+    Returns
+    -------
+    Settings
+        Without sensors if both are given; otherwise as they are.
+
+    Raises
+    ------
+    ValueError
+        If one of them is given without the other.
+
+    """
+    if settings.sensors is None or ts is None and rs is None:
+        return settings
+    if ts is None or rs is None:
+        given = f'--ts {ts}' if rs is None else f'--rs {rs}'
+        raise ValueError(f'{given}: with the setting sensors give --ts and --rs, to compare these '
+                         'two alone, or neither')
+    by_name = {one.name: one for one in read_sensors(settings.sensors)}
+    if ts in by_name and rs in by_name:
+        return settings_of_pair(settings, by_name[ts], by_name[rs])
+    return replace(settings, sensors=None)

@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-The inputs of an analysis with their runs: bags, csv of pairs, and journals of live runs.
+The inputs of an analysis with their runs: recordings, tables of pairs, and journals of live runs.
 
 A bag is an MCAP file or a rosbag2 directory.
 """
@@ -22,10 +22,11 @@ from __future__ import annotations
 
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
-from typing import Any, Callable, Iterable, Iterator, Mapping, NamedTuple, Sequence
+from typing import Any, Callable, Iterable, Iterator, Mapping, Sequence
 
-from heading_intercompare.bags.csv.pairs_account import PairsAccount
+from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.recording.bag_losses import BagLosses
 from heading_intercompare.bags.recording.journal import (
     is_journal,
@@ -45,57 +46,33 @@ from heading_intercompare.bags.rosbag2.provenance import read_notes
 from heading_intercompare.bags.rosbag2.readable import Readable
 from heading_intercompare.core.kept_state import KeptState
 from heading_intercompare.core.motion.antennas import find_baseline_headings
-from heading_intercompare.core.offline import judge_aligned
 from heading_intercompare.core.pairing.ledger import Ledger
 from heading_intercompare.core.pairing.ledger_keys import LedgerKey, LedgerSegment
-from heading_intercompare.core.pipeline import Compliance, Intercomparison
-from heading_intercompare.core.records import Headings, Losses, Motion, Pairs
-from heading_intercompare.core.runs.growing_columns import GrowingHeadings
+from heading_intercompare.core.pipeline import Compliance
+from heading_intercompare.core.records import Headings, Motion, Pairs
+from heading_intercompare.core.rows.sensor_table import find_reference, list_tested, Sensor
+from heading_intercompare.core.sensors.pair_settings import list_sensors
 from heading_intercompare.core.settings import leave_out_added, Settings, SettingsError
 from heading_intercompare.core.utc_text import utc
-from heading_intercompare.core.verdict.judge import RunResult
 from heading_intercompare.core.verdict.verdict_document import Input, OperatorNote
 from heading_intercompare.readers.registry import open_recording, sources_of
 from heading_intercompare.readers.stream_recording import StreamRecording
+from heading_intercompare.report import SeriesSketch
 
 from .config import Config, load_config
 from .logs.antenna_logs import describe_baseline
 from .run_table import RunTable
 from .sources.csv_source import has_pairs, judge_csv
 from .sources.file_hash import hash_files
-from .sources.found import Found, make_account
+from .sources.input_comparison import describe_two, InputComparison, PairTakers, Spans
+from .sources.judged_input import JudgedInput
 
-__all__ = ['analyze_input', 'Analyzed', 'explain_no_run', 'load_config_or_journal', 'read_motion',
-           'sha256']
+__all__ = ['describe_recording', 'judge_input', 'load_config_or_journal', 'sha256']
 
 #: Its settings are at the start of a journal.
 _HEAD_BYTES = 1_000_000
 #: Headings paired and judged at once: enough that calls cost little, few enough for the cache.
 _AT_ONCE = 1 << 15
-
-
-class Analyzed(NamedTuple):
-    """
-    The runs of one input.
-
-    Attributes
-    ----------
-    results, earlier : list of RunResult
-        The runs of the verdict, and those that are too old for it (`runs.keep`).
-    notes : list of str
-        What the user should know about the input: unfinished bag, no run.
-    described : Input
-        Its entry in the verdict.
-    account : PairsAccount
-        What belongs beside a csv of its pairs.
-
-    """
-
-    results: list[RunResult]
-    earlier: list[RunResult]
-    notes: list[str]
-    described: Input
-    account: PairsAccount
 
 
 def load_config_or_journal(path: str | None, inputs: Sequence[str]) -> Config:
@@ -135,25 +112,24 @@ def load_config_or_journal(path: str | None, inputs: Sequence[str]) -> Config:
     return Config(first, stored[first])
 
 
-def analyze_input(path: str, settings: Settings, table: RunTable | None,
-                  takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
-                  *, name: str | None = None,
-                  helpers: int = 0, parts: Sequence[str] = (),
-                  take_motion: Callable[[Motion], None] = lambda motion: None,
-                  ) -> Analyzed:
+def judge_input(path: str, settings: Settings, table: RunTable | None = None,
+                takers: PairTakers | None = None,
+                progress: Callable[[str], None] = lambda text: None, *, name: str | None = None,
+                helpers: int = 0, parts: Sequence[str] = (), sketched: bool = False,
+                ) -> JudgedInput:
     """
     Judge the runs of one input.
 
     Parameters
     ----------
     path : str
-        A recording that `open_recording` reads, a csv of pairs or a journal of a live run.
+        A recording that `open_recording` reads, a table of pairs or a journal of a live run.
     settings : Settings
         By which it is judged.
     table : sequence of (start_ns, stop_ns, source), optional
         Runs; those with a source apply only to the input of that name, see `assign_runs`.
-    takers : sequence of callable
-        Each is called with the pairs, chunk by chunk.
+    takers : mapping of str to sequence of callable, optional
+        Each is called with the pairs of a tested sensor, chunk by chunk.
     progress : callable
         Called with the progress in words.
     name : str, optional
@@ -162,53 +138,40 @@ def analyze_input(path: str, settings: Settings, table: RunTable | None,
         Processes that decode a bag in parallel with this one.
     parts : sequence of str
         Bags that go on with the trial of this one, in their order.
-    take_motion : callable
-        Called with the motion of the ship before the first pairs.
+    sketched : bool
+        Collect the data for the figures of each tested sensor.
 
     Returns
     -------
-    Analyzed
+    JudgedInput
 
     Raises
     ------
     OSError
         If the input cannot be read.
     BagError
-        If it is damaged, or not a bag or csv of pairs with the topics or columns needed, or a
-        journal of another version.
+        If it is damaged, or not a bag or table of pairs with the topics or columns needed, or a
+        journal of another version; if it holds the pairs of two sensors and `sensors` names more.
 
     """
     name = path if name is None else name
-    runs = None if table is None else [
-        (start, stop) for start, stop, source in table
-        if source in ('', name)]
-    with ThreadPoolExecutor(1) as beside:
-        digest: list[Future[str]] = []
-
-        def start_digest() -> None:
-            # Called once all is read: only a process with a single thread can start helpers.
-            digest.append(beside.submit(sha256, path))
-        if is_journal(path):
-            found = _analyze_journal(path, name, settings, runs, takers, progress)
-        elif has_pairs(path):
-            found = judge_csv(path, name, settings, runs, takers, progress, take_motion)
-        else:
-            readers: list[Readable] = [open_recording(one, settings.bag_namespace,
-                                                      settings.unit_of)
-                                       for one in (path, *parts)]
-            found = _analyze_bag(readers, name, settings, runs, takers, progress, start_digest,
-                                 helpers, take_motion)
-            found = replace(found, described=replace(
-                _describe(readers[0], name, settings, digest[0].result()),
-                ledger_problems=found.notes or None))
-    described = found.described
-    notes = [f'{name}: {problem}' for problem in (*found.remarks, *found.notes)]
-    if not found.results:
-        described = replace(described, no_run=explain_no_run(found.ledger, settings, runs))
-        notes.append(f'{name}: no run: {described.no_run}')
-    spans = None if runs is None else tuple(runs)
-    return Analyzed(found.results, found.earlier, notes, described,
-                    make_account(replace(found, table=spans), settings))
+    spans = None if table is None else [
+        (start, stop) for start, stop, source in table if source in ('', name)]
+    holds_pairs = is_journal(path) or has_pairs(path)
+    if not holds_pairs:
+        readers: list[Readable] = [open_recording(part, settings.bag_namespace, settings.unit_of)
+                                   for part in (path, *parts)]
+        comparison = InputComparison(settings, name, spans, takers=takers, sketched=sketched,
+                                     progress=progress)
+        return _judge_recording(readers, path, name, settings, comparison, progress, helpers)
+    if settings.sensors is not None:
+        raise BagError('holds the pairs of two sensors, and the setting sensors names more; '
+                       'choose them with --ts NAME --rs NAME', path)
+    sketch = SeriesSketch(name) if sketched else None
+    pair_takers = (takers or {}).get('ts', ())
+    if is_journal(path):
+        return _judge_journal(path, name, settings, spans, pair_takers, progress, sketch)
+    return judge_csv(path, name, settings, spans, pair_takers, progress, sketch)
 
 
 class _Resumed:
@@ -253,10 +216,9 @@ def _leave_out_names(given: Mapping[str, Any]) -> dict[str, Any]:
     return {name: value for name, value in given.items() if not name.startswith('trial.')}
 
 
-def _analyze_journal(path: str, name: str, settings: Settings,
-                     runs: Sequence[tuple[int, int]] | None,
-                     takers: Sequence[Callable[[Pairs], None]],
-                     progress: Callable[[str], None]) -> Found:
+def _judge_journal(path: str, name: str, settings: Settings, runs: Spans | None,
+                   takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
+                   sketch: SeriesSketch | None) -> JudgedInput:
     # A node may be writing it: the hash is that of the bytes that were read.
     contents = read_journal(Path(path))
     origin = read_origin(contents, Path(path))
@@ -264,6 +226,8 @@ def _analyze_journal(path: str, name: str, settings: Settings,
     others = compare_settings(*map(_leave_out_names, (
         origin.settings or {}, leave_out_added(settings.to_mapping()))))
     whole = runs is None and not others
+    if sketch is not None:
+        takers = (*takers, partial(sketch.update, settings=settings))
     reader = JournalReader(Path(path))
     state = reader.read(contents, _Resumed(compliance, whole, runs is not None, takers, progress))
     compliance.finish()
@@ -290,73 +254,82 @@ def _analyze_journal(path: str, name: str, settings: Settings,
         total = Ledger.from_segments([LedgerSegment(None, n)])
     described = Input(name, contents.sha256, origin.settings.get('ts_topic'),
                       origin.settings.get('rs_topic'), ledger_problems=tuple(problems))
-    return Found(results, earlier, total, described, tuple(problems), tuple(sorted(kept.marks)))
+    return describe_two(results, earlier, described, problems, total, settings, table=runs,
+                        marks=sorted(kept.marks), sketch=sketch)
 
 
-def _analyze_bag(readers: Sequence[Readable], name: str, settings: Settings,
-                 runs: Sequence[tuple[int, int]] | None,
-                 takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
-                 start_digest: Callable[[], None], helpers: int,
-                 take_motion: Callable[[Motion], None]) -> Found:
-    comparison = Intercomparison(settings, source=name, table=runs, progress=progress)
-    ts, rs = settings.ts_topic, settings.rs_topic
-    conventions = {ts: settings.ts_convention, rs: settings.rs_convention}
-    if of_antennas := settings.antennas.fore_topic is not None:
-        del conventions[rs]
-    # Aligning a run needs all readings a second time; otherwise they are dropped chunk by chunk.
-    kept: dict[str, GrowingHeadings] = {}
-    if settings.alignment.skew == 'apply':
-        kept = {ts: GrowingHeadings(), rs: GrowingHeadings()}
-    n, whole = 0, _count_headings(readers, conventions)
-    lost: list[tuple[LedgerKey, Losses]] = []
-
-    def lose(key: LedgerKey, losses: Losses) -> None:
-        comparison.lose(key, losses)
-        if kept:
-            lost.append((key, losses))
+def _judge_recording(readers: Sequence[Readable], path: str, name: str, settings: Settings,
+                     comparison: InputComparison, progress: Callable[[str], None],
+                     helpers: int) -> JudgedInput:
+    """Judge the recording at `path`, and those that go on with its trial."""
+    reference, first = comparison.reference, readers[0]
+    conventions = {sensor.heading_topic: sensor.convention for sensor in comparison.sensors}
+    if settings.antennas.fore_topic is not None:
+        if reference is None:
+            raise SettingsError('antennas.fore_topic: two antennas are the reference, but no row '
+                                'of sensors has the word rs')
+        del conventions[reference.heading_topic]
     problems: list[str] = []
     remarks: list[str] = []
-    marks: list[tuple[str, int]] = []
-    motion = Motion.concatenate([read_motion(reader, settings, problems) for reader in readers])
-    comparison.take_motion(motion)
-    take_motion(motion)
-
-    def hand_out(pairs: Pairs) -> None:
-        for take in takers:
-            take(pairs)
+    n, whole = 0, _count_headings(readers, conventions)
+    comparison.take_motion(Motion.concatenate(
+        [_read_motion(reader, settings, problems) for reader in readers]))
     for reader in readers:
-        if reader is not readers[0]:
-            hand_out(comparison.begin_again())
+        if reader is not first:
+            comparison.begin_again()
             problems.append(f'{reader.path} goes on with this trial; readings between the two '
                             'are not counted')
-        if runs is None:
-            marks += _set_marks(comparison, reader)
-        told = BagLosses(reader, dict(zip(conventions, ('ts', 'rs'))), lose,
-                         goes_on=reader is not readers[0])
-        baseline = _read_antennas(reader, settings, remarks) if of_antennas else None
-        for chunk in _join_chunks(reader.headings(conventions, helpers, told.take)):
-            if of_antennas:
-                chunk, baseline = {**chunk, rs: baseline or Headings.empty()}, None
-            for topic, readings in kept.items():
-                readings.append(chunk[topic])
-            n += sum(len(h) for h in chunk.values())
-            hand_out(comparison.update(ts=chunk[ts], rs=chunk[rs]))
+        if comparison.takes_marks:
+            for kind, stamp_ns in read_marks(reader):
+                comparison.mark(kind, stamp_ns)
+        losses = BagLosses(reader, {sensor.heading_topic: sensor.name
+                                    for sensor in comparison.sensors
+                                    if sensor.heading_topic in conventions},
+                           comparison.lose, goes_on=reader is not first)
+        baseline = (None if settings.antennas.fore_topic is None
+                    else _read_antennas(reader, settings, remarks))
+        for chunk in _join_chunks(reader.headings(conventions, helpers, losses.take)):
+            headings = {sensor.name: chunk.get(sensor.heading_topic, Headings.empty())
+                        for sensor in comparison.sensors}
+            if baseline is not None and reference is not None:
+                headings[reference.name], baseline = baseline, Headings.empty()
+            n += sum(map(len, headings.values()))
+            comparison.update(headings)
             progress(f'{n:,} of {whole:,} headings' if n <= whole else f'{n:,} headings')
-        if reader is readers[-1]:
-            start_digest()
-        told.read_told()
-        told.finish(comparison.pairer.ledger.newest_ns)
+        losses.read_told()
+        losses.finish(comparison.comparison.newest_ns)
         problems += find_problems(reader)
         remarks += reader.oddities
         if isinstance(reader, StreamRecording) and reader.not_taken:
             problems.append(f'{reader.kind}: {reader.words_present}')
-    hand_out(comparison.finish())
-    results = comparison.results()
-    if kept:
-        results = judge_aligned(kept[ts].headings, kept[rs].headings, results, settings,
-                                source=name, lost=lost, motion=motion)
-    return Found(results, comparison.compliance.take_earlier(), comparison.ledger, Input(name),
-                 tuple(problems), tuple(marks), motion=motion, remarks=tuple(remarks))
+    with ThreadPoolExecutor(1) as beside:
+        # Beside the last runs, once all is read: only a process with a single thread can start
+        # helpers.
+        digest: Future[str] = beside.submit(sha256, path)
+        results = comparison.finish()
+    notes = tuple(OperatorNote(note.stamp_ns, note.text) for note in read_notes(first))
+    entry = Input(name, digest.result(), notes=notes or None,
+                  ledger_problems=tuple(problems) or None)
+    return comparison.describe(
+        results, [entry], lambda ts, rs: [_name_topics(entry, ts, rs, settings)],
+        [f'{name}: {note}' for note in (*remarks, *problems)], path=name, label=name)
+
+
+def describe_recording(path: str, entry: Input, settings: Settings) -> JudgedInput:
+    """Return a recording without runs of its own, with its entries in the verdicts."""
+    sensors = list_sensors(settings)
+    reference = find_reference(sensors)
+    return JudgedInput(path, {}, [entry], {
+        sensor.name: [_name_topics(entry, sensor, reference, settings)]
+        for sensor in list_tested(sensors) if reference is not None})
+
+
+def _name_topics(entry: Input, ts: Sensor, rs: Sensor, settings: Settings) -> Input:
+    """Return the entry of a recording with the topics of a pair of sensors."""
+    rule = settings.antennas
+    return replace(entry, ts_topic=ts.heading_topic,
+                   rs_topic=rs.heading_topic if rule.fore_topic is None
+                   else f'{rule.fore_topic} - {rule.aft_topic}')
 
 
 def _join_chunks(chunks: Iterable[dict[str, Headings]]) -> Iterator[dict[str, Headings]]:
@@ -391,7 +364,7 @@ def _read_antennas(reader: Readable, settings: Settings, remarks: list[str]) -> 
     return found.headings
 
 
-def read_motion(reader: Readable, settings: Settings, problems: list[str]) -> Motion:
+def _read_motion(reader: Readable, settings: Settings, problems: list[str]) -> Motion:
     """Return the motion of the ship in a bag, and add what could not be read to the problems."""
     if not settings.motion.compare:
         return Motion.empty()
@@ -407,38 +380,6 @@ def _count_headings(readers: Sequence[Readable], topics: Iterable[str]) -> int:
     """Return the number of headings in bags, by their indexes."""
     return sum(reader.topics[name].count for reader in readers for topic in topics
                if (name := reader.find(topic)) is not None)
-
-
-def explain_no_run(ledger: Ledger, settings: Settings,
-                    runs: Sequence[tuple[int, int]] | None) -> str:
-    """Return in words why an input gave no run, and how its readings were counted."""
-    total = ledger.total
-    # In the order in which the keys first occurred.
-    keys = dict.fromkeys(key for segment in ledger.segments for key in segment.counts)
-    rejected = [f'{total.counts[key]} {key.stream.upper()} {key.reason}' for key in keys
-                if key.reason]
-    why = ('the table of runs has no row for it' if runs is not None and not runs else
-           'no pair was made' if not ledger.paired else
-           'none of its pairs is in a run of at least runs.min_duration_s = '
-           f'{settings.runs.min_duration_s:g} s')
-    return (f'{why}; {total.received("ts")} TS and {total.received("rs")} RS readings received, '
-            f'{ledger.paired} paired, rejected: {", ".join(rejected) or "none"}')
-
-
-def _set_marks(comparison: Intercomparison, reader: Readable) -> list[tuple[str, int]]:
-    """Start and stop runs at the marks in the bag; return the marks."""
-    marks = list(read_marks(reader))
-    for kind, stamp_ns in marks:
-        comparison.mark(kind, stamp_ns)
-    return marks
-
-
-def _describe(bag: Readable, name: str, settings: Settings, digest: str) -> Input:
-    notes = tuple(OperatorNote(note.stamp_ns, note.text) for note in read_notes(bag))
-    rule = settings.antennas
-    rs_topic = (settings.rs_topic if rule.fore_topic is None
-                else f'{rule.fore_topic} - {rule.aft_topic}')
-    return Input(name, digest, settings.ts_topic, rs_topic, notes or None)
 
 
 def sha256(path: str) -> str:

@@ -38,7 +38,6 @@ from heading_intercompare.core.verdict.verdict_document import Verdict, VerdictE
 from .analysis import judge_bags
 from .config import Config, settings_for
 from .job import explain_unreadable, UNREADABLE
-from .sensors.sensors_analysis import judge_sensor_bags
 
 __all__ = ['CHANGED', 'FormerVerdict', 'rejudge', 'rejudge_bag', 'Rejudged', 'SAME', 'UNJUDGED',
            'WITHOUT_REPORT']
@@ -201,8 +200,7 @@ def rejudge_bag(path: str, config: Config | None = None, assignments: Sequence[s
     stored = {} if config else _stored_settings(reader, report)
     kept, gone = leave_out_gone(stored)
     settings = _settings(config or Config(), kept, assignments)
-    judged = (judge_bags([path], settings, jobs=jobs) if settings.sensors is None else
-              judge_sensor_bags([path], settings, jobs=jobs))
+    judged = judge_bags([path], settings, jobs=jobs)
     notes += [note.removeprefix(f'{path}: ') for note in judged.notes]
     return _compare(path, None if report is None else _read_former(report), judged.verdict,
                     tuple(_find_changed(report, settings)), tuple(gone), tuple(notes))

@@ -22,7 +22,8 @@ from typing import Any
 
 from heading_intercompare.core.version import VERSION
 
-from .job import Job, Judged
+from .job import Job
+from .sources.judged_input import JudgedInput
 
 # `cluster` asks workers for VERSION of this module by name, to see that they can load it.
 __all__ = ['describe_libraries', 'judge_there', 'VERSION']
@@ -67,7 +68,7 @@ def _limit_threads() -> Any:
 _ONE_THREAD = _OneThread()
 
 
-def judge_there(job: Job, path: str, place: str, libraries: str) -> Judged:
+def judge_there(job: Job, path: str, place: str, libraries: str) -> JudgedInput:
     """
     Judge an input in the process that calls this, perhaps on another computer.
 

@@ -20,12 +20,12 @@ import csv
 from datetime import datetime, timezone
 import os
 from pathlib import Path
-from typing import Mapping, Sequence
+from typing import Iterable, Mapping, Sequence
 
 from heading_intercompare.core.time_rules.exclusions import read_exclusions
-from heading_intercompare.core.verdict.verdict_document import Verdict
+from heading_intercompare.core.verdict.verdict_document import RunVerdict
 
-__all__ = ['assign_runs', 'name_outside', 'parse_stamp', 'read_exclusion_table', 'read_run_table',
+__all__ = ['assign_runs', 'name_unused', 'parse_stamp', 'read_exclusion_table', 'read_run_table',
            'RunTable']
 
 #: Start and stop in nanoseconds, and the source.
@@ -135,10 +135,10 @@ def read_exclusion_table(path: str) -> str:
     return text
 
 
-def name_outside(verdict: Verdict) -> list[str]:
-    """Return a note on each exclusion that takes nothing out of a verdict."""
-    used = {(stretch.start_ns, stretch.end_ns) for run in verdict.runs
-            if run.taken_out is not None for stretch in run.taken_out.stretches}
+def name_unused(runs: Iterable[RunVerdict], exclusions: str | None) -> list[str]:
+    """Return a note on each exclusion that takes nothing out of any run."""
+    used = {(stretch.start_ns, stretch.end_ns) for run in runs
+            if run.taken_out is not None for stretch in run.taken_out.stretches if stretch.n}
     return [f'exclusions: {exclusion} takes out nothing: no analysed difference is in it'
-            for exclusion in read_exclusions(verdict.settings.exclusions)
+            for exclusion in read_exclusions(exclusions)
             if (exclusion.start_ns, exclusion.end_ns) not in used]

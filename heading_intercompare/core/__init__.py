@@ -27,7 +27,7 @@ from heading_intercompare._doors import door
 __getattr__, __dir__, __all__ = door(__name__, {
     'angles': ('circular_mean', 'heading_from_quaternion', 'quaternion_from_heading',
                'unwrap_deg', 'wrap180', 'wrap360'),
-    'offline': ('analyze', 'judge_aligned'),
+    'offline': ('judge_aligned',),
     'outcome': ('Outcome', 'worst'),
     'pipeline': ('Compliance', 'Intercomparison', 'join'),
     'records': ('Differences', 'Headings', 'Pairs'),
@@ -47,7 +47,7 @@ if TYPE_CHECKING:
         wrap180 as wrap180,
         wrap360 as wrap360,
     )
-    from .offline import analyze as analyze, judge_aligned as judge_aligned
+    from .offline import judge_aligned as judge_aligned
     from .outcome import Outcome as Outcome, worst as worst
     from .pipeline import (
         Compliance as Compliance,

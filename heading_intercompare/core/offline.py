@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from itertools import pairwise
-from typing import Callable, Iterator, Sequence
+from typing import Iterator, Sequence
 
 import numpy as np
 
@@ -27,15 +27,13 @@ from heading_intercompare.core.timing.clock_search import find_apart
 from heading_intercompare.core.timing.heading_track import Track
 from heading_intercompare.core.timing.skew_scan import Scan, scan_skew
 from heading_intercompare.core.timing.skew_search import REACH_S
-from heading_intercompare.core.units.angle_units import AngleWatch
 from heading_intercompare.core.verdict.judge import RunResult
-from heading_intercompare.core.verdict.verdict_document import Verdict
 
-from .pipeline import Intercomparison, join
-from .records import Headings, Integers, Losses, Motion, Pairs
+from .pipeline import Intercomparison
+from .records import Headings, Integers, Losses, Motion
 from .settings import LARGEST_SKEW_S, Pairing, Settings
 
-__all__ = ['analyze', 'judge_aligned', 'name_apart']
+__all__ = ['judge_aligned', 'name_apart']
 
 #: Readings of the TS that are paired at once.
 _AT_ONCE = 1 << 16
@@ -256,72 +254,3 @@ def _note_alignment(result: RunResult, found: Scan | None, words: str) -> RunRes
     verdict = result.verdict
     return replace(result, verdict=replace(
         verdict, skew=replace(verdict.skew, scan=found), warnings=(*verdict.warnings, words)))
-
-
-def _check_degrees(name: str, readings: Headings) -> None:
-    """Raise ValueError if the headings of a stream are no degrees."""
-    watch = AngleWatch()
-    watch.update(readings.stamp_ns, readings.heading_deg)
-    if watch.words:
-        raise ValueError(f'{name}: {watch.words}; make them with Headings.of(stamp_ns, heading, '
-                         f'{watch.unit!r})')
-
-
-def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings],
-            settings: Settings,
-            take: Callable[[int, Pairs], object] = lambda at, pairs: None, *,
-            motion: Motion | Sequence[Motion | None] | None = None) -> Verdict:
-    """
-    Judge a TS against an RS.
-
-    Parameters
-    ----------
-    ts, rs : Headings, or equally long lists of them
-        Readings of the two sensors; each element of a list is a separate input.
-    settings : Settings
-        Must hold the norms.
-    take : callable
-        Called with the number of an input, from 0, and its pairs.
-    motion : Motion, or a list as long as those of the sensors, optional
-        The motion of the ship, against which the headings are checked.
-
-    Returns
-    -------
-    Verdict
-        The verdict on all runs of all inputs; never compliant if an input has no run.
-
-    Raises
-    ------
-    SettingsError
-        If a norm is missing.
-    ValueError
-        If the lists differ in length, or headings look like radians or revolutions.
-
-    References
-    ----------
-    GK (1)-(7); the guarded decision of ``docs/verdict.md``.
-
-    """
-    ts = [ts] if isinstance(ts, Headings) else list(ts)
-    rs = [rs] if isinstance(rs, Headings) else list(rs)
-    if len(ts) != len(rs):
-        raise ValueError(f'{len(ts)} TS inputs but {len(rs)} RS inputs: give one RS for each TS')
-    moved = [motion] * len(ts) if motion is None or isinstance(motion, Motion) else list(motion)
-    if len(moved) != len(ts):
-        raise ValueError(f'{len(ts)} inputs but motion of {len(moved)}: give one for each input')
-    results, incomplete = [], False
-    for name, streams in (('ts', ts), ('rs', rs)):
-        for readings in streams:
-            _check_degrees(name, readings)
-    for at, (ts_part, rs_part, told) in enumerate(zip(ts, rs, moved)):
-        comparison = Intercomparison(settings)
-        if told is not None:
-            comparison.take_motion(told)
-        take(at, comparison.update(ts_part, rs_part))
-        take(at, comparison.finish())
-        found = comparison.results()
-        if settings.alignment.skew == 'apply':
-            found = judge_aligned(ts_part, rs_part, found, settings, motion=told)
-        incomplete = incomplete or not found
-        results += found
-    return join(results, settings, incomplete=incomplete)

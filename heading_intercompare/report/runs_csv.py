@@ -19,13 +19,14 @@ from __future__ import annotations
 import csv
 import math
 from pathlib import Path
-from typing import Callable, Iterable, Iterator, Mapping, Sequence
+from typing import Callable, Iterable, Iterator, Sequence
 
+from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.validity.condition import DOUBTFUL, VOID
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 
-__all__ = ['COLUMNS', 'write_runs', 'write_sensor_runs']
+__all__ = ['COLUMNS', 'write_runs']
 
 Cell = str | int | float | None
 
@@ -72,14 +73,14 @@ COLUMNS = tuple(_COLUMNS)
 """Names of the columns."""
 
 
-def write_runs(verdict: Verdict, path: str | Path) -> None:
+def write_runs(verdict: Verdict | SensorsVerdict, path: str | Path) -> None:
     """
     Write a row per run, and a row with only name and reason for a recording without a run.
 
     Parameters
     ----------
-    verdict : Verdict
-        On one recording or several.
+    verdict : Verdict or SensorsVerdict
+        On one recording or several; rows of several sensors have the name of the sensor first.
     path : path
         The file, UTF-8; a figure that is missing or not finite is an empty cell.
 
@@ -89,13 +90,12 @@ def write_runs(verdict: Verdict, path: str | Path) -> None:
         If the file cannot be written.
 
     """
-    _write(path, COLUMNS, _list_rows(verdict))
-
-
-def write_sensor_runs(verdicts: Mapping[str, Verdict], path: str | Path) -> None:
-    """Write the rows of `write_runs` of several sensors, with the name of the sensor first."""
+    if isinstance(verdict, Verdict):
+        _write(path, COLUMNS, _list_rows(verdict))
+        return
     _write(path, ('sensor', *COLUMNS), (
-        [name, *row] for name, verdict in verdicts.items() for row in _list_rows(verdict)))
+        [name, *row] for name, of_sensor in verdict.verdicts.items()
+        for row in _list_rows(of_sensor)))
 
 
 def _list_rows(verdict: Verdict) -> Iterator[list[Cell]]:

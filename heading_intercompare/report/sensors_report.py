@@ -22,13 +22,14 @@ from typing import Callable, Mapping, Sequence
 from heading_intercompare.core.sensors.sensors_table import matrix_of, SHOWN, split_words
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.validity.condition import VOID
+from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.core.verdict.vocabulary import OUTCOME_WORDS
 
 from . import check_form, json, write
 from .contents.first_page import SIGNS
 from .series_sketch import SeriesSketch
 
-__all__ = ['sensor_path', 'write_sensors']
+__all__ = ['sensor_path', 'write_protocols']
 
 
 def sensor_path(path: str | Path, name: str) -> Path:
@@ -37,27 +38,26 @@ def sensor_path(path: str | Path, name: str) -> Path:
     return place.with_name(f'{place.stem}-{name}{place.suffix}')
 
 
-def write_sensors(verdict: SensorsVerdict, path: str | Path,
-                  sketches: Mapping[str, Sequence[SeriesSketch]] | None = None,
-                  progress: Callable[[str], None] = lambda text: None) -> list[Path]:
+def write_protocols(verdict: Verdict | SensorsVerdict, path: str | Path,
+                    sketches: Mapping[str, Sequence[SeriesSketch]] | None = None,
+                    progress: Callable[[str], None] = lambda text: None) -> list[Path]:
     """
-    Write the overview, and the protocol of each tested sensor beside it.
+    Write the protocol of two sensors; or an overview, and beside it that of each tested sensor.
 
     Parameters
     ----------
-    verdict : SensorsVerdict
-        On all sensors.
+    verdict : Verdict or SensorsVerdict
     path : str or Path
-        The overview: F.html or F.pdf. The protocols are F-NAME.html or F-NAME.pdf.
+        F.html or F.pdf. The protocols beside an overview are F-NAME.html or F-NAME.pdf.
     sketches : mapping of str to sequence of SeriesSketch, optional
-        Data for the figures, by sensor.
+        Data for the figures, by sensor; `ts` of two.
     progress : callable
         Called with the progress in words.
 
     Returns
     -------
     list of Path
-        The files written, the overview first.
+        The files written, an overview first.
 
     Raises
     ------
@@ -69,6 +69,9 @@ def write_sensors(verdict: SensorsVerdict, path: str | Path,
     """
     check_form(path)
     files = [Path(path)]
+    if isinstance(verdict, Verdict):
+        write(verdict, path, (sketches or {}).get('ts', ()), progress)
+        return files
     if files[0].suffix.lower() == '.json':
         json.write(verdict, path)
         return files

@@ -102,7 +102,7 @@ def test_the_notes_come_back_with_the_graphs(bags):
     judged = judge_bags([bags[0]], SETTINGS, sketched=True, progress=told.append,
                         runs=[(start_ns(0), start_ns(0) + 50 * S, ''), (1, 2, 'gone')])
     assert judged.notes == ('runs: source gone is not one of the INPUTs',)
-    assert [sketch.n for sketch in judged.sketches] == [1200]
+    assert [sketch.n for sketch in judged.sketches['ts']] == [1200]
     assert {'2,400 of 2,400 headings', '91% of run 1 judged'} <= {*told}
 
 
@@ -120,12 +120,12 @@ def test_a_mistake_is_an_error(tmp_path, monkeypatch, paths, settings, error, wo
 
 def test_pairs_are_given_of_one_input_and_refused_of_more(bags):
     taken = []
-    judge_bags([bags[0]], SETTINGS, takers=[taken.append])
+    judge_bags([bags[0]], SETTINGS, takers={'ts': [taken.append]})
     assert sum(map(len, taken)) == 1200
     with ThreadPoolExecutor(1) as executor, pytest.raises(ValueError, match='takers: '):
-        judge_bags([bags[0]], SETTINGS, takers=[taken.append], executor=executor)
+        judge_bags([bags[0]], SETTINGS, takers={'ts': [taken.append]}, executor=executor)
     with pytest.raises(ValueError, match='takers: must be empty with several inputs'):
-        judge_bags(bags, SETTINGS, takers=[taken.append])
+        judge_bags(bags, SETTINGS, takers={'ts': [taken.append]})
 
 
 def jumpy(fault):

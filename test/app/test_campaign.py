@@ -156,12 +156,12 @@ def test_a_bag_with_a_wrong_mark_is_named_and_the_others_judged(
                                         (MemoryError(), 'there is not enough memory for it')])
 def test_an_input_that_cannot_be_judged_does_not_stop_the_others(
         bags, capsys, monkeypatch, error, why):
-    def analyze(path, *args, judge=job.analyze_input, **kwargs):
+    def analyze(path, *args, judge=job.judge_input, **kwargs):
         if path == bags[0]:
             raise error
         return judge(path, *args, **kwargs)
 
-    monkeypatch.setattr(job, 'analyze_input', analyze)
+    monkeypatch.setattr(job, 'judge_input', analyze)
     verdict, said = judged(capsys, *bags[:2])
     assert said == f'note: {bags[0]}: not judged: {why}\n'
     assert [run['source'] for run in verdict['runs']] == [bags[1]]
@@ -362,7 +362,7 @@ def test_results_come_in_the_order_given(bags, processes):
     settings = Settings.from_mapping({'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1})
     found = campaign.judge_inputs([bags[2], bags[0], bags[1]], settings, None, jobs=3)
     assert [each.path for each in found] == [bags[2], bags[0], bags[1]]
-    assert all(each.error is None and len(each.results) == 1 for each in found)
+    assert all(each.error is None and len(each.results['ts', 'rs']) == 1 for each in found)
 
 
 @pytest.mark.slow
@@ -375,17 +375,18 @@ def test_any_executor_of_the_standard_library_judges_as_one_process_does(bags, m
         found = campaign.judge_inputs(bags, settings, sketched=True, executor=executor,
                                       progress=said.append)
     assert [each.path for each in found] == bags
-    assert [each.description for each in found] == [each.description for each in alone]
+    assert [each.entries_of_tested for each in found] == [each.entries_of_tested for each in alone]
     assert exact([each.results for each in found]) == exact([each.results for each in alone])
     assert [each.notes for each in found] == [[]] * len(bags)
-    assert [each.sketch.n for each in found] == [1200] * len(bags)
+    assert [each.sketches['ts'].n for each in found] == [1200] * len(bags)
     n = len(bags)
     assert said[0] == f'0 of {n} done' and said[-1].startswith(f'{n} of {n} done, ')
 
 
 def exact(results) -> str:
     """Return the runs of inputs as text that shows every bit."""
-    return json.dumps([make_plain(each.verdict) for some in results for each in some])
+    return json.dumps([make_plain(each.verdict) for of_pairs in results
+                       for some in of_pairs.values() for each in some])
 
 
 class Failing(Executor):

@@ -138,7 +138,7 @@ def test_a_table_of_runs_cuts_the_pairs_of_a_journal(tmp_path):
 def test_the_pairs_of_a_journal_can_be_taken(tmp_path):
     path, pairs, taken = tmp_path / 'trial.journal', some_pairs(900), []
     write_journal(path, pairs)
-    judge(path, takers=[taken.append])
+    judge(path, takers={'ts': [taken.append]})
     found = Pairs.concatenate(taken)
     assert (found.stamp_ns == pairs.stamp_ns).all() and (found.ts_deg == pairs.ts_deg).all()
 

@@ -42,7 +42,6 @@ from ros_domain import DOMAIN
 import yaml
 
 from heading_intercompare.app.analysis import judge_bags
-from heading_intercompare.app.sensors.sensors_analysis import judge_sensor_bags
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.motion_topics import read_bag_motion
 from heading_intercompare.cli import main
@@ -505,7 +504,7 @@ def test_sensors_watch_that_is_killed_goes_on_and_the_verdict_is_that_of_the_bag
         processes.wait(name)
     written, = reports.glob('sensors_*.json')
     found = SensorsVerdict.from_dict(json.loads(written.read_text('utf-8')))
-    whole = judge_sensor_bags([str(bag)], Settings.from_mapping(rule)).verdict
+    whole = judge_bags([str(bag)], Settings.from_mapping(rule)).verdict
     assert [*find_sensor_differences(found, whole)] == []
     assert not [*tmp_path.rglob('*.journal*')]
 

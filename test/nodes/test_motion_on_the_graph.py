@@ -34,7 +34,7 @@ from sensor_msgs.msg import Imu
 from std_msgs.msg import String
 
 from heading_intercompare.app.analysis import judge_bags
-from heading_intercompare.app.logs.two_logs import judge_logs
+from heading_intercompare.app.logs.trial_logs import judge_logs
 from heading_intercompare.core.records import Headings, KNOT_M_S, Motion, Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.compare_verdicts import find_differences
@@ -116,7 +116,7 @@ def test_live_replayed_recorded_and_imported_verdicts_are_one(tmp_path, own):
                                                            'rate': 0.0})],
                             NORMS, private=True)
     drivers = dict.fromkeys(('ts', 'rs', 'motion'), DriverSettings())
-    imported = judge_logs(logs['ts'], logs['rs'], settings, drivers, motion=given if own else None)
+    imported = judge_logs(logs, settings, drivers, motion=given if own else None)
     for other in (recorded, replayed, imported.verdict):
         # A mean of 180 deg leaves few digits of a skewness.
         assert [one for one in find_differences(live, other) if 'skewness' not in one

@@ -30,7 +30,7 @@ from rclpy.qos import QoSProfile
 from sensor_msgs.msg import Imu
 from std_srvs.srv import Trigger
 
-from heading_intercompare.app.sensors import judge_sensor_bags
+from heading_intercompare import judge_bags
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.pairing.ledger_keys import LedgerKey
@@ -81,7 +81,7 @@ def simulate(settings, **more):
 
 def offline(bag, settings):
     """Return the verdict on a bag."""
-    return judge_sensor_bags([bag], Settings.from_mapping(settings)).verdict
+    return judge_bags([bag], Settings.from_mapping(settings)).verdict
 
 
 @pytest.fixture(scope='module')

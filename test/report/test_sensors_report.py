@@ -22,10 +22,10 @@ import re
 import pytest
 from ship_of_sensors import make_three, TABLE
 
-from heading_intercompare.app.sensors.sensors_analysis import analyze_sensors
+from heading_intercompare import analyze_sensors
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Input
-from heading_intercompare.report.sensors_report import sensor_path, write_sensors
+from heading_intercompare.report.sensors_report import sensor_path, write_protocols
 
 
 @pytest.fixture(scope='module')
@@ -41,7 +41,7 @@ def test_the_protocol_of_a_sensor_lies_beside_the_overview(tmp_path):
 def test_the_overview_says_each_outcome_and_links_its_protocol(verdict, tmp_path):
     pytest.importorskip('matplotlib')
     given = replace(verdict, inputs=[Input('bag <script>', 'a' * 64)])
-    files = write_sensors(given, tmp_path / 'ship.html')
+    files = write_protocols(given, tmp_path / 'ship.html')
     assert [file.name for file in files] == ['ship.html', 'ship-gyro1.html', 'ship-gyro2.html']
     text = files[0].read_text('utf-8')
     assert {*re.findall('href="([^"]*)"', text)} == {file.name for file in files[1:]}
@@ -55,9 +55,9 @@ def test_the_overview_says_each_outcome_and_links_its_protocol(verdict, tmp_path
 
 
 def test_json_and_pdf(verdict, tmp_path):
-    assert write_sensors(verdict, tmp_path / 'ship.json') == [tmp_path / 'ship.json']
+    assert write_protocols(verdict, tmp_path / 'ship.json') == [tmp_path / 'ship.json']
     pytest.importorskip('weasyprint')
     pytest.importorskip('matplotlib')
     alone = replace(verdict, verdicts={})
-    file, = write_sensors(alone, tmp_path / 'ship.pdf')
+    file, = write_protocols(alone, tmp_path / 'ship.pdf')
     assert file.read_bytes().startswith(b'%PDF')

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The logs of two sensors: their import, and their judging without a bag between."""
+"""The logs of sensors: their import, and their judging without a bag between."""
 
 from typing import TYPE_CHECKING
 
@@ -22,7 +22,7 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'antenna_logs': ('describe_baseline', 'import_antennas'),
     'log_import': ('import_log', 'ImportedLog'),
     'log_motion': ('find_motion', 'FoundMotion'),
-    'two_logs': ('find_logs', 'judge_logs'),
+    'trial_logs': ('find_logs', 'judge_logs'),
 })
 
 if TYPE_CHECKING:
@@ -33,4 +33,4 @@ if TYPE_CHECKING:
     )
     from .log_import import import_log as import_log, ImportedLog as ImportedLog
     from .log_motion import find_motion as find_motion, FoundMotion as FoundMotion
-    from .two_logs import find_logs as find_logs, judge_logs as judge_logs
+    from .trial_logs import find_logs as find_logs, judge_logs as judge_logs

@@ -26,8 +26,8 @@ import numpy as np
 from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.ship.track_course import Track
 from heading_intercompare.ahrs.simulator import Simulation
+from heading_intercompare.app.analysis import analyze
 from heading_intercompare.core.angles import wrap180
-from heading_intercompare.core.offline import analyze
 from heading_intercompare.core.records import Headings, Motion, Reals
 from heading_intercompare.core.settings import Settings
 

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""How each kind of source other than a bag is judged: a csv of pairs."""
+"""The comparison of the readings or pairs of one input, and what it gives."""
 
 from typing import TYPE_CHECKING
 
@@ -20,9 +20,11 @@ from heading_intercompare._doors import door
 
 __getattr__, __dir__, __all__ = door(__name__, {
     'csv_source': ('judge_csv',),
-    'found': ('Found',),
+    'input_comparison': ('InputComparison',),
+    'judged_input': ('JudgedInput',),
 })
 if TYPE_CHECKING:
     # The same names for type checkers, by ``make docs``.
     from .csv_source import judge_csv as judge_csv
-    from .found import Found as Found
+    from .input_comparison import InputComparison as InputComparison
+    from .judged_input import JudgedInput as JudgedInput

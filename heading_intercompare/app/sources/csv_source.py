@@ -22,6 +22,7 @@ the pairs came from. Without one, the rows are all that is known.
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 import os
 import re
 from typing import Any, Callable, Iterator, Mapping, Protocol, Sequence
@@ -39,7 +40,7 @@ from heading_intercompare.core.pairing.ledger import Ledger
 from heading_intercompare.core.pairing.ledger_keys import LedgerKey
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.raw_streams.stamp_jumps import Decided, JumpFilter
-from heading_intercompare.core.records import Motion, Pairs
+from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.units.angle_units import AngleWatch
 from heading_intercompare.core.verdict.verdict_document import Input
@@ -47,9 +48,11 @@ from heading_intercompare.readers.registry import (
     find_format,
     has_pairs as has_pairs_in_parquet,
 )
+from heading_intercompare.report import SeriesSketch
 
 from .file_hash import hash_files
-from .found import Found
+from .input_comparison import describe_two, Spans
+from .judged_input import JudgedInput
 
 __all__ = ['has_pairs', 'judge_csv']
 
@@ -100,10 +103,9 @@ def _find_reader(path: str) -> Callable[[str], _Pairs]:
 
 
 def judge_csv(path: str, name: str, settings: Settings,
-              runs: Sequence[tuple[int, int]] | None,
-              takers: Sequence[Callable[[Pairs], None]],
+              runs: Spans | None, takers: Sequence[Callable[[Pairs], None]],
               progress: Callable[[str], None] = lambda text: None,
-              take_motion: Callable[[Motion], None] = lambda motion: None) -> Found:
+              sketch: SeriesSketch | None = None) -> JudgedInput:
     """
     Judge the pairs of a csv file.
 
@@ -121,8 +123,8 @@ def judge_csv(path: str, name: str, settings: Settings,
         Each is called with the pairs, chunk by chunk.
     progress : callable
         Called with the progress in words.
-    take_motion : callable
-        Called with the motion of the ship, if the account has it, before the first pairs.
+    sketch : SeriesSketch, optional
+        Takes the pairs for the figures, and the motion of the ship if the account has it.
 
     Raises
     ------
@@ -140,6 +142,8 @@ def judge_csv(path: str, name: str, settings: Settings,
     if account is not None and runs is None:
         table = account.table
     compliance = Compliance(settings, source=name, table=table, progress=progress)
+    if sketch is not None:
+        takers = (*takers, partial(sketch.update, settings=settings))
     judging = _Judging(compliance, settings, takers, progress, trusted=account is not None)
     if account is not None and table is None:
         for kind, stamp_ns in account.marks:
@@ -147,7 +151,8 @@ def judge_csv(path: str, name: str, settings: Settings,
     if account is not None:
         motion = motion_of_text(account.motion)
         compliance.take_motion(motion)
-        take_motion(motion)
+        if sketch is not None:
+            sketch.take_motion(motion)
     rows = open_pairs(path)
     for pairs in rows:
         judging.take(pairs)
@@ -178,8 +183,9 @@ def judge_csv(path: str, name: str, settings: Settings,
                         'without partner is unknown')
     known = () if account is None else account.inputs[0].ledger_problems or ()
     described = replace(described, ledger_problems=(*known, *problems) or None)
-    return Found(compliance.results(ledger), compliance.take_earlier(), ledger, described,
-                 noted, account=kept)
+    return describe_two(
+        compliance.results(ledger), compliance.take_earlier(), described, noted, ledger,
+        settings, table=runs, account=kept, sketch=sketch)
 
 
 def _find_account(path: str, digest: str, open_pairs: Callable[[str], _Pairs],

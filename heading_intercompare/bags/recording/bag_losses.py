@@ -40,29 +40,30 @@ class BagLosses:
     ----------
     reader : Readable
         The bag.
-    streams : mapping of str to {'ts', 'rs'}
-        The sensors, by topic as requested.
+    sensors : mapping of str to str
+        Names of the sensors, by topic as requested.
     count : callable
-        Called with the key of the ledger and the losses.
+        Called with the name of a sensor, the key of the ledger as of a TS, and the losses.
     goes_on : bool
         The bag goes on with another one that is judged with it, which has what was sent before.
 
     """
 
-    def __init__(self, reader: Readable, streams: Mapping[str, str],
-                 count: Callable[[LedgerKey, Losses], None], *, goes_on: bool = False) -> None:
-        self._reader, self._streams, self._count = reader, streams, count
+    def __init__(self, reader: Readable, sensors: Mapping[str, str],
+                 count: Callable[[str, LedgerKey, Losses], None], *,
+                 goes_on: bool = False) -> None:
+        self._reader, self._sensors, self._count = reader, sensors, count
         self._goes_on = goes_on
         self._by_numbers: Counter[str] = Counter()
 
     def take(self, topic: str, lost_as: str, losses: Losses) -> None:
         """Take what the numbers of a publisher say is missing of a topic, as one of `LOST_AS`."""
-        key = LedgerKey.of_told(self._streams[topic], lost_as)
+        key = LedgerKey.of_told('ts', lost_as)
         if key.lost == 'before_start' and (self._goes_on or read_continues(self._reader)):
             return
         if key.lost == 'on_the_way':
             self._by_numbers[topic] += int(losses.count.sum())
-        self._count(key, losses)
+        self._count(self._sensors[topic], key, losses)
 
     def read_told(self) -> None:
         """
@@ -76,20 +77,20 @@ class BagLosses:
         """
         problems: list[str] = []
         told: dict[str, list[str]] = {}
-        for topic, stream in self._streams.items():
+        for topic, sensor in self._sensors.items():
             name = lost_topic(self._reader.resolve(topic))
             info = self._reader.topics.get(name)
             if info is not None and info.count and info.type_name == STATUS_TYPE:
-                told.setdefault(name, []).append(stream)
+                told.setdefault(name, []).append(sensor)
         for message in self._reader.messages(told) if told else ():
             try:
                 found = decode_losses(message.data)
             except ValueError as error:
                 problems.append(f'topic {message.topic}: {error}')
                 continue
-            for stream in told[message.topic]:
+            for sensor in told[message.topic]:
                 for lost_as, losses in found.items():
-                    self._count(LedgerKey.of_told(stream, lost_as), losses)
+                    self._count(sensor, LedgerKey.of_told('ts', lost_as), losses)
 
         words = f'{len(problems)} messages about losses cannot be read; the first: '
         if problems and words + problems[0] not in self._reader.oddities:
@@ -98,12 +99,12 @@ class BagLosses:
     def finish(self, newest_ns: int | None) -> None:
         """Take what the recorder missed after the last messages, given the newest stamp."""
         record = self._reader.metadata().get(RECORDING, {})
-        for topic, stream in self._streams.items():
+        for topic, sensor in self._sensors.items():
             name = self._reader.resolve(topic)
             told = sum(decimal(record.get(f'{kind}.{name}', '')) or 0
                        for kind in ('lost_on_the_way', 'not_written'))
             rest = told - self._by_numbers[topic]
             if rest > 0 and newest_ns is not None:
                 # After all readings, so in no run.
-                self._count(LedgerKey.of_lost(stream, 'on_the_way'),
+                self._count(sensor, LedgerKey.of_lost('ts', 'on_the_way'),
                             Losses.of([newest_ns + 1], [0], [rest]))

@@ -19,33 +19,50 @@ from __future__ import annotations
 import argparse
 from concurrent.futures import Executor
 from contextlib import ExitStack, nullcontext
+from dataclasses import replace
 import os
 from pathlib import Path
 import sys
-from typing import ContextManager, Sequence
+from typing import ContextManager, Mapping, Sequence
 
-from heading_intercompare.app.analysis import judge_bags
-from heading_intercompare.app.config import Config, settings_for
+from heading_intercompare.app.analysis import judge_bags, Judgement
+from heading_intercompare.app.config import choose_pair, Config, settings_for
 from heading_intercompare.app.inputs import load_config_or_journal
-from heading_intercompare.app.logs.two_logs import find_logs, judge_logs, ROLES
+from heading_intercompare.app.logs.trial_logs import find_logs, judge_logs, name_logs, ROLES
 from heading_intercompare.app.outputs import check_outputs, name_file, open_tables, Outputs
 from heading_intercompare.app.run_table import read_exclusion_table
 from heading_intercompare.cli.terminal.campaign_table import campaign_lines, is_campaign
-from heading_intercompare.cli.terminal.console import find_width, say, tell, VERDICT_MARKS
+from heading_intercompare.cli.terminal.console import (
+    find_width,
+    say,
+    say_lines,
+    tell,
+    VERDICT_MARKS,
+)
 from heading_intercompare.cli.terminal.progress import Progress
-from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.rows.sensor_table import (
+    find_reference,
+    list_tested,
+    read_sensors,
+    Sensor,
+)
+from heading_intercompare.core.sensors.pair_settings import (
+    check_norms,
+    list_sensors,
+    settings_of_pair,
+)
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
-from heading_intercompare.core.settings import from_mapping
+from heading_intercompare.core.settings import from_mapping, Settings
 from heading_intercompare.core.validity.condition import is_doubtful
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.drivers.settings import DriverSettings, SENTENCES, STAMP_FORMATS
 from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.logbook.run_row import make_rows
-from heading_intercompare.report import check_form, json, SeriesSketch, write, WRITERS
+from heading_intercompare.readers.registry import has_one_sensor
+from heading_intercompare.report import check_form, json, SeriesSketch, WRITERS
 from heading_intercompare.report.runs_csv import write_runs
-
-from .several_sensors import choose_pair, run_sensors
+from heading_intercompare.report.sensors_report import sensor_path, write_protocols
 
 __all__ = ['add_analysis_arguments', 'add_antenna_arguments', 'add_arguments', 'add_log_arguments',
            'add_motion_argument', 'add_settings_arguments', 'add_verdict_arguments',
@@ -53,6 +70,8 @@ __all__ = ['add_analysis_arguments', 'add_antenna_arguments', 'add_arguments', '
 
 _CHECK_CODES = {Outcome.COMPLIANT: 0, Outcome.NON_COMPLIANT: 1, Outcome.INDETERMINATE: 3}
 _DOUBTFUL_CODE = 4
+_OF_TESTED = ('csv', 'ensembles', 'runs_csv')
+_OF_TWO = 'is for two sensors; choose them with --ts NAME --rs NAME'
 
 _SHARED_OPTIONS = {
     'time': ('stamp headings of logs with the time of receipt (of the line; default) or of '
@@ -201,40 +220,100 @@ def run(arguments: argparse.Namespace) -> int:
         **{'antennas.baseline_m': arguments.baseline_m,
            'antennas.baseline_angle_deg': arguments.baseline_angle})
     settings = choose_pair(settings, arguments.ts, arguments.rs)
+    check_norms(settings)
     drivers = drivers_for(arguments)
-    if settings.sensors is not None:
-        return run_sensors(arguments, settings, _find_ship(arguments.ship, config), drivers,
-                           _open_logbook(arguments.logbook))
-    Limits.of(settings.norms, settings.model)
-    fore, aft = arguments.rs_antennas or (None, None)
-    logs = find_logs([*arguments.inputs, *([fore] if fore else [])], drivers,
-                     recordings=bool(arguments.ts and arguments.rs))
-    _check_options(arguments, logs is not None)
-    outputs = Outputs(arguments.csv, arguments.ensembles, arguments.report, arguments.json,
-                      arguments.ensemble_s, arguments.runs_csv)
-    check_outputs(outputs, [*arguments.inputs, *(arguments.rs_antennas or ())],
-                  config=arguments.config, runs=arguments.runs)
+    logs = _find_logs(arguments, settings, drivers)
+    _check_options(arguments, settings, logs is not None)
+    inputs = arguments.inputs if logs is None else [*logs.values()]
+    outputs = _plan_outputs(arguments, settings)
+    for wanted in outputs.values():
+        check_outputs(wanted, [*inputs, *(arguments.rs_antennas or ())],
+                      config=arguments.config, runs=arguments.runs)
     book = _open_logbook(arguments.logbook)
     with (ExitStack() as files, Progress(_label(arguments), arguments.quiet) as progress,
           _cluster(arguments.dask) as executor):
-        tables = [files.enter_context(file) for file in open_tables(outputs, settings)]
-        takers = [table.write for table in tables]
+        tables = {sensor.name: [files.enter_context(table) for table in open_tables(
+            outputs[sensor.name], settings_of_pair(settings, sensor, reference))]
+            for sensor, reference in _list_tested(settings)}
+        takers = {name: [table.write for table in some] for name, some in tables.items() if some}
         if logs is not None:
-            judged = judge_logs(*logs, settings, drivers, takers=takers,
-                                runs=arguments.runs or None, motion=arguments.motion, aft=aft,
-                                sketched=bool(arguments.report), progress=progress.show)
+            judged = judge_logs(
+                logs, settings, _name_drivers(drivers, logs), runs=arguments.runs or None,
+                motion=arguments.motion, aft=(arguments.rs_antennas or (None, None))[1],
+                takers=takers, sketched=bool(arguments.report), progress=progress.show)
         else:
             judged = judge_bags(arguments.inputs, settings, runs=arguments.runs or None,
                                 takers=takers, sketched=bool(arguments.report),
                                 jobs=arguments.jobs, executor=executor, progress=progress.show)
-        for table in tables:
-            table.add_account(judged.account)
+        for name, some in tables.items():
+            for table in some:
+                table.add_account(judged.accounts.get(name))
     for note in judged.notes:
         tell(note)
     if book is not None:
-        book.write(make_rows(judged.verdict, ship=_find_ship(arguments.ship, config),
-                             earlier=judged.earlier, find_bag=os.path.abspath))
+        _write_rows(book, judged, _find_ship(arguments.ship, config))
     return deliver(judged.verdict, arguments, judged.sketches)
+
+
+def _find_logs(arguments: argparse.Namespace, settings: Settings,
+               drivers: Mapping[str, DriverSettings]) -> dict[str, str] | None:
+    """Return the log of each sensor by its name; None if the inputs are no logs."""
+    if settings.sensors is None:
+        fore = arguments.rs_antennas[:1] if arguments.rs_antennas else []
+        pair = find_logs([*arguments.inputs, *fore], drivers,
+                         recordings=bool(arguments.ts and arguments.rs))
+        return None if pair is None else dict(zip(ROLES, pair))
+    logs = name_logs(arguments.inputs, settings)
+    if logs is None:
+        names = ', '.join(sensor.name for sensor in read_sensors(settings.sensors))
+        for path in arguments.inputs:
+            if os.path.exists(path) and has_one_sensor(path):
+                raise ValueError(f'{path}: is the log of one sensor; say of which, NAME={path} '
+                                 f'with one of {names}, or take the setting sensors out')
+    elif drivers['ts'] != drivers['rs']:
+        raise ValueError('--ts-... and --rs-...: with several sensors the rows of the setting '
+                         'sensors choose sentence, talker and instrument')
+    return logs
+
+
+def _name_drivers(drivers: Mapping[str, DriverSettings],
+                  logs: Mapping[str, str]) -> dict[str, DriverSettings]:
+    """Return how to read the log of each sensor; several sensors share the options."""
+    return {**dict.fromkeys(logs, drivers['ts']), **drivers}
+
+
+def _list_tested(settings: Settings) -> list[tuple[Sensor, Sensor]]:
+    """Return each tested sensor with the reference."""
+    sensors = list_sensors(settings)
+    reference = find_reference(sensors)
+    return [] if reference is None else [(sensor, reference) for sensor in list_tested(sensors)]
+
+
+def _plan_outputs(arguments: argparse.Namespace, settings: Settings) -> dict[str, Outputs]:
+    """Return the files of the tested sensor, or those of each beside those of all."""
+    whole = Outputs(arguments.csv, arguments.ensembles, arguments.report, arguments.json,
+                    arguments.ensemble_s, arguments.runs_csv)
+    if settings.sensors is None:
+        return {'ts': whole}
+
+    def of(path: str | None, name: str) -> str | None:
+        return os.fspath(sensor_path(path, name)) if path and path != '-' else path
+    return {'': replace(whole, csv=None, ensembles=None), **{
+        sensor.name: replace(whole, csv=of(whole.csv, sensor.name),
+                             ensembles=of(whole.ensembles, sensor.name),
+                             report=of(whole.report, sensor.name))
+        for sensor, _ in _list_tested(settings)}}
+
+
+def _write_rows(book: Logbook, judged: Judgement, ship: str) -> None:
+    """Write the runs of each tested sensor; among several its name follows that of the ship."""
+    for name, verdict in judged.verdicts.items():
+        several = judged.sensors is not None
+        book.write(make_rows(
+            verdict, ship='/'.join(filter(None, (ship, name))) if several else ship,
+            earlier=judged.earlier[name], find_bag=os.path.abspath))
+    if not judged.verdicts:
+        tell('--logbook: no row, because no sensor is the reference')
 
 
 def _find_ship(given: str | None, config: Config) -> str:
@@ -251,17 +330,23 @@ def _open_logbook(path: str | None) -> Logbook | None:
     return book
 
 
-def deliver(verdict: Verdict, arguments: argparse.Namespace,
-            sketches: Sequence[SeriesSketch] = ()) -> int:
-    """Print and write the verdict, write the protocol if asked for; return the exit code."""
+def deliver(verdict: Verdict | SensorsVerdict, arguments: argparse.Namespace,
+            sketches: Mapping[str, Sequence[SeriesSketch]] | None = None) -> int:
+    """Print and write the verdict, write the protocols if asked for; return the exit code."""
     code = conclude(verdict, arguments)
+    several = isinstance(verdict, SensorsVerdict)
     if arguments.runs_csv:
+        if isinstance(verdict, SensorsVerdict) and not verdict.verdicts:
+            raise ValueError(f'--runs-csv {arguments.runs_csv}: no sensor is the reference, so '
+                             'the verdict has no run of a sensor; leave it out')
         with name_file(arguments.runs_csv):
             write_runs(verdict, arguments.runs_csv)
     if arguments.report:
         with name_file(arguments.report), Progress(arguments.report, arguments.quiet) as progress:
             progress.show('drawing the protocol')
-            write(verdict, arguments.report, sketches, progress.show)
+            files = write_protocols(verdict, arguments.report, sketches, progress.show)
+        if several and arguments.json != '-':
+            say_lines(['protocols: ' + ', '.join(map(str, files))])
     return code
 
 
@@ -290,28 +375,41 @@ def _cluster(address: str | None) -> ContextManager[Executor | None]:
     return open_cluster(address)
 
 
-def _check_options(arguments: argparse.Namespace, of_logs: bool) -> None:
+def _check_options(arguments: argparse.Namespace, settings: Settings, of_logs: bool) -> None:
     """Reject options that do not go together, or not with these inputs."""
-    _check_log_options(arguments, of_logs)
+    _check_input_options(arguments, settings, of_logs)
     if arguments.dask is not None and arguments.jobs is not None:
         raise ValueError(f'--jobs {arguments.jobs}: with --dask the scheduler decides; '
                          'leave out one of them')
     check_report(arguments)
-    for option in ('csv', 'ensembles'):
+    for option in _OF_TESTED:
         path = getattr(arguments, option)
-        if path is not None and len(arguments.inputs) > 1 and not of_logs:
-            raise ValueError(f'--{option} {path}: takes the pairs of one INPUT, but '
+        if path is None:
+            continue
+        named = f'--{option.replace("_", "-")} {path}'
+        if not _list_tested(settings):
+            raise ValueError(f'{named}: no sensor is the reference, and it {_OF_TWO}')
+        if option == 'runs_csv':
+            continue
+        if len(arguments.inputs) > 1 and not of_logs:
+            raise ValueError(f'{named}: takes the pairs of one INPUT, but '
                              f'{len(arguments.inputs)} are given')
-        if path is not None and arguments.dask is not None:
-            raise ValueError(f'--{option} {path}: the pairs stay on the workers; leave out --dask')
+        if arguments.dask is not None:
+            raise ValueError(f'{named}: the pairs stay on the workers; leave out --dask')
 
 
-def _check_log_options(arguments: argparse.Namespace, of_logs: bool) -> None:
+def _check_input_options(arguments: argparse.Namespace, settings: Settings,
+                         of_logs: bool) -> None:
     """Reject options of logs without logs, and options of bags with logs."""
-    wrong, why = (
-        (('ts', 'rs', 'dask'), 'is for bags, and these INPUTs are logs; leave it out') if of_logs
-        else (LOG_OPTIONS, 'is for logs, and no INPUT is one; leave it out'))
-    for option in wrong:
+    several = settings.sensors is not None
+    form = 'NAME=LOG' if several else 'one'
+    wrong = dict.fromkeys(LOG_OPTIONS, f'is for logs, and no INPUT is {form}; leave it out')
+    if of_logs:
+        wrong = dict.fromkeys(('ts', 'rs', 'dask'),
+                              'is for bags, and these INPUTs are logs; leave it out')
+    if several:
+        wrong['rs_antennas'] = _OF_TWO
+    for option, why in wrong.items():
         if (value := getattr(arguments, option, None)) is not None:
             shown = ' '.join(value) if isinstance(value, list) else value
             raise ValueError(f'--{option.replace("_", "-")} {shown}: {why}')

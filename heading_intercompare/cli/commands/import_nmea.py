@@ -27,8 +27,7 @@ from heading_intercompare.app.config import load_config, settings_for
 from heading_intercompare.app.logs.antenna_logs import import_antennas
 from heading_intercompare.app.logs.log_import import import_log
 from heading_intercompare.app.logs.log_motion import find_motion, FoundMotion
-from heading_intercompare.app.logs.two_logs import ROLES
-from heading_intercompare.app.sensors.sensors_reading import name_logs, plan_logs
+from heading_intercompare.app.logs.trial_logs import name_logs, plan_logs, ROLES
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.motion_topics import motion_topics
 from heading_intercompare.bags.rosbag2.provenance import describe_origin, Notes, RECORD
@@ -139,9 +138,10 @@ def _choose(arguments: argparse.Namespace, settings: Settings,
     if paths is None:
         raise ValueError(f'{arguments.logs[0]}: must be NAME=LOG with a sensor of the setting '
                          f'sensors: {", ".join(one.name for one in sensors) or "there are none"}')
-    paths, of = plan_logs(paths, settings, drivers['ts'])
-    topics = {one.name: one.heading_topic for one in sensors}
-    return paths, {name: topics[name] for name in paths}, {**of, 'motion': drivers['motion']}
+    paths, drivers = plan_logs(paths, settings, {
+        **dict.fromkeys(paths, drivers['ts']), 'motion': drivers['motion']})
+    topics = {sensor.name: sensor.heading_topic for sensor in sensors}
+    return paths, {name: topics[name] for name in paths}, drivers
 
 
 class _Stream(NamedTuple):

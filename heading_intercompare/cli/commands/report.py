@@ -20,11 +20,9 @@ import argparse
 from pathlib import Path
 
 from heading_intercompare.app.outputs import check_outputs, Outputs
-from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.report import json
 
 from . import analyze
-from .several_sensors import deliver_sensors
 
 __all__ = ['add_arguments', 'run']
 
@@ -62,6 +60,4 @@ def run(arguments: argparse.Namespace) -> int:
     check_outputs(Outputs(report=arguments.report, json=arguments.json,
                           runs_csv=arguments.runs_csv), arguments.inputs)
     verdict = json.read_any(verdicts[0])
-    if isinstance(verdict, SensorsVerdict):
-        return deliver_sensors(verdict, arguments)
     return analyze.deliver(verdict, arguments)

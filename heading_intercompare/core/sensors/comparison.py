@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""All pairs of several sensors, each reading taken once."""
+"""All pairs of two sensors or more, each reading taken once."""
 
 from __future__ import annotations
 
@@ -25,19 +25,19 @@ from heading_intercompare.core.records import Headings, Losses, Motion, Pairs
 from heading_intercompare.core.rows.sensor_table import find_reference, list_tested
 from heading_intercompare.core.settings import Settings
 
-from .pair_settings import check_sensors, settings_of_others, settings_of_pair
+from .pair_settings import list_sensors, Names, settings_of_others, settings_of_pair
 
 __all__ = ['SensorsComparison']
 
 
 class SensorsComparison:
     """
-    Compare several sensors, pair by pair.
+    Compare two sensors or more, pair by pair.
 
     Parameters
     ----------
     settings : Settings
-        With `sensors`.
+        Without `sensors` the two are the TS `ts` and the RS `rs`.
     source, table, progress
         As for `Intercomparison`.
     only_others : bool
@@ -56,7 +56,7 @@ class SensorsComparison:
     Raises
     ------
     SettingsError
-        If no sensors are given, or one has no norm.
+        If a sensor has no norm.
 
     """
 
@@ -64,7 +64,7 @@ class SensorsComparison:
                  table: Sequence[tuple[int, int]] | None = None,
                  progress: Callable[[str], None] = lambda text: None,
                  only_others: bool = False) -> None:
-        self.sensors = check_sensors(settings)
+        self.sensors = list_sensors(settings)
         reference = find_reference(self.sensors)
         self.tested: dict[str, Intercomparison] = {}
         self.others = {
@@ -131,7 +131,7 @@ class SensorsComparison:
         return found
 
     @property
-    def pairs(self) -> dict[tuple[str, str], Intercomparison]:
+    def pairs(self) -> dict[Names, Intercomparison]:
         """All pairs by the names of their sensors; the reference is second in its pairs."""
         return {**{(name, self._reference): one for name, one in self.tested.items()},
                 **self.others}

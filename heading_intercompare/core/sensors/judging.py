@@ -31,14 +31,12 @@ from heading_intercompare.core.verdict.judge import RunResult
 from heading_intercompare.core.verdict.verdict_document import Input, RunVerdict, Verdict
 
 from .pair_figures import describe_pair, PairFigures
-from .pair_settings import check_sensors, risk_of, settings_of_pair
+from .pair_settings import check_sensors, Names, risk_of, settings_of_pair
 from .sensors_verdict import SensorResult, SensorsVerdict
 from .variance_split import PairVariance, SensorVariance, split_variances
 from .vote import find_wrong, Vote
 
 __all__ = ['judge_sensors']
-
-Names = tuple[str, str]
 
 #: A pair may begin this much later than its sensors against the reference, seconds.
 _LATEST_S = 60.0

@@ -25,8 +25,11 @@ from heading_intercompare.core.decision.norm_presets import sigma_max_deg
 from heading_intercompare.core.rows.sensor_table import find_tested, read_sensors, Sensor
 from heading_intercompare.core.settings import Risk, Settings, SettingsError
 
-__all__ = ['check_norms', 'check_sensors', 'risk_of', 'settings_of_others', 'settings_of_pair',
-           'settings_of_tested']
+__all__ = ['check_norms', 'check_sensors', 'list_sensors', 'Names', 'risk_of',
+           'settings_of_others', 'settings_of_pair', 'settings_of_tested']
+
+Names = tuple[str, str]
+"""The names of the sensors of a pair; the reference is the second one."""
 
 
 def settings_of_pair(settings: Settings, ts: Sensor, rs: Sensor) -> Settings:
@@ -44,7 +47,8 @@ def settings_of_pair(settings: Settings, ts: Sensor, rs: Sensor) -> Settings:
     Returns
     -------
     Settings
-        With these a comparison of the two streams alone gives the same verdict.
+        With these a comparison of the two streams alone gives the same verdict; unchanged without
+        the setting `sensors`.
 
     Raises
     ------
@@ -52,6 +56,8 @@ def settings_of_pair(settings: Settings, ts: Sensor, rs: Sensor) -> Settings:
         If one of them has no norm.
 
     """
+    if settings.sensors is None:
+        return settings
     norms, trial = settings.norms, settings.trial
     if ts.sigma_max_deg is not None:
         norms = replace(norms, sigma_max_deg=ts.sigma_max_deg, preset=None)
@@ -111,6 +117,16 @@ def _risk_of_pair(ts: Sensor, rs: Sensor, risk: Risk) -> Risk:
                    min_duration_s=least_duration_s(of_ts))
 
 
+def list_sensors(settings: Settings) -> tuple[Sensor, ...]:
+    """Return the sensors of `sensors`; without that setting the TS `ts` and the RS `rs`."""
+    if settings.sensors is not None:
+        return read_sensors(settings.sensors)
+    return (Sensor('ts', topic=settings.ts_topic, convention=settings.ts_convention,
+                   unit=settings.ts_unit),
+            Sensor('rs', 'rs', topic=settings.rs_topic, convention=settings.rs_convention,
+                   unit=settings.rs_unit))
+
+
 def check_sensors(settings: Settings) -> tuple[Sensor, ...]:
     """Return the sensors; SettingsError if there is none, or if one has no norm."""
     sensors = read_sensors(settings.sensors)
@@ -123,15 +139,15 @@ def check_sensors(settings: Settings) -> tuple[Sensor, ...]:
 
 def check_norms(settings: Settings) -> None:
     """Raise SettingsError if two sensors, or one of several, have no norm."""
-    if read_sensors(settings.sensors):
-        check_sensors(settings)
-    else:
+    if settings.sensors is None:
         Limits.of(settings.norms, settings.model)
+    else:
+        check_sensors(settings)
 
 
-def settings_of_others(settings: Settings) -> dict[tuple[str, str], Settings]:
+def settings_of_others(settings: Settings) -> dict[Names, Settings]:
     """Return the settings of each pair without the reference, by the names of its sensors."""
-    free = [sensor for sensor in check_sensors(settings) if not sensor.is_reference]
+    free = [sensor for sensor in list_sensors(settings) if not sensor.is_reference]
     return {(first.name, second.name): settings_of_pair(settings, first, second)
             for first, second in combinations(free, 2)}
 

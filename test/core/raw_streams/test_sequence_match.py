@@ -17,7 +17,7 @@
 import numpy as np
 import pytest
 
-from heading_intercompare.core.offline import analyze
+from heading_intercompare import analyze
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.pairing.ledger_keys import LedgerKey
 from heading_intercompare.core.pairing.pairer import pair, Pairer

@@ -21,7 +21,7 @@ import json
 import pytest
 from ship_of_sensors import make_sensor
 
-from heading_intercompare.app.sensors.sensors_analysis import analyze_sensors
+from heading_intercompare import analyze_sensors
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.sensors.comparison import SensorsComparison
 from heading_intercompare.core.sensors.judging import judge_sensors

@@ -21,7 +21,7 @@ import math
 import numpy as np
 import pytest
 
-from heading_intercompare.core.offline import analyze
+from heading_intercompare import analyze
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.units.angle_units import (

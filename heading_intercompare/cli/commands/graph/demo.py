@@ -26,7 +26,6 @@ from typing import Callable, Iterator, Mapping, Sequence
 
 from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.app.scenarios import read_scenario
-from heading_intercompare.app.sensors.sensors_analysis import judge_sensor_bags
 from heading_intercompare.cli.terminal.console import say, say_lines, VERDICT_MARKS
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.sensors.compare_sensors import find_sensor_differences
@@ -34,8 +33,8 @@ from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.compare_verdicts import find_differences
 from heading_intercompare.core.verdict.verdict_document import Verdict
-from heading_intercompare.report import check_form, json, write
-from heading_intercompare.report.sensors_report import write_sensors
+from heading_intercompare.report import check_form, json
+from heading_intercompare.report.sensors_report import write_protocols
 
 from .web_option import add_web_argument, read_web
 
@@ -107,19 +106,13 @@ def run(arguments: argparse.Namespace) -> int:
             progress=lambda n: progress.show(f'{n:,} pairs'))
     tell(f'3. offline: analyze {bag}\n')
     settings, report = Settings.from_mapping(given), out / 'report.html'
-    offline: Verdict | SensorsVerdict
     with Progress(bag, arguments.quiet) as progress:
-        if several:
-            found = judge_sensor_bags([bag], settings, sketched=True, progress=progress.show)
-            offline = found.verdict
-            draw = partial(write_sensors, offline, report, found.sketches)
-        else:
-            judged = judge_bags([bag], settings, sketched=True, progress=progress.show)
-            offline = judged.verdict
-            draw = partial(write, offline, report, judged.sketches)
+        judged = judge_bags([bag], settings, sketched=True, progress=progress.show)
+    offline = judged.verdict
     json.write(offline, out / 'offline.json')
     say(str(offline), VERDICT_MARKS)
-    protocol = _write_protocol(report, draw)
+    protocol = _write_protocol(report, partial(write_protocols, offline, report,
+                                               judged.sketches))
     say('')
     code = _compare({'live': live, 'replayed': replayed}, offline)
     say_lines([f'protocol: {protocol}', _describe_page(addresses, several)])

@@ -22,7 +22,7 @@ from pathlib import Path
 import time
 from typing import Any, Mapping
 
-from heading_intercompare.app.config import load_config, settings_for
+from heading_intercompare.app.config import choose_pair, load_config, settings_for
 from heading_intercompare.bags.recording.journal import name_journal
 from heading_intercompare.bags.recording.run_journal import find_bag
 from heading_intercompare.bags.rosbag2.trial_parts import name_first, name_next
@@ -32,7 +32,6 @@ from heading_intercompare.cli.commands.analyze import (
     conclude,
 )
 from heading_intercompare.cli.commands.note import add_note_argument, read_notes
-from heading_intercompare.cli.commands.several_sensors import choose_pair
 from heading_intercompare.cli.node_command import add_namespace_argument
 from heading_intercompare.cli.terminal.console import tell
 from heading_intercompare.cli.terminal.live_view import LiveView

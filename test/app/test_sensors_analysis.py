@@ -28,10 +28,8 @@ from heading_intercompare import (
     analyze_sensors,
     BagReader,
     Headings,
-)
-from heading_intercompare.app.sensors.sensors_analysis import (
-    judge_sensor_bags,
-    judge_sensor_logs,
+    judge_bags,
+    judge_logs,
 )
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.rows.sensor_table import read_sensors
@@ -50,7 +48,7 @@ def bag(tmp_path_factory):
 
 
 def test_bag_logs_and_arrays_give_one_verdict(bag, tmp_path):
-    from_bag = judge_sensor_bags([bag], SETTINGS).verdict
+    from_bag = judge_bags([bag], SETTINGS).verdict
     # In the bag headings are quaternions, so their last bits differ.
     topics = {one.heading_topic: 'enu' for one in read_sensors(TABLE)}
     chunks = list(BagReader(bag).headings(topics))
@@ -62,7 +60,7 @@ def test_bag_logs_and_arrays_give_one_verdict(bag, tmp_path):
     assert len(list(find_sensor_differences(from_bag, other))) > 100
     logs = {name: str(write_log(tmp_path / f'{name}.log', readings, 'HE'))
             for name, readings in HEADINGS.items()}
-    judged = judge_sensor_logs(logs, SETTINGS)
+    judged = judge_logs(logs, SETTINGS)
     # A log rounds to milliseconds and thousandths of a degree.
     for one, other in zip(judged.verdict.pairs, from_bag.pairs):
         assert one.std_deg == pytest.approx(other.std_deg, rel=1e-3)
@@ -71,37 +69,35 @@ def test_bag_logs_and_arrays_give_one_verdict(bag, tmp_path):
 
 
 def test_the_verdict_on_a_tested_sensor_is_that_of_the_two_alone(bag):
-    verdict = judge_sensor_bags([bag], SETTINGS).verdict
+    verdict = judge_bags([bag], SETTINGS).verdict
     alone = analyze_bag(bag, settings_of_pair(SETTINGS, GYRO2, GNSS))
-    # The bag as a whole is the input of the one, two topics that of the other.
-    inputs = [replace(alone.inputs[0], ts_topic=None, rs_topic=None)]
-    assert verdict.verdicts['gyro2'].to_dict() == replace(alone, inputs=inputs).to_dict()
+    assert verdict.verdicts['gyro2'].to_dict() == alone.to_dict()
 
 
 def test_two_bags_are_runs_of_one_verdict(bag, tmp_path):
     later = {name: replace(readings, stamp_ns=readings.stamp_ns + 10 ** 13)
              for name, readings in make_three(1).items()}
     write_bag(tmp_path / 'second', later, START_NS + 10 ** 13)
-    judged = judge_sensor_bags([bag, str(tmp_path / 'second')], SETTINGS)
+    judged = judge_bags([bag, str(tmp_path / 'second')], SETTINGS)
     assert {pair.runs for pair in judged.verdict.pairs} == {2}
     assert all(len(one.runs) == 2 for one in judged.verdict.verdicts.values())
 
 
 def test_an_input_that_cannot_be_read_leaves_no_sensor_compliant(bag, tmp_path):
-    judged = judge_sensor_bags([bag, str(tmp_path / 'none')], SETTINGS)
+    judged = judge_bags([bag, str(tmp_path / 'none')], SETTINGS)
     assert judged.verdict.outcome is Outcome.INDETERMINATE
     assert any('none: not judged' in note for note in judged.notes)
     with pytest.raises(ValueError, match='none of the 2 inputs can be read'):
-        judge_sensor_bags([str(tmp_path / 'none'), str(tmp_path / 'nil')], SETTINGS)
+        judge_bags([str(tmp_path / 'none'), str(tmp_path / 'nil')], SETTINGS)
     with pytest.raises(OSError):
-        judge_sensor_bags([str(tmp_path / 'none')], SETTINGS)
+        judge_bags([str(tmp_path / 'none')], SETTINGS)
 
 
 def test_an_input_that_cannot_be_read_certifies_nothing_without_a_reference(bag, tmp_path):
     free = Settings.of(sensors=TABLE.replace(' rs', ''), slowest_error_s=60.0)
-    alone = judge_sensor_bags([bag], free).verdict
+    alone = judge_bags([bag], free).verdict
     assert Outcome.COMPLIANT in {one.outcome for one in alone.sensors}
-    judged = judge_sensor_bags([bag, str(tmp_path / 'none')], free).verdict
+    judged = judge_bags([bag, str(tmp_path / 'none')], free).verdict
     assert Outcome.COMPLIANT not in {one.outcome for one in judged.sensors}
 
 
@@ -109,25 +105,25 @@ def test_a_bag_given_twice_counts_once(bag, tmp_path):
     """Twice the same runs would look like more evidence than there is."""
     shutil.copytree(bag, tmp_path / 'copy')
     again = str(tmp_path / 'copy')
-    judged = judge_sensor_bags([bag, again], SETTINGS)
+    judged = judge_bags([bag, again], SETTINGS)
     assert {pair.runs for pair in judged.verdict.pairs} == {1}
     assert judged.verdict.inputs[1].same_as == bag
     assert judged.notes == (f'{again}: not judged again: it has the data of {bag}',)
-    assert judged.verdict.outcome is judge_sensor_bags([bag], SETTINGS).verdict.outcome
+    assert judged.verdict.outcome is judge_bags([bag], SETTINGS).verdict.outcome
 
 
 def test_a_topic_that_is_missing_is_named(bag):
     settings = Settings.of(sensors=f'{TABLE}\nins sigma_max_deg=0.1')
     with pytest.raises(ValueError, match='ins/heading.*has'):
-        judge_sensor_bags([bag], settings)
+        judge_bags([bag], settings)
 
 
 def test_runs_of_a_table(bag):
     table = [(START_NS, START_NS + 600 * 10 ** 9, ''),
              (START_NS + 700 * 10 ** 9, START_NS + 1400 * 10 ** 9, '')]
-    judged = judge_sensor_bags([bag], SETTINGS, runs=table)
+    judged = judge_bags([bag], SETTINGS, runs=table)
     assert {pair.runs for pair in judged.verdict.pairs} == {2}
-    judged = judge_sensor_bags([bag], SETTINGS, runs=[(0, 1, '')])
+    judged = judge_bags([bag], SETTINGS, runs=[(0, 1, '')])
     assert any('no run' in note for note in judged.notes)
     assert judged.verdict.outcome is Outcome.INDETERMINATE
 

@@ -19,11 +19,9 @@ from __future__ import annotations
 import pytest
 from ship_of_sensors import make_three, TABLE, write_bag, write_log
 
-from heading_intercompare.app.sensors.sensors_reading import (
-    compare_bag,
-    compare_logs,
-    name_logs,
-)
+from heading_intercompare import judge_logs
+from heading_intercompare.app.inputs import judge_input
+from heading_intercompare.app.logs.trial_logs import name_logs
 from heading_intercompare.core.settings import Settings
 
 SETTINGS = Settings.of(sensors=TABLE)
@@ -59,14 +57,16 @@ def test_one_log_of_several_talkers(tmp_path):
     ship.write_text('\n'.join(sorted(lines)) + '\n')
     rows = 'gyro1 talker=HE\ngyro2 talker=II\ngnss talker=GP rs'
     settings = Settings.of(sensors=rows, sigma_max_deg=0.3, sigma_ref_max_deg=0.1)
-    found = compare_logs(dict.fromkeys(headings, str(ship)), settings)
-    assert [given.ts_topic for given in found.described] == ['HEHDT', 'IIHDT', 'GPHDT']
-    for runs in found.results.values():
-        assert runs[0].verdict.std_deg < 0.3
+    judged = judge_logs(dict.fromkeys(headings, str(ship)), settings)
+    assert [entry.ts_topic for entry in judged.sensors.inputs] == ['HEHDT', 'IIHDT', 'GPHDT']
+    assert [(entry.ts_topic, entry.rs_topic) for entry in judged.verdicts['gyro2'].inputs] == [
+        ('IIHDT', None), (None, 'GPHDT')]
+    for verdict in judged.verdicts.values():
+        assert verdict.runs[0].std_deg < 0.3
 
 
 def test_notes_of_a_bag_name_it(tmp_path):
     path = str(write_bag(tmp_path / 'trial', make_three()))
-    found = compare_bag(path, SETTINGS, name='night')
-    assert found.described[0].path == 'night' and found.described[0].sha256
-    assert found.notes == [] and {*found.earlier} == {'gyro1', 'gyro2'}
+    judged = judge_input(path, SETTINGS, name='night')
+    assert judged.entries[0].path == 'night' and judged.entries[0].sha256
+    assert judged.notes == [] and {*judged.earlier} == {'gyro1', 'gyro2'}
