@@ -126,6 +126,8 @@ MOST_MODULES = 12
 # Tests of several modules, or of something else: a path of the product, a file format, real
 # data. Every other test module has the name and the place of the module it tests.
 TESTS_OF_SEVERAL = {
+    'app/logs/test_named_logs', 'app/test_any_number_of_sensors', 'app/test_sensors_analysis',
+    'cli/commands/test_several_sensors',
     'app/simulation/test_round_trip',
     'ahrs/gimballed/test_honesty',
     'ahrs/test_commands', 'ahrs/test_pictures', 'ahrs/test_recovery', 'ahrs/test_scenarios',

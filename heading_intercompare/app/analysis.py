@@ -86,7 +86,7 @@ class Judgement:
 
     @property
     def verdict(self) -> Verdict | SensorsVerdict:
-        """The verdict on all sensors; without the setting `sensors` that on the TS."""
+        """Return the verdict on all sensors; without the setting `sensors` that on the TS."""
         return self.verdicts['ts'] if self.sensors is None else self.sensors
 
 

@@ -47,6 +47,7 @@ def write_protocols(verdict: Verdict | SensorsVerdict, path: str | Path,
     Parameters
     ----------
     verdict : Verdict or SensorsVerdict
+        On two sensors, or on several.
     path : str or Path
         F.html or F.pdf. The protocols beside an overview are F-NAME.html or F-NAME.pdf.
     sketches : mapping of str to sequence of SeriesSketch, optional

@@ -83,12 +83,12 @@ class InputComparison:
 
     @property
     def sensors(self) -> tuple[Sensor, ...]:
-        """The sensors."""
+        """Return the sensors."""
         return self.comparison.sensors
 
     @property
     def reference(self) -> Sensor | None:
-        """The reference of all others; None if there is none."""
+        """Return the reference of all others; None if there is none."""
         return find_reference(self.sensors)
 
     @property
@@ -213,6 +213,7 @@ def describe_two(results: list[RunResult], earlier: Sequence[RunResult], entry: 
     ledger : Ledger
         The account of its readings.
     settings : Settings
+        By which they were judged.
     table, marks
         What its runs were cut by.
     account : PairsAccount, optional

@@ -25,11 +25,11 @@ from heading_intercompare.core.decision.norm_presets import sigma_max_deg
 from heading_intercompare.core.rows.sensor_table import find_tested, read_sensors, Sensor
 from heading_intercompare.core.settings import Risk, Settings, SettingsError
 
-__all__ = ['check_norms', 'check_sensors', 'list_sensors', 'Names', 'risk_of',
-           'settings_of_others', 'settings_of_pair', 'settings_of_tested']
+__all__ = ['check_norms', 'check_sensors', 'list_sensors', 'risk_of', 'settings_of_others',
+           'settings_of_pair', 'settings_of_tested']
 
+#: The names of the sensors of a pair; the reference is the second one.
 Names = tuple[str, str]
-"""The names of the sensors of a pair; the reference is the second one."""
 
 
 def settings_of_pair(settings: Settings, ts: Sensor, rs: Sensor) -> Settings:
