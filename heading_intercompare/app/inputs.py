@@ -198,7 +198,7 @@ class _Resumed:
             self._compliance.go_on(state, pairs)
         elif state.cutter.marked and not self._ignore_marks:
             # The marks before stay in force.
-            self._compliance.go_on(replace(state, finished=(), earlier=(), n_earlier=0, n_short=0,
+            self._compliance.go_on(replace(state, finished=(), n_earlier=0, n_short=0,
                                            earlier_ns=None), pairs)
         else:
             self._compliance.update(pairs)
@@ -235,7 +235,7 @@ def _judge_journal(path: str, name: str, settings: Settings, runs: Spans | None,
     total = kept.sum_ledgers().total
     # The node called the source of the runs that it judged by another name.
     results, earlier = ([replace(one, verdict=replace(one.verdict, source=name)) for one in some]
-                        for some in (compliance.results(total), compliance.take_earlier()))
+                        for some in (compliance.results(total), compliance.take_earlier(total)))
     judged = 0 if state is None else state.n_judged
     problems = [f'is the journal of a live run, begun at {utc(origin.began_ns)} UTC by version '
                 f'{origin.software}' + (f', recorded to {origin.bag}' if origin.bag else '')

@@ -79,10 +79,10 @@ class KeptState:
         Stamp of the newest pair.
     in_run : bool
         A run is in progress; its cut is that of the cutter.
-    finished, earlier : tuple of KeptRun
-        Runs of the verdict, and those too old for it that have not been handed out.
+    finished : tuple of KeptRun
+        Runs judged, but for those that were too old for the verdict and handed out.
     n_earlier, n_short : int
-        Number of runs too old, and too short.
+        Number of runs handed out, and of those that were too short before the newest of them.
     earlier_ns : int or None
         Cut of the newest run that is too old.
     n_pairs, first_pair : int
@@ -104,7 +104,6 @@ class KeptState:
     newest_ns: int | None
     in_run: bool
     finished: tuple[KeptRun, ...]
-    earlier: tuple[KeptRun, ...]
     n_earlier: int
     n_short: int
     earlier_ns: int | None

@@ -16,7 +16,6 @@
 
 from __future__ import annotations
 
-from copy import copy
 from dataclasses import replace
 from typing import Any, Callable, Sequence
 
@@ -117,9 +116,9 @@ class Compliance:
         self._run_key: int | None = None
         self._looks: list[LookVerdict] = []
         self._finished: list[tuple[RunResult, int]] = []
-        self._earlier: list[RunResult] = []
-        # How many runs were too short, and how many too old for the verdict; the newest such cut.
-        self._n_short = self._n_earlier = 0
+        # How many runs were too old for the verdict, and how many too short before the newest of
+        # these; its cut.
+        self._n_short_before = self._n_earlier = 0
         self._earlier_ns: int | None = None
         self.rolling = Rolling(settings.window_s)
         self.motion = RunMotion(keeper)
@@ -158,8 +157,7 @@ class Compliance:
         if self._cutter.mark(kind, stamp_ns):
             self._finished.clear()
             self._short.clear()
-            self._earlier.clear()
-            self._n_earlier = 0
+            self._n_earlier = self._n_short_before = 0
             self._earlier_ns = None
             self._run = self._run_key = None
             self._looks = []
@@ -174,8 +172,7 @@ class Compliance:
         return KeptState(
             cutter=self._cutter.state, newest_ns=self.newest_ns, in_run=self._run is not None,
             finished=tuple(KeptRun.of(*one) for one in self._finished),
-            earlier=tuple(KeptRun.of(one) for one in self._earlier),
-            n_earlier=self._n_earlier, n_short=self._n_short,
+            n_earlier=self._n_earlier, n_short=self._n_short_before,
             earlier_ns=self._earlier_ns, n_pairs=self._record.n, record_ns=self._record.start_ns,
             record=self._record.state, outside=self._outside, first_pair=self._first_pair,
             before=self._before, short=tuple(self._short))
@@ -195,8 +192,7 @@ class Compliance:
         self._cutter.go_on(state.cutter)
         self.newest_ns, self._earlier_ns = state.newest_ns, state.earlier_ns
         self._finished = [(one.result(self.settings), one.cut_ns) for one in state.finished]
-        self._earlier = [one.result(self.settings) for one in state.earlier]
-        self._n_earlier, self._n_short = state.n_earlier, state.n_short
+        self._n_earlier, self._n_short_before = state.n_earlier, state.n_short
         self._outside = self._outside or state.outside
         self._record.go_on(state.n_pairs, state.record_ns, *state.record)
         self._first_pair, self._before, self._short = (
@@ -216,12 +212,11 @@ class Compliance:
         return None if self._run is None else self._run.start_ns
 
     def preview(self, ledger: Ledger | None = None) -> Verdict:
-        """Return the verdict that a stop now would give; nothing changes by that."""
-        stopped = copy(self)
-        stopped.motion, stopped._finished, stopped._earlier = (
-            copy(self.motion), [*self._finished], [])
-        stopped._end_run()
-        verdict = stopped.verdict(ledger)
+        """Return the verdict that a stop now would give."""
+        finished, short = [*self._finished], [*self._short]
+        if self._run is not None:
+            self._judge(self._run, finished, short)
+        verdict = join(self._divide(ledger, finished, short, None)[1], self.settings)
         return replace(verdict, intermediate=True,
                        headline=f'INTERMEDIATE, what a stop now would give: {verdict.headline}')
 
@@ -240,26 +235,31 @@ class Compliance:
             self._end_run()
 
     def _end_run(self) -> None:
-        run, looks = self._run, self._looks
+        run = self._run
+        if run is not None and self._judge(run, self._finished, self._short):
+            self._limits = self._finished[-1][0].limits
+            self.motion.end_run(self._finished[-1][0].verdict.end_ns)
         self._run = self._run_key = None
         self._looks = []
-        if run is None or run.start_ns is None or run.end_ns is None:
-            return
+
+    def _judge(self, run: RunSeries, finished: list[tuple[RunResult, int]],
+               short: list[Stretch]) -> bool:
+        """Judge a run as it is; add it to those that are finished, or to those too short."""
+        if run.start_ns is None or run.end_ns is None:
+            return False
         if run.end_ns - run.start_ns < round(self.settings.runs.min_duration_s * 1e9):
-            self._n_short += 1
-            self._short.append(Stretch(run.start_ns, run.end_ns, 'shorter than '
-                                       'runs.min_duration_s', run.n_input))
-            return
-        number = len(self._finished) + 1
+            short.append(Stretch(run.start_ns, run.end_ns, 'shorter than runs.min_duration_s',
+                                 run.n_input))
+            return False
+        number = len(finished) + 1
         result = judge_run(
-            run, self.settings, number, self._source, looks=looks, motion=self.motion.rows,
+            run, self.settings, number, self._source, looks=self._looks, motion=self.motion.rows,
             told=lambda share: self._progress(f'{share:.0%} of run {number} judged'))
         result = replace(result, first_pair=self._first_pair)
         if self._thins:
             result = result.without_lost_share()
-        self._limits = result.limits
-        self.motion.end_run(run.end_ns)
-        self._finished.append((result, run.cut_ns))
+        finished.append((result, run.cut_ns))
+        return True
 
     @property
     def finished_runs(self) -> int:
@@ -315,82 +315,90 @@ class Compliance:
         -------
         list of RunResult
             The runs of the verdict. If the clock cuts runs, these are the runs since
-            `runs.keep` cuts; `take_earlier` returns the others, once. So the memory of a node
-            that runs for a year does not grow.
+            `runs.keep` cuts; `take_earlier` returns the others, and forgets them. So the memory
+            of a node that runs for a year does not grow.
 
         """
-        results = [result for result, _ in self._finished]
+        return self._divide(ledger, self._finished, self._short, self._run)[1]
+
+    def take_earlier(self, ledger: Ledger | None = None) -> list[RunResult]:
+        """Return the runs that are too old for the verdict, as `results`, and forget them."""
+        earlier: list[RunResult] = []
+        if self._count_old([result for result, _ in self._finished]):
+            earlier, _ = self._divide(ledger, self._finished, self._short, self._run)
+            last, self._earlier_ns = self._finished[len(earlier) - 1]
+            self._before = last.first_pair + last.verdict.n_input, last.verdict.end_ns
+            self._record.forget_before(last.verdict.end_ns, lambda piece: piece.end_ns)
+            self._n_short_before += sum(s.start_ns < last.verdict.end_ns for s in self._short)
+            self._short = [s for s in self._short if s.start_ns >= last.verdict.end_ns]
+            self._n_earlier += len(earlier)
+            del self._finished[:len(earlier)]
+        return earlier
+
+    def _divide(self, ledger: Ledger | None, finished: Sequence[tuple[RunResult, int]],
+                short: Sequence[Stretch], run: RunSeries | None,
+                ) -> tuple[list[RunResult], list[RunResult]]:
+        """Return the runs too old for the verdict and those of it, with shares of the ledger."""
+        results = [result for result, _ in finished]
         if not results:
-            return []
+            return [], []
         if ledger is None:
             keys = LedgerKey.PAIRED, LedgerKey.TS_PAIRED, LedgerKey.RS_USED
             shares = [LedgerSegment(cut_ns, dict.fromkeys(keys, r.verdict.n_input))
-                      for r, cut_ns in self._finished]
+                      for r, cut_ns in finished]
             inside = shares
             set_backs: list[tuple[SetBack, ...]] = [()] * len(results)
         else:
             # The run in progress also has a share, though it is not among the results yet.
-            in_progress = [] if self._run is None else [self._run.cut_ns]
+            in_progress = [] if run is None else [run.cut_ns]
             before = [] if self._earlier_ns is None else [self._earlier_ns]
-            starts = [*before, *self.cuts, *in_progress]
+            starts = [*before, *(cut_ns for _, cut_ns in finished), *in_progress]
             shares = ledger.shares(starts)[len(before):]
             set_backs = ledger.share_set_backs(starts)[len(before):]
             inside = [ledger.count_between(r.start_ns, r.end_ns)
                       for r in (result.verdict for result in results)]
-        n = self._leave_earlier()
+        n = self._count_old(results)
         # What the runs of the verdict leave out does not depend on when others were left.
-        results[n:] = self._account_for_left_out(results[n:])
+        results[n:] = self._account_for_left_out(results[n:], results[:n], short, run)
         rows = [*zip(results, shares, inside, set_backs)]
-        self._earlier += [r.with_pairing(share, within, (), steps)
-                          for r, share, within, steps in rows[:n]]
         notes = []
-        if self._n_short:
-            notes.append(f'{self._n_short} pieces shorter than runs.min_duration_s were left out')
-        if self._n_earlier:
-            notes.append(f'earlier_runs: {self._n_earlier} runs before the newest runs.keep = '
+        if n_short := self._n_short_before + len(short):
+            notes.append(f'{n_short} pieces shorter than runs.min_duration_s were left out')
+        if n_earlier := self._n_earlier + n:
+            notes.append(f'earlier_runs: {n_earlier} runs before the newest runs.keep = '
                          f'{self.settings.runs.keep} cuts are not part of this verdict')
-        return [r.with_pairing(share, within, notes if at == 0 else (), steps)
-                for at, (r, share, within, steps) in enumerate(rows[n:])]
+        return ([r.with_pairing(share, within, (), steps) for r, share, within, steps in rows[:n]],
+                [r.with_pairing(share, within, notes if at == 0 else (), steps)
+                 for at, (r, share, within, steps) in enumerate(rows[n:])])
 
-    def _account_for_left_out(self, results: list[RunResult]) -> list[RunResult]:
+    def _count_old(self, results: Sequence[RunResult]) -> int:
+        """Return how many of the runs are too old for the verdict."""
+        horizon_ns = self.settings.runs.horizon_ns(self.newest_ns)
+        return 0 if horizon_ns is None else sum(r.verdict.end_ns < horizon_ns for r in results)
+
+    def _account_for_left_out(self, results: Sequence[RunResult], old: Sequence[RunResult],
+                              short: Sequence[Stretch], run: RunSeries | None,
+                              ) -> list[RunResult]:
         """Return the runs, the first with what lies in none of them; all with the record."""
         if not results:
             return []
-        ended = [self._before, *((r.first_pair + r.verdict.n_input, r.verdict.end_ns)
-                                 for r in results)]
+        before = self._before if not old else (
+            old[-1].first_pair + old[-1].verdict.n_input, old[-1].verdict.end_ns)
+        ended = [before, *((r.first_pair + r.verdict.n_input, r.verdict.end_ns)
+                           for r in results)]
         begun = [(r.first_pair, r.verdict.start_ns) for r in results]
-        begun.append((self._record.n if self._run is None else self._first_pair,
-                      self.newest_ns or 0))
-        outside = [*self._short]
+        begun.append((self._record.n if run is None else self._first_pair, self.newest_ns or 0))
+        short = [s for s in short if s.start_ns >= before[1]]
+        outside = [*short]
         for (last, end_ns), (first, start_ns) in zip(ended, begun):
-            n = first - last - sum(s.n for s in self._short if end_ns <= s.start_ns < start_ns)
+            n = first - last - sum(s.n for s in short if end_ns <= s.start_ns < start_ns)
             if n > 0:
                 outside.append(Stretch(end_ns or self._record.start_ns or start_ns, start_ns,
                                        self._outside or 'in no run', n))
         results = [replace(results[0], outside=tuple(outside)), *results[1:]]
         # Also if nothing is left out here: another input of the verdict may leave something out.
-        pieces = self._record.pieces
+        pieces = tuple(piece for piece in self._record.pieces if piece.end_ns >= before[1])
         return [replace(r, pieces=pieces) for r in results]
-
-    def _leave_earlier(self) -> int:
-        """Forget the finished runs that are too old for the verdict; return their number."""
-        horizon_ns = self.settings.runs.horizon_ns(self.newest_ns)
-        n = 0
-        if horizon_ns is not None:
-            n = sum(r.verdict.end_ns < horizon_ns for r, _ in self._finished)
-        if n:
-            last, self._earlier_ns = self._finished[n - 1]
-            self._before = last.first_pair + last.verdict.n_input, last.verdict.end_ns
-            self._record.forget_before(last.verdict.end_ns, lambda piece: piece.end_ns)
-            self._short = [s for s in self._short if s.start_ns >= last.verdict.end_ns]
-            self._n_earlier += n
-            del self._finished[:n]
-        return n
-
-    def take_earlier(self) -> list[RunResult]:
-        """Return the runs that were left out of `results` since the last call."""
-        taken, self._earlier = self._earlier, []
-        return taken
 
     def verdict(self, ledger: Ledger | None = None,
                 inputs: Sequence[Input] = ()) -> Verdict:

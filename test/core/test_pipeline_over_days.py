@@ -194,7 +194,10 @@ def test_a_verdict_covers_the_newest_cuts_and_hands_out_the_runs_before(rng):
     offline = judge(ts, rs, rule)
     kept = offline.results()
     assert exact(kept) == exact(every[3:])
+    state = offline.compliance.keep().to_text()
+    assert offline.verdict() and offline.compliance.preview()
     assert exact(offline.results()) == exact(kept), 'a second call gives the same'
+    assert offline.compliance.keep().to_text() == state, 'a question changes nothing'
     assert exact(offline.compliance.take_earlier()) == exact(every[:3])
     assert offline.compliance.take_earlier() == []
     assert any(w.startswith('earlier_runs: 3 runs before') for w in kept[0].verdict.warnings)

@@ -184,7 +184,7 @@ def judge_csv(path: str, name: str, settings: Settings,
     known = () if account is None else account.inputs[0].ledger_problems or ()
     described = replace(described, ledger_problems=(*known, *problems) or None)
     return describe_two(
-        compliance.results(ledger), compliance.take_earlier(), described, noted, ledger,
+        compliance.results(ledger), compliance.take_earlier(ledger), described, noted, ledger,
         settings, table=runs, account=kept, sketch=sketch)
 
 

@@ -188,7 +188,7 @@ class InputComparison:
                                                    self._table, self._motion)
         if entries and not any(results.values()):
             entries = [replace(entries[0], no_run='no pair of sensors has a run'), *entries[1:]]
-        earlier = {name: [result.verdict for result in pair.compliance.take_earlier()]
+        earlier = {name: [result.verdict for result in pair.compliance.take_earlier(pair.ledger)]
                    for name, pair in self.comparison.tested.items()}
         return JudgedInput(path, results, entries, entries_of_tested, notes, earlier,
                            self._sketches, accounts)

@@ -118,9 +118,10 @@ class SensorsComparison:
         return {name: one.begin_again() for name, one in self.tested.items()}
 
     def forget_earlier(self) -> None:
-        """Join the segments of all ledgers too old for a verdict; forget motion that is."""
+        """Forget runs too old for a verdict, and motion that is; join such segments of ledgers."""
         for one in self.pairs.values():
             one.pairer.forget_earlier()
+            one.compliance.take_earlier()
             one.compliance.motion.forget(one.compliance.run_start_ns)
 
     def finish(self) -> dict[str, Pairs]:

@@ -202,9 +202,9 @@ class Reporting:
         """Publish and write the report, unless it is unchanged."""
         self._due = None
         problems = tuple(self._problems(complete))
-        # `verdict` hands out the runs that are too old for it.
-        verdict = replace(self._compliance.verdict(self._ledgers.total), ledger_problems=problems)
-        earlier = [result.verdict for result in self._compliance.take_earlier()]
+        ledger = self._ledgers.total
+        verdict = replace(self._compliance.verdict(ledger), ledger_problems=problems)
+        earlier = [result.verdict for result in self._compliance.take_earlier(ledger)]
         self._run_log.take(verdict, earlier)
         report = render(verdict)
         if report == self._said:
