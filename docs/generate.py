@@ -13,9 +13,9 @@
 # limitations under the License.
 
 """
-Generate from the sources: parameter file, settings, JSON Schema, conditions, modules, doors.
+Generate from the sources: parameter file, settings, JSON Schema, conditions, modules.
 
-Run it after adding or changing a setting, a module or a name in a door: ``make docs``. The tests
+Run it after adding or changing a setting, a condition or a module: ``make docs``. The tests
 compare the files with its output.
 """
 
@@ -25,7 +25,7 @@ import ast
 import json
 from pathlib import Path
 import textwrap
-from typing import Any, Iterator, Mapping, NamedTuple, Sequence
+from typing import Any, Iterator, Mapping, NamedTuple
 
 from heading_intercompare.ahrs.settings import Scenario, Sensor
 from heading_intercompare.bags.settings import BagSettings
@@ -53,15 +53,6 @@ ARCHITECTURE = ROOT / 'docs' / 'ARCHITECTURE.md'
 TABLES = ROOT / 'docs' / 'settings.md'
 REFUSALS = ROOT / 'docs' / 'refusals.md'
 SCHEMA = ROOT / 'schema' / 'verdict.schema.json'
-DOORS = sorted((ROOT / 'heading_intercompare').rglob('__init__.py'))
-
-#: Longest line of source, including the line end.
-LINE = 100
-#: Beginning of the part of a door that is generated here.
-DOOR = """\
-if TYPE_CHECKING:
-    # The same names for type checkers, by ``make docs``.
-"""
 
 
 class Section(NamedTuple):
@@ -306,35 +297,11 @@ def refusals(text: str) -> str:
     return _fill(text, 'doubtful', f'| condition | doubtful when |\n|---|---|\n{doubtful}')
 
 
-def _offer(module: str, names: Sequence[str]) -> str:
-    """Return the statement that imports names and makes them public."""
-    aliases = [f'{name} as {name}' for name in names]
-    line = f'    from .{module} import {", ".join(aliases)}\n'
-    if len(line) <= LINE:
-        return line
-    rows = ''.join(f'        {alias},\n' for alias in aliases)
-    return f'    from .{module} import (\n{rows}    )\n'
-
-
-def door(text: str) -> str:
-    """Return the `__init__` of a room, with the names of its door imported for type checkers."""
-    calls = [node for node in ast.walk(ast.parse(text)) if isinstance(node, ast.Call)
-             and getattr(node.func, 'id', '') == 'door']
-    if not calls:
-        return text
-    modules = ast.literal_eval(calls[0].args[1])
-    return text.partition(DOOR)[0] + DOOR + ''.join(
-        _offer(module, names) for module, names in modules.items())
-
-
 if __name__ == '__main__':
     YAML.write_text(parameter_file(), 'utf-8')
     TABLES.write_text(tables(), 'utf-8')
     SCHEMA.write_text(schema(), 'utf-8')
     ARCHITECTURE.write_text(architecture(ARCHITECTURE.read_text('utf-8')), 'utf-8')
     REFUSALS.write_text(refusals(REFUSALS.read_text('utf-8')), 'utf-8')
-    for path in DOORS:
-        path.write_text(door(path.read_text('utf-8')), 'utf-8')
     print('wrote', *(str(p.relative_to(ROOT)) for p in (
-        YAML, TABLES, SCHEMA, ARCHITECTURE, REFUSALS)),
-          'and the doors')
+        YAML, TABLES, SCHEMA, ARCHITECTURE, REFUSALS)))

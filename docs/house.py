@@ -16,7 +16,7 @@
 Draw the house of docs/ARCHITECTURE.md: folders, their rooms, and the way of a datum through them.
 
 Each folder stands above those it imports. The text of a box comes from the sources: names and
-module counts from the tree, purposes from the docstrings of the doors, and the numbered marks
+module counts from the tree, purposes from the docstrings of the rooms, and the numbered marks
 from the ten lines of the page.
 """
 
@@ -67,7 +67,7 @@ class Box(NamedTuple):
 
 
 def summarize(folder: Path) -> str:
-    """Return the first sentence of the door of a folder."""
+    """Return the first sentence of the docstring of a folder."""
     text = ast.get_docstring(ast.parse((folder / '__init__.py').read_text('utf-8'))) or ''
     return ' '.join(text.partition('\n\n')[0].split()).rstrip('.').replace('`', '')
 

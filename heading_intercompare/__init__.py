@@ -20,12 +20,12 @@ It compares a tested sensor (TS) with a reference sensor (RS) on the same ship. 
 parameter file.
 """
 
-from typing import TYPE_CHECKING
+from importlib import import_module
+from typing import Any, TYPE_CHECKING
 
-from heading_intercompare._doors import door
 from heading_intercompare.core.version import VERSION as __version__
 
-__getattr__, __dir__, __all__ = door(__name__, {
+_OFFERED = {
     'app.analysis': ('analyze', 'analyze_bag', 'analyze_bags', 'analyze_sensors', 'judge_bags'),
     'app.logs.trial_logs': ('judge_logs',),
     'bags.recording.recorded_headings': ('read_bag', 'RecordedHeadings'),
@@ -39,11 +39,25 @@ __getattr__, __dir__, __all__ = door(__name__, {
     'core.settings': ('Alignment', 'CampaignRule', 'Detectors', 'MotionRule', 'Norms', 'Pairing',
                       'Risk', 'RunCutting', 'Sequential', 'Settings', 'SettingsError', 'Trial'),
     'core.verdict.verdict_document': ('RunVerdict', 'Verdict'),
-})
+}
+"""The names that are offered, by the module that defines them; it is loaded at first use."""
+_MODULES = {name: module for module, names in _OFFERED.items() for name in names}
+__all__ = list(_MODULES)
 __all__ += ['__version__']
 
+
+def __getattr__(name: str) -> Any:
+    if name not in _MODULES:
+        raise AttributeError(f'module {__name__!r} has no attribute {name!r}')
+    return getattr(import_module(f'{__name__}.{_MODULES[name]}'), name)
+
+
+def __dir__() -> list[str]:
+    return __all__
+
+
 if TYPE_CHECKING:
-    # The same names for type checkers, by ``make docs``.
+    # The same names for type checkers and editors.
     from .app.analysis import (
         analyze as analyze,
         analyze_bag as analyze_bag,

@@ -18,7 +18,6 @@ from __future__ import annotations
 
 import ast
 from importlib import import_module
-from importlib.util import find_spec
 from pathlib import Path
 import pickle
 import pydoc
@@ -47,7 +46,6 @@ class Allowed(NamedTuple):
 # like a folder; `cli` may be either.
 ALLOWED = {
     '__init__': Allowed({'core', 'bags', 'app'}, set()),
-    '_doors': Allowed(set(), set()),
     'natural_order': Allowed(set(), set()),
     'yaml_file': Allowed({'core'}, {'yaml'}),
     'missing_module': Allowed(set(), set()),
@@ -120,9 +118,6 @@ LOADED_BY = {
 NEED_NO_SCIPY = ('nmea_driver', 'motion_driver', 'sensor_simulator', 'synchronizer', 'recorder',
                  'replayer')
 
-# A reader who looks for something in a room reads the names of its modules.
-MOST_MODULES = 12
-
 # Tests of several modules, or of something else: a path of the product, a file format, real
 # data. Every other test module has the name and the place of the module it tests.
 TESTS_OF_SEVERAL = {
@@ -176,10 +171,6 @@ HEADER = """\
 
 CALLS = ('__import__', 'import_module')
 
-# docs/STYLE.md asks for one concept per module and 80 lines per node; longer files break that.
-LONGEST_MODULE = 500
-LONGEST_NODE = 160
-
 
 class Import(NamedTuple):
     """One import statement, anywhere in a module."""
@@ -225,12 +216,12 @@ def offences(folder: str, source: str, package: tuple[str, ...]) -> list[str]:
         distribution, _, rest = name.partition('.')
         inner = rest.split('.')[0]
         if distribution == 'heading_intercompare':
-            good = inner in rule.package or inner in (folder, '_doors')
+            good = inner in rule.package or inner == folder
         elif distribution in sys.stdlib_module_names:
             good = folder != 'core' or distribution not in FORBIDDEN_IN_CORE
         else:
-            # A door loads modules of its own room, whichever that is.
-            good = distribution in rule.others or (folder, name) == ('_doors', '(computed)')
+            # The package loads the modules that it offers names of.
+            good = distribution in rule.others or (folder, name) == ('__init__', '(computed)')
         if not good:
             found.append(f'line {line}: {folder} may not import {name}')
     return found
@@ -304,7 +295,6 @@ def test_a_module_imports_only_what_its_folder_may(path):
     ('helpers', 'import math'),
     ('cli', 'from distributed import Client'),
     ('app', 'from rich.console import Console'),
-    ('_doors', 'from heading_intercompare.core import angles'),
 ])
 def test_the_check_sees_a_forbidden_import(folder, statement):
     package = ('heading_intercompare',) + (() if folder.startswith('__') else (folder,))
@@ -357,21 +347,8 @@ ROOMS = sorted(p.parent for p in MODULES if p.stem == '__init__' and p.parent !=
 
 
 @pytest.mark.parametrize('room', ROOMS, ids=relative)
-def test_a_room_has_few_modules_and_a_door_that_says_what_it_is_for(room):
-    assert len([p for p in room.glob('*.py') if p.stem != '__init__']) <= MOST_MODULES
+def test_a_room_says_what_it_is_for(room):
     assert ast.get_docstring(ast.parse((room / '__init__.py').read_text('utf-8')))
-
-
-@pytest.mark.parametrize('room', [r for r in ROOMS if not (r / 'program.py').exists()
-                                  and (folder_of(r) != 'nodes' or find_spec('rclpy'))
-                                  and (folder_of(r) != 'app' or find_spec('distributed'))],
-                         ids=relative)
-def test_what_a_door_offers_is_there_and_no_module_hides_it(room):
-    door = import_module('.'.join(room.relative_to(ROOT).parts))
-    names = getattr(door, '__all__', [])
-    assert {name for name in names if not hasattr(door, name)} == set()
-    assert set(names) & {p.stem for p in room.iterdir()} == set()
-    assert set(names) <= set(dir(door))
 
 
 @pytest.mark.slow
@@ -386,18 +363,6 @@ def test_no_function_of_a_room_differs_from_a_class_in_case_only(room):
     assert set.intersection(*names.values()) - {'setting'} == set()
 
 
-def test_a_door_loads_nothing_before_it_is_asked():
-    code = ('import sys\n'
-            'import heading_intercompare._doors\n'
-            'before = {*sys.modules}\n'
-            'import heading_intercompare.bags.mcap, heading_intercompare.nodes.ros\n'
-            'print(sorted({*sys.modules} - before))')
-    done = subprocess.run([sys.executable, '-c', code], cwd=ROOT, check=True,
-                          capture_output=True, text=True)
-    assert ast.literal_eval(done.stdout) == [f'heading_intercompare.{name}' for name in (
-        'bags', 'bags.mcap', 'nodes', 'nodes.ros')]
-
-
 def test_the_package_offers_its_names_in_every_way_of_asking():
     package, taken = import_module('heading_intercompare'), {}
     exec('from heading_intercompare import *', taken)
@@ -408,9 +373,17 @@ def test_the_package_offers_its_names_in_every_way_of_asking():
     assert {name for name in package.__all__ if name not in page} <= {'__version__'}
 
 
-def test_a_door_says_which_name_it_has_not():
-    with pytest.raises(AttributeError, match="'heading_intercompare.core' has no attribute 'no'"):
-        import_module('heading_intercompare.core').no()
+def test_the_package_says_which_name_it_has_not():
+    with pytest.raises(AttributeError, match="'heading_intercompare' has no attribute 'no'"):
+        import_module('heading_intercompare').no()
+
+
+def test_type_checkers_see_the_names_that_the_package_offers():
+    package = import_module('heading_intercompare')
+    tree = ast.parse(Path(package.__file__).read_text('utf-8'))
+    block, = (node for node in tree.body if isinstance(node, ast.If))
+    seen = {node.module: tuple(alias.name for alias in node.names) for node in block.body}
+    assert seen == package._OFFERED
 
 
 def loaded(code: str) -> set[str]:
@@ -421,7 +394,7 @@ def loaded(code: str) -> set[str]:
 
 
 def test_importing_the_package_loads_neither_numbers_nor_ros_nor_an_edge():
-    edges = {*ALLOWED} - {'core', '__init__', '_doors'}
+    edges = {*ALLOWED} - {'core', '__init__'}
     assert loaded('import heading_intercompare') & {
         'numpy', 'scipy', 'rclpy', *(f'heading_intercompare.{edge}' for edge in edges)} == set()
 
@@ -517,14 +490,6 @@ def test_the_architecture_names_no_module_that_is_not_there():
     assert named
     assert sorted(n for n in named if not (PACKAGE / f'{n}.py').is_file()
                   and not (PACKAGE / n).is_dir()) == []
-
-
-def test_a_module_fits_one_reading():
-    lines = {relative(p): len(p.read_text('utf-8').removeprefix(HEADER).splitlines())
-             for p in MODULES}
-    limit = {relative(p): LONGEST_NODE if folder_of(p) == 'nodes' and '\ndef main('
-             in p.read_text('utf-8') else LONGEST_MODULE for p in MODULES}
-    assert {name: n for name, n in lines.items() if n > limit[name]} == {}
 
 
 def test_a_module_of_tests_lies_where_the_module_lies_that_it_tests():

@@ -71,12 +71,6 @@ def test_the_list_of_modules_in_the_docs_is_what_the_sources_say():
     assert text == GENERATED['architecture'](text), 'run: make docs'
 
 
-@pytest.mark.parametrize('path', GENERATED['DOORS'], ids=lambda path: path.parent.name)
-def test_type_checkers_see_what_a_door_offers(path):
-    text = path.read_text('utf-8')
-    assert text == GENERATED['door'](text), 'run: make docs'
-
-
 def read(node: str) -> dict:
     """Return the values of a section of the parameter file, with dotted names."""
     return flat(parameters(YAML.read_text('utf-8'))[node])

@@ -18,19 +18,3 @@ MCAP bags of rosbag2, to and from chunks; no ROS needed.
 Each room builds on the ones before it: `mcap`, `parallel`, `rosbag2`, `recording`, `recovery`.
 `csv` stands apart.
 """
-
-from typing import TYPE_CHECKING
-
-from heading_intercompare._doors import door
-
-__getattr__, __dir__, __all__ = door(__name__, {
-    'checked_text': ('decimal', 'utf8'),
-    'errors': ('BagError',),
-    'settings': ('BagSettings',),
-})
-
-if TYPE_CHECKING:
-    # The same names for type checkers, by ``make docs``.
-    from .checked_text import decimal as decimal, utf8 as utf8
-    from .errors import BagError as BagError
-    from .settings import BagSettings as BagSettings

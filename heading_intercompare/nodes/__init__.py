@@ -18,23 +18,3 @@ The ROS 2 nodes, and their graph in one process.
 Each node is a module here and an executable; the rooms `ros`, `runtime` and `taking` hold what
 they share.
 """
-
-from typing import TYPE_CHECKING
-
-from heading_intercompare._doors import door
-
-__getattr__, __dir__, __all__ = door(__name__, {
-    'graph': ('intercompare', 'Source'),
-    'nmea_driver': ('NmeaDriver',),
-    'replayer': ('Replayer',),
-    'sensor_simulator': ('SensorSimulator',),
-    'settings': ('ComplianceNode',),
-})
-
-if TYPE_CHECKING:
-    # The same names for type checkers, by ``make docs``.
-    from .graph import intercompare as intercompare, Source as Source
-    from .nmea_driver import NmeaDriver as NmeaDriver
-    from .replayer import Replayer as Replayer
-    from .sensor_simulator import SensorSimulator as SensorSimulator
-    from .settings import ComplianceNode as ComplianceNode

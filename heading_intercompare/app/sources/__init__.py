@@ -13,18 +13,3 @@
 # limitations under the License.
 
 """The comparison of the readings or pairs of one input, and what it gives."""
-
-from typing import TYPE_CHECKING
-
-from heading_intercompare._doors import door
-
-__getattr__, __dir__, __all__ = door(__name__, {
-    'csv_source': ('judge_csv',),
-    'input_comparison': ('InputComparison',),
-    'judged_input': ('JudgedInput',),
-})
-if TYPE_CHECKING:
-    # The same names for type checkers, by ``make docs``.
-    from .csv_source import judge_csv as judge_csv
-    from .input_comparison import InputComparison as InputComparison
-    from .judged_input import JudgedInput as JudgedInput

@@ -13,31 +13,3 @@
 # limitations under the License.
 
 """Writing of bags, whatever happens to the disk."""
-
-from typing import TYPE_CHECKING
-
-from heading_intercompare._doors import door
-
-__getattr__, __dir__, __all__ = door(__name__, {
-    'bag_writer': ('BagWriter', 'Rows'),
-    'disk_sync': ('replace_file',),
-    'recorder_losses': ('count_words', 'Counts', 'loss_record', 'loss_words', 'RECORDING',
-                        'tell_missing'),
-    'resilient_recording': ('Recording',),
-    'spool': ('Spool',),
-})
-
-if TYPE_CHECKING:
-    # The same names for type checkers, by ``make docs``.
-    from .bag_writer import BagWriter as BagWriter, Rows as Rows
-    from .disk_sync import replace_file as replace_file
-    from .recorder_losses import (
-        count_words as count_words,
-        Counts as Counts,
-        loss_record as loss_record,
-        loss_words as loss_words,
-        RECORDING as RECORDING,
-        tell_missing as tell_missing,
-    )
-    from .resilient_recording import Recording as Recording
-    from .spool import Spool as Spool

@@ -13,31 +13,3 @@
 # limitations under the License.
 
 """Pairs and differences from the headings of two sensors, with every reading accounted for."""
-
-from typing import TYPE_CHECKING
-
-from heading_intercompare._doors import door
-
-__getattr__, __dir__, __all__ = door(__name__, {
-    'difference': ('subtract',),
-    'direction': ('typical_step_ns',),
-    'ensembles': ('Ensembles', 'Ensembling'),
-    'ledger': ('Ledger',),
-    'ledger_keys': ('LedgerKey', 'LedgerSegment', 'REASONS'),
-    'pairer': ('pair', 'Pairer'),
-    'pairing_watch': ('PairingState', 'PairingWatch'),
-})
-
-if TYPE_CHECKING:
-    # The same names for type checkers, by ``make docs``.
-    from .difference import subtract as subtract
-    from .direction import typical_step_ns as typical_step_ns
-    from .ensembles import Ensembles as Ensembles, Ensembling as Ensembling
-    from .ledger import Ledger as Ledger
-    from .ledger_keys import (
-        LedgerKey as LedgerKey,
-        LedgerSegment as LedgerSegment,
-        REASONS as REASONS,
-    )
-    from .pairer import pair as pair, Pairer as Pairer
-    from .pairing_watch import PairingState as PairingState, PairingWatch as PairingWatch

@@ -13,25 +13,3 @@
 # limitations under the License.
 
 """What the stream of one sensor shows by itself, before its readings are paired."""
-
-from typing import TYPE_CHECKING
-
-from heading_intercompare._doors import door
-
-__getattr__, __dir__, __all__ = door(__name__, {
-    'decimal_steps': ('DECIMAL_STEPS', 'find_decimal_step', 'StepCount'),
-    'held_values': ('HoldFilter', 'Unfolded'),
-    'sequence_match': ('Matched', 'SequenceMatch'),
-    'stamp_jumps': ('is_rising', 'JumpFilter', 'SetBack'),
-})
-
-if TYPE_CHECKING:
-    # The same names for type checkers, by ``make docs``.
-    from .decimal_steps import (
-        DECIMAL_STEPS as DECIMAL_STEPS,
-        find_decimal_step as find_decimal_step,
-        StepCount as StepCount,
-    )
-    from .held_values import HoldFilter as HoldFilter, Unfolded as Unfolded
-    from .sequence_match import Matched as Matched, SequenceMatch as SequenceMatch
-    from .stamp_jumps import is_rising as is_rising, JumpFilter as JumpFilter, SetBack as SetBack

@@ -13,15 +13,3 @@
 # limitations under the License.
 
 """Conditions on the record: its clocks, readings and gaps, each in a module of its own."""
-
-from typing import TYPE_CHECKING
-
-from heading_intercompare._doors import door
-
-__getattr__, __dir__, __all__ = door(__name__, {
-    'losses': ('judge_losses',),
-})
-
-if TYPE_CHECKING:
-    # The same names for type checkers, by ``make docs``.
-    from .losses import judge_losses as judge_losses

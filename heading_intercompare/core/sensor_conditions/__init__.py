@@ -13,15 +13,3 @@
 # limitations under the License.
 
 """Conditions on the two sensors of a comparison, each in a module of its own."""
-
-from typing import TYPE_CHECKING
-
-from heading_intercompare._doors import door
-
-__getattr__, __dir__, __all__ = door(__name__, {
-    'mean_difference': ('COVERED_SIGMAS', 'LARGE_SIGMAS'),
-})
-
-if TYPE_CHECKING:
-    # The same names for type checkers, by ``make docs``.
-    from .mean_difference import COVERED_SIGMAS as COVERED_SIGMAS, LARGE_SIGMAS as LARGE_SIGMAS

@@ -13,22 +13,3 @@
 # limitations under the License.
 
 """What a condition of a valid comparison is, and what the conditions of a run are judged by."""
-
-from typing import TYPE_CHECKING
-
-from heading_intercompare._doors import door
-
-__getattr__, __dir__, __all__ = door(__name__, {
-    'condition': ('Condition', 'DOUBTFUL', 'Finding', 'VOID'),
-    'examined': ('Examined', 'RunAccount'),
-})
-
-if TYPE_CHECKING:
-    # The same names for type checkers, by ``make docs``.
-    from .condition import (
-        Condition as Condition,
-        DOUBTFUL as DOUBTFUL,
-        Finding as Finding,
-        VOID as VOID,
-    )
-    from .examined import Examined as Examined, RunAccount as RunAccount

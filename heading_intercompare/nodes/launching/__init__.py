@@ -13,23 +13,3 @@
 # limitations under the License.
 
 """What the launch files read before they start any node; a mistake is told in one line."""
-
-from typing import TYPE_CHECKING
-
-from heading_intercompare._doors import door
-
-__getattr__, __dir__, __all__ = door(__name__, {
-    'arguments': ('check_path', 'common_arguments', 'read_namespace', 'read_number',
-                  'read_switch'),
-    'sections': ('check_sections',),
-})
-if TYPE_CHECKING:
-    # The same names for type checkers, by ``make docs``.
-    from .arguments import (
-        check_path as check_path,
-        common_arguments as common_arguments,
-        read_namespace as read_namespace,
-        read_number as read_number,
-        read_switch as read_switch,
-    )
-    from .sections import check_sections as check_sections
