@@ -49,7 +49,7 @@ _STORED = 'settings.'
 _SCHEMA = 'heading_intercompare/verdict/'
 #: Verdicts of schema 1 name no rule: they are by rule 1.
 _RULE_OF_SCHEMA_1 = 1
-_WORSE = {Outcome.COMPLIANT: 0, Outcome.INDETERMINATE: 1, Outcome.NON_COMPLIANT: 2}
+_WORSE = {outcome: rank for rank, outcome in enumerate(Outcome)}
 
 
 @dataclass(frozen=True, slots=True)

@@ -23,7 +23,7 @@ __all__ = ['Outcome', 'worst']
 
 
 class Outcome(str, Enum):
-    """The norm is met, is broken, or the data cannot tell."""
+    """The norm is met, the data cannot tell, or it is broken: from the best to the worst."""
 
     COMPLIANT = 'compliant'
     INDETERMINATE = 'indeterminate'

@@ -36,7 +36,7 @@ _TO_THE_RIGHT = {'sd/deg', 'of norm', 'mean/deg', 'n', 'duration'}
 #: A longer name loses its middle.
 _LONGEST_NAME = 32
 
-_OUTCOMES = (Outcome.NON_COMPLIANT, Outcome.INDETERMINATE, Outcome.COMPLIANT)
+_OUTCOMES = tuple(reversed(Outcome))
 _EFFECTS = (VOID, DOUBTFUL, NOT_TESTABLE, HOLDS)
 #: An input that could not be judged stands before the indeterminate ones; one that was judged
 #: under another name stands last.

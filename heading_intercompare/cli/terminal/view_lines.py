@@ -19,6 +19,7 @@ from __future__ import annotations
 import math
 from typing import Iterable, NamedTuple, Sequence
 
+from heading_intercompare.core.decision.coverage import span_words
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.web.bridge.bridge_records import NodeView, Tone, TrendView
 from heading_intercompare.web.bridge.bridge_view import BridgeView
@@ -30,7 +31,6 @@ from heading_intercompare.web.bridge.view_texts import (
     tell,
     vote_words,
 )
-from heading_intercompare.web.bridge.wording import span_words
 
 __all__ = ['draw_sparkline', 'lay_out', 'Line', 'one_line']
 

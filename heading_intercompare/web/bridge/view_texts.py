@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from heading_intercompare.core.decision.coverage import span_words
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.web.figures.stream_watch import SensorView
 
@@ -25,7 +26,7 @@ from .bridge_records import NodeView, Tone
 from .bridge_view import BridgeView
 from .sensors_panel import SensorRow
 from .verdict_lamp import coming_words
-from .wording import age_words, clock, size_words, span_words
+from .wording import age_words, clock, size_words
 
 __all__ = ['alarm_words', 'node_words', 'Said', 'sensor_words', 'tell', 'vote_words']
 

@@ -18,10 +18,10 @@ from __future__ import annotations
 
 import math
 
+from heading_intercompare.core.decision.coverage import span_words
 from heading_intercompare.core.utc_text import utc
 
-__all__ = ['age_words', 'clock', 'integer', 'lacking_words', 'real', 'shorten', 'size_words',
-           'span_words']
+__all__ = ['age_words', 'clock', 'integer', 'lacking_words', 'real', 'shorten', 'size_words']
 
 
 def shorten(text: str, most: int) -> str:
@@ -66,27 +66,6 @@ def clock(stamp_ns: int | None) -> str:
 
     """
     return '-' if stamp_ns is None else f'{utc(stamp_ns)[11:16]} UTC'
-
-
-def span_words(seconds: float) -> str:
-    """
-    Return a length of time in one or two units.
-
-    Examples
-    --------
-    >>> span_words(12.4), span_words(1560.0), span_words(9000.0), span_words(200000.0)
-    ('12 s', '26 min', '2 h 30 min', '2 d 7 h')
-
-    """
-    if seconds < 120.0:
-        return f'{seconds:.0f} s'
-    minutes = round(seconds / 60.0)
-    if minutes < 120:
-        return f'{minutes} min'
-    hours, minutes = divmod(minutes, 60)
-    if hours < 48:
-        return f'{hours} h {minutes} min'
-    return f'{hours // 24} d {hours % 24} h'
 
 
 def age_words(age_s: float | None) -> str:

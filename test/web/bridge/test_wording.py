@@ -26,7 +26,6 @@ from heading_intercompare.web.bridge.wording import (
     real,
     shorten,
     size_words,
-    span_words,
 )
 
 
@@ -50,6 +49,5 @@ def test_a_long_text_is_cut_and_keeps_to_one_line():
     assert len(shorten('x' * 1000, 300)) == 300
 
 
-def test_small_sizes_and_long_times():
+def test_small_sizes():
     assert size_words(5_200_000) == '5 MB'
-    assert span_words(119.4) == '119 s' and span_words(7199.0) == '2 h 0 min'
