@@ -114,6 +114,39 @@ def test_the_tightened_factor_is_that_of_the_ratio_that_interpolation_leaves(mod
     assert at.tightened_limit_deg2 == pytest.approx(same.tightened_limit_deg2)
 
 
+@pytest.mark.parametrize('factors', [(1.0, 1.0), (0.6, 1.0), (1.0, 0.6), (0.7, 0.8)])
+def test_the_rs_factor_of_limits_may_come_later(factors):
+    """Interpolation that reduces the RS noise twice is one with the product of the factors."""
+    norms = Norms(sigma_max_deg=0.3, sigma_ref_max_deg=0.4, m_low=0.5)
+    first, second = factors
+    later = Limits.of(norms, 'NN', first, 0.9).with_rs_factor(second)
+    at_once = Limits.of(norms, 'NN', first * second, 0.9)
+    for name in ('m_low', 'tightened_limit_deg2', 'rs_variance_factor', 'ts_variance_factor',
+                 'limit_deg2', 'rejection_limit_deg2'):
+        assert getattr(later, name) == pytest.approx(getattr(at_once, name), rel=1e-12), name
+
+
+@pytest.mark.parametrize('factors', [(1.0, 1.0), (0.6, 1.0), (1.0, 0.6), (0.7, 0.8)])
+def test_the_least_m_low_puts_a_variance_onto_the_tightened_limit(factors):
+    norms = Norms(sigma_max_deg=0.3, sigma_ref_max_deg=0.4, m_low=0.1)
+    at = Limits.of(norms, 'NN', *factors)
+    variance_deg2 = at.tightened_limit_deg2 + 0.02
+    known = Norms(sigma_max_deg=0.3, sigma_ref_max_deg=0.4, m_low=at.m_low_for(variance_deg2))
+    assert Limits.of(known, 'NN', *factors).tightened_limit_deg2 == pytest.approx(variance_deg2)
+    assert at.m_low_for(at.tightened_limit_deg2) is None
+    highest_deg2 = factors[1] * 0.09 + factors[0] * 0.16
+    assert at.m_low_for(highest_deg2 * (1.0 - 1e-9)) == pytest.approx(1.0)
+    assert at.m_low_for(highest_deg2 * (1.0 + 1e-9)) is None
+
+
+@pytest.mark.parametrize('model', ['UN', 'NU', 'UU'])
+def test_limits_of_another_model_are_those_made_for_it(model):
+    norms = Norms(sigma_max_deg=0.3, sigma_ref_max_deg=0.4, m_low=0.5)
+    other, made = Limits.of(norms, 'NN', 0.7, 0.8).with_model(model), Limits.of(
+        norms, model, 0.7, 0.8)
+    assert (other.k, other.k_tightened) == pytest.approx((made.k, made.k_tightened))
+
+
 @pytest.mark.parametrize('rule, k', [('exact', stats.norm.ppf(0.9985)), ('three', 3.0),
                                      (2.5, 2.5)])
 def test_the_rule_of_k(rule, k):
