@@ -19,7 +19,7 @@ from __future__ import annotations
 from concurrent.futures import Executor
 from dataclasses import dataclass, field, replace
 import os
-from typing import Callable, Mapping, Sequence
+from typing import Callable, Container, Mapping, Sequence
 import warnings
 
 from heading_intercompare.bags.csv.pairs_account import PairsAccount
@@ -152,43 +152,51 @@ def judge_bags(paths: Sequence[Place], settings: Settings, *,
 def conclude(judged: Sequence[JudgedInput], settings: Settings,
              notes: Sequence[str] = ()) -> Judgement:
     """Join the runs of all inputs to the verdict on each sensor, and on all of them."""
-    sensors = list_sensors(settings)
-    reference = find_reference(sensors)
     results: dict[Names, list[RunResult]] = {}
     for judged_input in judged:
         for names, runs in judged_input.results.items():
             results.setdefault(names, []).extend(runs)
     lacking = {names for names in results
                if any(judged_input.lacks_run(names) for judged_input in judged)}
-    verdicts: dict[str, Verdict] = {}
-    sketches: dict[str, tuple[SeriesSketch, ...]] = {}
-    for sensor in list_tested(sensors):
-        assert reference is not None
-        name, names = sensor.name, (sensor.name, reference.name)
-        verdict = join(results.get(names, []), settings_of_pair(settings, sensor, reference),
-                       [entry for judged_input in judged
-                        for entry in judged_input.entries_of_tested.get(name, ())],
-                       incomplete=names in lacking)
-        sketches[name] = tuple(judged_input.sketches[name] for judged_input in judged
-                               if name in judged_input.sketches)
-        verdicts[name] = (replace(verdict, plotter=Plotter(sketches[name])) if sketches[name]
-                          else verdict)
+    sketches = {sensor.name: tuple(judged_input.sketches[sensor.name] for judged_input in judged
+                                   if sensor.name in judged_input.sketches)
+                for sensor in list_tested(list_sensors(settings))}
+    verdicts = _join_tested(judged, settings, results, lacking, sketches)
     together = None
     if settings.sensors is not None:
         others = {names: runs for names, runs in results.items()
-                  if reference is None or reference.name not in names}
+                  if names[0] not in verdicts or names[1] in verdicts}
         together = judge_sensors(
             settings, verdicts, others,
             [entry for judged_input in judged for entry in judged_input.entries],
             incomplete=[names for names in others if names in lacking])
     unused = name_unused([run.verdict for runs in results.values() for run in runs],
                          settings.exclusions)
+    said = [note for judged_input in judged for note in judged_input.notes]
     return Judgement(
-        verdicts, together,
-        (*(note for judged_input in judged for note in judged_input.notes), *notes, *unused),
-        sketches, {name: tuple(run for judged_input in judged
-                               for run in judged_input.earlier.get(name, ()))
-                   for name in verdicts}, judged[0].accounts if len(judged) == 1 else {})
+        verdicts, together, (*said, *notes, *unused), sketches,
+        {name: tuple(run for judged_input in judged for run in judged_input.earlier.get(name, ()))
+         for name in verdicts}, judged[0].accounts if len(judged) == 1 else {})
+
+
+def _join_tested(judged: Sequence[JudgedInput], settings: Settings,
+                 results: Mapping[Names, Sequence[RunResult]], lacking: Container[Names],
+                 sketches: Mapping[str, tuple[SeriesSketch, ...]]) -> dict[str, Verdict]:
+    """Return the verdict on each sensor against the reference, by its name."""
+    sensors = list_sensors(settings)
+    reference = find_reference(sensors)
+    verdicts = {}
+    for sensor in list_tested(sensors):
+        assert reference is not None
+        names = sensor.name, reference.name
+        entries = [entry for judged_input in judged
+                   for entry in judged_input.entries_of_tested.get(sensor.name, ())]
+        verdict = join(results.get(names, []), settings_of_pair(settings, sensor, reference),
+                       entries, incomplete=names in lacking)
+        if drawn := sketches[sensor.name]:
+            verdict = replace(verdict, plotter=Plotter(drawn))
+        verdicts[sensor.name] = verdict
+    return verdicts
 
 
 def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings],

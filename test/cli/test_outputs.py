@@ -155,7 +155,7 @@ def test_the_verdict_is_told_though_the_report_cannot_be_written(bag, tmp_path, 
                                                                  monkeypatch):
     def full(*args):
         raise OSError(28, 'No space left on device')
-    monkeypatch.setattr('heading_intercompare.cli.commands.analyze.write', full)
+    monkeypatch.setattr('heading_intercompare.cli.commands.analyze.write_protocols', full)
     told = tmp_path / 'v.json'
     assert main(['analyze', str(bag), *NORMS, '--json', str(told), '--report', 'r.html']) == 2
     out, err = capsys.readouterr()

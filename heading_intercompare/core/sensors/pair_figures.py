@@ -134,31 +134,40 @@ def describe_pair(names: tuple[str, str], runs: Sequence[RunVerdict], limit_deg2
         Risk of the upper bound.
 
     """
-    spreads = [spread for run in runs if (spread := _spread_of(run)) is not None]
-    whole: Spread | None = pool(spreads) if spreads else None
-    beyond = any(lower_bound(spread, risk / len(spreads)) > limit_deg2 for spread in spreads)
     findings = [f for run in runs for f in run.validity if f.effect in (DOUBTFUL, VOID)]
     gross = [f.words for f in findings if f.condition in _GROSS and f.effect == VOID]
-    found = [run.skew.estimate for run in runs
-             if run.skew.estimate.well_determined and run.skew.estimate.u_s is not None]
-    skew = min(found, key=lambda one: one.u_s or 0.0, default=None)
+    spreads = [spread for run in runs if (spread := _spread_of(run)) is not None]
+    beyond = any(lower_bound(spread, risk / len(spreads)) > limit_deg2 for spread in spreads)
     n = sum(run.n for run in runs)
     means = [run.n / n * run.mean_deg for run in runs if run.mean_deg is not None]
     return PairFigures(
         first=names[0], second=names[1], of_reference=of_reference, runs=len(runs), n=n,
-        mean_deg=math.fsum(means) if means else None,
-        std_deg=math.sqrt(whole.d_deg2) if whole else None,
-        variance_deg2=whole.d_deg2 if whole else None, u_deg2=whole.s_deg2 if whole else None,
-        lower_bound_deg2=lower_bound(whole, risk) if whole else None,
-        upper_bound_deg2=upper_bound(whole, consumer) if whole else None,
+        mean_deg=math.fsum(means) if means else None, **_pool(spreads, risk, consumer),
         limit_deg2=limit_deg2, differs=bool(beyond or gross) if spreads or gross else None,
-        gross=gross[0] if gross else '',
-        skew_s=skew.skew_s if skew else None, skew_u_s=skew.u_s if skew else None,
+        gross=gross[0] if gross else '', **_find_skew(runs),
         first_factor=_average(n, [(run.n, run.pairing.ts_variance_factor) for run in runs]),
         second_factor=_average(n, [(run.n, run.pairing.rs_variance_factor) for run in runs]),
         one_source=any(f.condition == 'same_source' and f.effect == VOID for f in findings),
         validity_effect=gravest(run.validity_effect for run in runs),
         findings=tuple(dict.fromkeys(f.words for f in findings)))
+
+
+def _pool(spreads: Sequence[Spread], risk: float, consumer: float) -> dict[str, float | None]:
+    """Return the figures of the variance that all runs share."""
+    names = 'std_deg', 'variance_deg2', 'u_deg2', 'lower_bound_deg2', 'upper_bound_deg2'
+    if not spreads:
+        return dict.fromkeys(names)
+    whole = pool(spreads)
+    return dict(zip(names, (math.sqrt(whole.d_deg2), whole.d_deg2, whole.s_deg2,
+                            lower_bound(whole, risk), upper_bound(whole, consumer))))
+
+
+def _find_skew(runs: Sequence[RunVerdict]) -> dict[str, float | None]:
+    """Return the time skew of the run that determines it best."""
+    known = [(estimate.u_s, estimate.skew_s) for run in runs
+             if (estimate := run.skew.estimate).well_determined and estimate.u_s is not None]
+    u_s, skew_s = min(known, key=lambda of_run: of_run[0], default=(None, None))
+    return {'skew_s': skew_s, 'skew_u_s': u_s}
 
 
 def _spread_of(run: RunVerdict) -> Spread | None:

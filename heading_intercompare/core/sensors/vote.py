@@ -96,48 +96,69 @@ def find_wrong(names: Sequence[str], differs: Mapping[tuple[str, str], bool | No
     """
     groups = _join(names, one_source)
     joined = tuple(group for group in groups if len(group) > 1)
-    between = {frozenset((i, j)): _judge(groups[i], groups[j], differs)
-               for i, j in combinations(range(len(groups)), 2)}
-    differing = [pair for pair, found in between.items() if found]
-    if not differing:
-        tested = [pair for pair, found in between.items() if found is not None]
-        words = ('no pair was testable' if not tested else
-                 'no two sensors differ by more than their norms explain' +
-                 ('' if len(tested) == len(between) else
-                  f'; {len(tested)} of {len(between)} pairs were testable'))
-        return Vote((), (), joined, words + _say_joined(joined))
-    pairs = '; '.join(' and '.join(_name(groups[at]) for at in sorted(pair)) + ' differ'
-                      for pair in differing)
-    if len(groups) < _FEWEST_VOTERS:
-        return Vote((), (), joined, f'{pairs}; two sensors cannot tell which of them is '
-                    f'wrong{_say_joined(joined)}')
-    sets = _explain(len(groups), differing)
-    if len(sets) > 1:
-        large = {*beyond}
-        likely = [some for some in sets if all(large & {*groups[at]} for at in some)]
+    wrong, suspected, words = _Ballot(groups, {
+        frozenset((i, j)): _judge(groups[i], groups[j], differs)
+        for i, j in combinations(range(len(groups)), 2)}).count({*beyond})
+    return Vote(wrong, suspected, joined, words + ''.join(
+        f'; {_list(group)} show one source and have one voice' for group in joined))
+
+
+@dataclass(frozen=True, slots=True)
+class _Ballot:
+    """Groups of sensors with one voice each, and whether each pair of groups differs."""
+
+    groups: Sequence[Names]
+    differs: Mapping[frozenset[int], bool | None]
+
+    def count(self, beyond: set[str]) -> tuple[Names, Names, str]:
+        """Return the sensors that are wrong, those that are suspected, and why."""
+        differing = [pair for pair, differs in self.differs.items() if differs]
+        if not differing:
+            return (), (), self._say_that_none_differs()
+        pairs = '; '.join(' and '.join(_name(self.groups[at]) for at in sorted(pair)) + ' differ'
+                          for pair in differing)
+        if len(self.groups) < _FEWEST_VOTERS:
+            return (), (), f'{pairs}; two sensors cannot tell which of them is wrong'
+        culprits = _explain(len(self.groups), differing)
+        if len(culprits) == 1:
+            return self._accuse(culprits[0], pairs)
+        likely = [at_all for at_all in culprits
+                  if all(beyond & {*self.groups[at]} for at in at_all)]
         if len(likely) == 1:
-            members = tuple(name for at in sorted(likely[0]) for name in groups[at])
-            return Vote((), members, joined, f'{_list(members)} is suspected: {pairs}; other '
-                        'sensors could explain that, too, but its share of the variances of all '
-                        f'pairs is beyond its norm{_say_joined(joined)}')
-    if len(sets) != 1:
-        why = ('no majority of the sensors agrees' if not sets else
+            members = self._members(likely[0])
+            return (), members, (
+                f'{_list(members)} is suspected: {pairs}; other sensors could explain that, too, '
+                'but its share of the variances of all pairs is beyond its norm')
+        why = ('no majority of the sensors agrees' if not culprits else
                'more than one sensor could explain that')
-        return Vote((), (), joined, f'{pairs}; {why}{_say_joined(joined)}')
-    found = sets[0]
-    names_found = tuple(name for at in sorted(found) for name in groups[at])
-    rest = [at for at in range(len(groups)) if at not in found]
-    proven = all(between[frozenset((at, other))] for at in found for other in rest)
-    agree = all(between[frozenset(pair)] is False for pair in combinations(rest, 2))
-    others = _list([_name(groups[at]) for at in rest])
-    verb = 'differs' if len(names_found) == 1 else 'differ'
-    if proven and agree:
-        return Vote(names_found, (), joined, f'{_list(names_found)} {verb} from {others}, which '
-                    f'do not differ from each other{_say_joined(joined)}')
-    kept = [at for at in found for other in rest if not between[frozenset((at, other))]]
-    why = 'not all its pairs differ' if kept else 'not every pair was testable'
-    return Vote((), names_found, joined, f'{_list(names_found)} is suspected: {pairs}; it is part '
-                f'of each pair that differs, but {why}{_say_joined(joined)}')
+        return (), (), f'{pairs}; {why}'
+
+    def _say_that_none_differs(self) -> str:
+        n_tested = sum(differs is not None for differs in self.differs.values())
+        if not n_tested:
+            return 'no pair was testable'
+        words = 'no two sensors differ by more than their norms explain'
+        if n_tested < len(self.differs):
+            words += f'; {n_tested} of {len(self.differs)} pairs were testable'
+        return words
+
+    def _accuse(self, culprits: Sequence[int], pairs: str) -> tuple[Names, Names, str]:
+        """Return whether the only sensors that explain all pairs are proven wrong."""
+        members = self._members(culprits)
+        rest = [at for at in range(len(self.groups)) if at not in culprits]
+        against = [self.differs[frozenset((at, other))] for at in culprits for other in rest]
+        agree = all(self.differs[frozenset(pair)] is False for pair in combinations(rest, 2))
+        if all(against) and agree:
+            verb = 'differs' if len(members) == 1 else 'differ'
+            others = _list([_name(self.groups[at]) for at in rest])
+            return members, (), (f'{_list(members)} {verb} from {others}, which do not differ '
+                                 'from each other')
+        why = 'every pair was testable' if all(against) else 'all its pairs differ'
+        return (), members, (f'{_list(members)} is suspected: {pairs}; it is part of each pair '
+                             f'that differs, but not {why}')
+
+    def _members(self, at_all: Iterable[int]) -> Names:
+        return tuple(name for at in sorted(at_all) for name in self.groups[at])
 
 
 def _join(names: Sequence[str], one_source: Iterable[tuple[str, str]]) -> list[Names]:
@@ -175,7 +196,3 @@ def _name(group: Names) -> str:
 
 def _list(names: Sequence[str]) -> str:
     return names[0] if len(names) == 1 else f'{", ".join(names[:-1])} and {names[-1]}'
-
-
-def _say_joined(joined: Sequence[Names]) -> str:
-    return ''.join(f'; {_list(group)} show one source and have one voice' for group in joined)
