@@ -25,6 +25,7 @@ from heading_intercompare.ahrs.random_noise import Markov, open_stream
 from heading_intercompare.ahrs.settings import Ahrs, Errors
 from heading_intercompare.ahrs.ship.earth import RAD_PER_DEG_H, RAD_PER_DEG_SQRT_H, UG_M_S2
 from heading_intercompare.ahrs.ship.seaway import GRID_S
+from heading_intercompare.core.records import Reals
 
 __all__ = ['Instruments', 'Thermostat']
 
@@ -143,7 +144,7 @@ class Instruments:
                           for name, size, n in zip(_GYROS, sizes, drawn)]
         self._aligned = False
 
-    def take(self, n: int) -> dict[str, np.ndarray]:
+    def take(self, n: int) -> dict[str, Reals]:
         """
         Return the random errors of the next n control steps.
 
