@@ -36,7 +36,8 @@ from heading_intercompare.ahrs.inertial.instruments import Instruments, Thermost
 from heading_intercompare.ahrs.inertial.platform import Platform, rows_of
 from heading_intercompare.ahrs.plans import Event, parse_events
 from heading_intercompare.ahrs.random_noise import open_stream
-from heading_intercompare.ahrs.settings import Ahrs, Errors
+from heading_intercompare.ahrs.sensor_presets import ModelErrors
+from heading_intercompare.ahrs.settings import Ahrs
 from heading_intercompare.ahrs.ship.earth import RAD_PER_DEG_H, UG_M_S2
 from heading_intercompare.ahrs.ship.seaway import BLOCK_STEPS, GRID_S
 from heading_intercompare.ahrs.ship.ship_motion import ShipBlock, ShipTruth
@@ -101,8 +102,8 @@ class GimballedAhrs:
     ----------
     settings : Ahrs
         Set-up of the AHRS.
-    errors : Errors
-        Errors of its instruments, all given; see `sensor_presets.errors_of`.
+    errors : ModelErrors
+        Errors of its instruments; see `sensor_presets.errors_of`.
     ship : ShipTruth
         The ship that carries it.
     seed : int
@@ -114,7 +115,7 @@ class GimballedAhrs:
 
     """
 
-    def __init__(self, settings: Ahrs, errors: Errors, ship: ShipTruth, seed: int,
+    def __init__(self, settings: Ahrs, errors: ModelErrors, ship: ShipTruth, seed: int,
                  role: str, fast: bool = False) -> None:
         self.settings, self.errors = settings, errors
         self._ship = ship
