@@ -24,6 +24,7 @@ from typing import Sequence
 import numpy as np
 
 from heading_intercompare.core.angles import wrap360
+from heading_intercompare.core.records import Integers, Reals
 
 __all__ = ['Fault', 'FAULTS', 'Faults']
 
@@ -49,7 +50,7 @@ class Fault:
     value: float
     duration_s: float = math.inf
 
-    def is_active(self, t_s: np.ndarray) -> np.ndarray:
+    def is_active(self, t_s: Reals) -> np.ndarray:
         """Tell at which instants the fault is active."""
         return (t_s >= self.t_s) & (t_s < self.t_s + self.duration_s)
 
@@ -106,8 +107,8 @@ class Faults:
         return tuple(fault for fault in self._faults
                      if fault.t_s <= t_s < fault.t_s + fault.duration_s)
 
-    def put(self, t_s: np.ndarray, heading_deg: np.ndarray,
-            stamp_ns: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def put(self, t_s: Reals, heading_deg: Reals,
+            stamp_ns: Integers) -> tuple[Reals, Integers, np.ndarray]:
         """
         Apply the faults to one chunk of readings.
 
@@ -150,7 +151,7 @@ class Faults:
         self._last_deg = float(heading_deg[-1])
         return heading_deg, stamp_ns, given
 
-    def _freeze(self, fault: Fault, at: np.ndarray, heading_deg: np.ndarray) -> np.ndarray:
+    def _freeze(self, fault: Fault, at: np.ndarray, heading_deg: Reals) -> Reals:
         """Hold the last reading before the fault, or the first one if there is none."""
         # Faults that act after this one had not begun by then, so the last reading of the
         # previous chunk is the one to hold.

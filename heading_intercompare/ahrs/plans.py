@@ -97,7 +97,7 @@ def parse_legs(text: str, name: str = 'legs') -> tuple[Leg, ...]:
     Leg(t_s=600.0, course_deg=90.0, speed_kn=12.0)
 
     """
-    legs = []
+    legs: list[Leg] = []
     for where, words in _entries(name, text):
         if len(words) != 3:
             raise SettingsError(f"{where}: must be 't_s course_deg speed_kn'")

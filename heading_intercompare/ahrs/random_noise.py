@@ -23,6 +23,8 @@ import zlib
 
 import numpy as np
 
+from heading_intercompare.core.records import Reals
+
 __all__ = ['Markov', 'open_stream', 'Outages', 'recur']
 
 
@@ -43,7 +45,7 @@ def open_stream(seed: int, name: str) -> np.random.Generator:
     return np.random.Generator(np.random.PCG64(child))
 
 
-def recur(driven: np.ndarray, decay: float, last: float) -> np.ndarray:
+def recur(driven: Reals, decay: float, last: float) -> Reals:
     """
     Return x[k] = driven[k] + decay x[k - 1], x[-1] = last, by a plain loop that numba compiles.
 
@@ -60,7 +62,7 @@ def recur(driven: np.ndarray, decay: float, last: float) -> np.ndarray:
     return values
 
 
-def _accumulate(driven: np.ndarray, decay: float, last: float) -> np.ndarray:
+def _accumulate(driven: Reals, decay: float, last: float) -> Reals:
     """Return the same as `recur` and to the bit, in a quarter of the time without numba."""
     # scipy.signal has the same filter with the same bits, but takes a second to load.
     values = accumulate(driven.tolist(), lambda last, x: x + decay * last, initial=last)
@@ -101,9 +103,9 @@ class Markov:
         self._decay = math.exp(-step_s / tau_s)
         self._drive = sigma * math.sqrt(-math.expm1(-2.0 * step_s / tau_s))
         self._last = sigma * float(rng.standard_normal())
-        self.recur: Callable[[np.ndarray, float, float], np.ndarray] = _accumulate
+        self.recur: Callable[[Reals, float, float], Reals] = _accumulate
 
-    def take(self, n: int) -> np.ndarray:
+    def take(self, n: int) -> Reals:
         """
         Return the next n values.
 
@@ -139,7 +141,7 @@ class Outages:
         if every_s:
             self._draw()
 
-    def cover(self, t_s: np.ndarray) -> np.ndarray:
+    def cover(self, t_s: Reals) -> np.ndarray:
         """
         Tell which instants lie in an outage.
 

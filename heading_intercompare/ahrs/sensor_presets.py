@@ -16,14 +16,15 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, replace
+from dataclasses import dataclass, fields, replace
 import math
+from typing import Any
 
 from .settings import Errors, Sensor
 
-__all__ = ['ERRORS', 'errors_of', 'terms_of']
+__all__ = ['ERRORS', 'errors_of', 'ModelErrors', 'terms_of']
 
-_SENSORS = {
+_SENSORS: dict[str, dict[str, float]] = {
     'ideal': {},
     'gnss_compass': {'white_deg': 0.05, 'markov_deg': 0.08, 'markov_tau_s': 200.0},
     'gnss_0p5m': {'white_deg': 0.2, 'markov_deg': 0.3, 'markov_tau_s': 200.0},
@@ -44,24 +45,54 @@ the model. docs/ahrs.md says where the figures come from."""
 
 _OWN_FIRST = ('markov_tau_s', 'outage_every_s', 'outage_s')
 
-_PRECISION = Errors(
-    turn_on_deg_h=0.03, markov_deg_h=0.003, markov_tau_s=7200.0, random_walk_deg_sqrt_h=0.001,
-    temperature_deg_h_k=0.02, soak_deg_h=0.02, soak_tau_s=5400.0, torquer_ppm=0.0,
-    spin_axis_arcsec=1.0, residual_xy_deg_h=0.008, residual_z_deg_h=0.005,
-    accelerometer_bias_ug=50.0, accelerometer_markov_ug=5.0, accelerometer_markov_tau_s=3600.0,
-    accelerometer_white_ug=5.0, accelerometer_temperature_ug_k=5.0, accelerometer_step_m_s=1e-4,
-    log_scale=0.005, log_markov_m_s=0.01, log_markov_tau_s=600.0, gps_deg=0.1, gps_tau_s=100.0,
-    follow_up_s=0.02, harmonic_arcsec=20.0, harmonic2_arcsec=10.0, coupling=0.005,
-    flexure_deg=0.005, flexure_tau_s=600.0, output_deg=0.003)
+
+@dataclass(frozen=True, slots=True)
+class ModelErrors:
+    """
+    Errors of the instruments of one model of AHRS, all known: see `settings.Errors`.
+
+    The defaults are those of the model dtg_precision.
+    """
+
+    turn_on_deg_h: float = 0.03
+    markov_deg_h: float = 0.003
+    markov_tau_s: float = 7200.0
+    random_walk_deg_sqrt_h: float = 0.001
+    temperature_deg_h_k: float = 0.02
+    soak_deg_h: float = 0.02
+    soak_tau_s: float = 5400.0
+    torquer_ppm: float = 0.0
+    spin_axis_arcsec: float = 1.0
+    residual_xy_deg_h: float = 0.008
+    residual_z_deg_h: float = 0.005
+    accelerometer_bias_ug: float = 50.0
+    accelerometer_markov_ug: float = 5.0
+    accelerometer_markov_tau_s: float = 3600.0
+    accelerometer_white_ug: float = 5.0
+    accelerometer_temperature_ug_k: float = 5.0
+    accelerometer_step_m_s: float = 1e-4
+    log_scale: float = 0.005
+    log_markov_m_s: float = 0.01
+    log_markov_tau_s: float = 600.0
+    gps_deg: float = 0.1
+    gps_tau_s: float = 100.0
+    follow_up_s: float = 0.02
+    harmonic_arcsec: float = 20.0
+    harmonic2_arcsec: float = 10.0
+    coupling: float = 0.005
+    flexure_deg: float = 0.005
+    flexure_tau_s: float = 600.0
+    output_deg: float = 0.003
+
 
 ERRORS = {
-    'dtg_precision': _PRECISION,
-    'marine_0p1': replace(
-        _PRECISION, markov_deg_h=0.015, markov_tau_s=3600.0, random_walk_deg_sqrt_h=0.002,
+    'dtg_precision': ModelErrors(),
+    'marine_0p1': ModelErrors(
+        markov_deg_h=0.015, markov_tau_s=3600.0, random_walk_deg_sqrt_h=0.002,
         torquer_ppm=50.0, residual_xy_deg_h=0.021, residual_z_deg_h=0.010,
         accelerometer_bias_ug=100.0, accelerometer_markov_ug=10.0, accelerometer_white_ug=10.0),
-    'imo': replace(
-        _PRECISION, turn_on_deg_h=0.1, markov_deg_h=0.035, markov_tau_s=3600.0,
+    'imo': ModelErrors(
+        turn_on_deg_h=0.1, markov_deg_h=0.035, markov_tau_s=3600.0,
         random_walk_deg_sqrt_h=0.006, temperature_deg_h_k=0.05, soak_deg_h=0.10,
         torquer_ppm=200.0, spin_axis_arcsec=3.0, residual_xy_deg_h=0.045,
         residual_z_deg_h=0.030, accelerometer_bias_ug=300.0, accelerometer_markov_ug=30.0,
@@ -71,7 +102,7 @@ ERRORS = {
 """Errors of the three classes of gimballed AHRS."""
 
 
-def errors_of(model: str, own: Errors) -> Errors:
+def errors_of(model: str, own: Errors) -> ModelErrors:
     """
     Return the errors of a model, with the given ones replaced.
 
@@ -90,7 +121,7 @@ def errors_of(model: str, own: Errors) -> Errors:
 
 def terms_of(sensor: Sensor) -> Sensor:
     """Return the settings with the error terms of the model added to those given."""
-    terms = {}
+    terms: dict[str, Any] = {}
     for name, value in _SENSORS[sensor.model].items():
         if name in _OWN_FIRST:
             own = sensor.markov_deg if name == 'markov_tau_s' else sensor.outage_every_s

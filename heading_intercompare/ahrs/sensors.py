@@ -26,7 +26,7 @@ from heading_intercompare.ahrs.gimballed.output import AhrsOutput
 from heading_intercompare.ahrs.inertial.compiled_loop import compile_recursion
 from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
 from heading_intercompare.core.angles import wrap360
-from heading_intercompare.core.records import Headings, Reals
+from heading_intercompare.core.records import Headings, Integers, Reals
 
 from .plans import parse_deviation
 from .random_noise import Markov, open_stream, Outages
@@ -54,14 +54,14 @@ class Readings:
     """
 
     headings: Headings
-    t_s: np.ndarray
-    sigma_deg: np.ndarray
-    rate_deg_s: np.ndarray
+    t_s: Reals
+    sigma_deg: Reals
+    rate_deg_s: Reals
 
     def __len__(self) -> int:
         return len(self.headings)
 
-    def __getitem__(self, which) -> 'Readings':
+    def __getitem__(self, which: slice | np.ndarray) -> 'Readings':
         """Return the readings of a slice or mask."""
         return Readings(self.headings[which], self.t_s[which], self.sigma_deg[which],
                         self.rate_deg_s[which])
@@ -166,7 +166,7 @@ class SimulatedSensor:
         return Readings(Headings.as_sent(self._stamps(t_s), wrap360(heading_deg)), t_s, sigma_deg,
                         np.degrees(rate_rad_s))[given]
 
-    def _errors(self, t_s: np.ndarray) -> np.ndarray:
+    def _errors(self, t_s: Reals) -> Reals:
         """Return the errors of the closed-form model, degrees."""
         terms = self._terms
         white = self._rng['white']
@@ -182,14 +182,14 @@ class SimulatedSensor:
         error_deg += terms.white_deg * drawn
         return error_deg
 
-    def _deviate(self, t_s: np.ndarray) -> np.ndarray:
+    def _deviate(self, t_s: Reals) -> Reals:
         """Return the error that depends on the true heading, degrees."""
         b, c, d, e = self._deviation
         psi = self._truth.heading_rad(t_s)
         return (b * np.sin(psi) + c * np.cos(psi) + d * np.sin(2.0 * psi)
                 + e * np.cos(2.0 * psi))
 
-    def _stamps(self, t_s: np.ndarray) -> np.ndarray:
+    def _stamps(self, t_s: Reals) -> Integers:
         """Return the stamps that the clock of the sensor gives these instants."""
         s = self._settings
         late_s = (s.stamp_offset_s + 1e-6 * s.clock_drift_ppm * t_s

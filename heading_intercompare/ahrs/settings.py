@@ -330,7 +330,8 @@ class Scenario(Checked):
             For an unknown name or a value that is not allowed: name, value, what is allowed.
 
         """
-        return from_mapping(cls, mapping)
+        made: Scenario = from_mapping(cls, mapping)
+        return made
 
     def to_mapping(self) -> dict[str, Any]:
         """Return dotted names and values, in the order of their declaration."""

@@ -21,7 +21,7 @@ import math
 import numpy as np
 
 from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
-from heading_intercompare.core.records import Motion
+from heading_intercompare.core.records import Motion, Reals
 
 from .random_noise import open_stream
 
@@ -91,7 +91,7 @@ class ToldMotion:
             Motion.of_rates(stamps, np.degrees(self._ship.heading_rate_rad_s(t_s))
                             + RATE_SIGMA_DEG_S * noise[4])])
 
-    def _draw(self, n: int) -> np.ndarray:
+    def _draw(self, n: int) -> Reals:
         """Return the next numbers, shape (5, n); drawn in blocks, whatever the chunks."""
         while self._noise.shape[1] < n:
             more = self._rng.standard_normal((5, _BLOCK))

@@ -16,13 +16,15 @@
 
 from __future__ import annotations
 
+from dataclasses import fields
 import math
 
 import numpy as np
 import pytest
 
+from heading_intercompare.ahrs.sensor_presets import ModelErrors
 from heading_intercompare.ahrs.sensors import SimulatedSensor
-from heading_intercompare.ahrs.settings import Scenario, Sensor, SettingsError
+from heading_intercompare.ahrs.settings import Errors, Scenario, Sensor, SettingsError
 from heading_intercompare.ahrs.ship.ship_motion import Leg, ShipTruth
 from heading_intercompare.ahrs.simulator import Simulation
 from heading_intercompare.core.angles import wrap180
@@ -100,6 +102,10 @@ def test_presets_have_the_errors_of_their_class(model, rms_deg):
     read = readings(108_000.0, rate_hz=0.1, model=model)
     error_deg = (read.headings.heading_deg - 359.9 + 180.0) % 360.0 - 180.0
     assert np.sqrt(np.mean(error_deg**2)) == pytest.approx(rms_deg, rel=0.35)
+
+
+def test_every_error_that_can_be_set_is_known_for_a_model():
+    assert [f.name for f in fields(ModelErrors)] == [f.name for f in fields(Errors)]
 
 
 def test_resolution():

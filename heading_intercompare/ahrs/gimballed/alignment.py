@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from itertools import count
 import math
-from typing import Generator
+from typing import Generator, Sequence
 
 from heading_intercompare.ahrs.inertial.computer import Computer
 from heading_intercompare.ahrs.inertial.loop import FINE, HOLD, Rates
@@ -72,17 +72,16 @@ def post(ahrs: Machine) -> Procedure:
         ahrs.fail(part)
     if failed:
         return Mode.FAULT
-    for step in count(steps(TEST_S)):
+    for _ in range(steps(TEST_S), steps(POST_LIMIT_S)):
         if 'post' not in ahrs.failures:
-            return Mode.THERMOSTAT_WAIT
-        if step >= steps(POST_LIMIT_S):
-            return ahrs.fail('post')
+            break
         yield None
+    return ahrs.fail('post') if 'post' in ahrs.failures else Mode.THERMOSTAT_WAIT
 
 
 def thermostat_wait(ahrs: Machine) -> Procedure:
     """Wait until the instruments are warm."""
-    for step in count(1):
+    for _ in range(steps(THERMOSTAT_LIMIT_S)):
         if ahrs.instruments.thermostat.ready:
             return Mode.COARSE_LEVELLING
         if ahrs.forced:
@@ -90,8 +89,7 @@ def thermostat_wait(ahrs: Machine) -> Procedure:
             return Mode.COARSE_LEVELLING
         ahrs.platform.turn_meter(0.0, 0.0)
         yield None
-        if step >= steps(THERMOSTAT_LIMIT_S):
-            return ahrs.fail('thermostat')
+    return ahrs.fail('thermostat')
 
 
 def coarse_levelling(ahrs: Machine) -> Procedure:
@@ -177,7 +175,7 @@ def _revolution(ahrs: Machine, sense: float,
     does not follow.
     """
     computer, platform = ahrs.computer, ahrs.platform
-    columns = [[], [], [], []]
+    columns: tuple[list[float], ...] = ([], [], [], [])
     angle_rad = 0.0 if sense > 0.0 else 2.0 * math.pi
     for _ in range(SECTORS):
         sums = [0.0, 0.0, 0.0, 0.0]
@@ -197,7 +195,8 @@ def _revolution(ahrs: Machine, sense: float,
             return None
         for column, total in zip(columns, sums):
             column.append(total / SECTOR_STEPS)
-    return fit_rotation(*columns, weights=hann(SECTORS))
+    cosine, sine, rate_x, rate_y = columns
+    return fit_rotation(cosine, sine, rate_x, rate_y, hann(SECTORS))
 
 
 def _motion(rates: Rates, platform: Platform) -> tuple[float, float]:
@@ -363,7 +362,8 @@ def _two_positions(ahrs: Machine) -> Generator[Rates, None, bool]:
     """
     computer, platform = ahrs.computer, ahrs.platform
     start_rad, n, still = computer.azimuth_rad, steps(POSITION_S), True
-    means, read_z = [], []
+    means: list[Sequence[float]] = []
+    read_z: list[float] = []
     for turn_rad in (math.pi, -math.pi):
         window = WindowedMean(n, 2)
         for _ in range(n):

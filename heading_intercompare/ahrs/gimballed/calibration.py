@@ -22,6 +22,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from heading_intercompare.core.records import Reals
+
 __all__ = ['accelerometer_bias', 'azimuth_from_rates', 'course_drift', 'course_drift_sigma',
            'drift_correction', 'fit_rotation', 'gps_drift', 'hann', 'RotationFit', 'WindowedMean']
 
@@ -51,7 +53,7 @@ class RotationFit(NamedTuple):
     bias_sigma: float
 
 
-def hann(n: int) -> np.ndarray:
+def hann(n: int) -> Reals:
     """Return n weights sin^2(pi (i + 1/2) / n), which vanish smoothly at both ends."""
     return np.sin(math.pi * (np.arange(n) + 0.5) / n) ** 2
 
@@ -302,7 +304,7 @@ def drift_correction(t_s: ArrayLike, difference: ArrayLike, corrected: ArrayLike
         at = t - t.mean()
         return -float(at @ free) / float(at @ at)
     step = t[-1] - t[-2]
-    in_force = (done[-1] - done[-2]) / step
+    in_force: float = (done[-1] - done[-2]) / step
     return in_force - 0.5 * gps_drift(e[-2], e[-1], step)[1]
 
 

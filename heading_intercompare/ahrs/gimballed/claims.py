@@ -19,7 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 import math
 
-from heading_intercompare.ahrs.settings import Errors
+from heading_intercompare.ahrs.sensor_presets import ModelErrors
 from heading_intercompare.ahrs.ship.earth import (
     EARTH_RATE_RAD_S,
     RAD_PER_DEG_H,
@@ -48,25 +48,25 @@ def alignment_sigma(residual_deg_h: float, latitude_rad: float) -> float:
     return ALIGNMENT_PER_DRIFT * residual_deg_h / math.cos(latitude_rad)
 
 
-def slew_sigma(errors: Errors, turned_rad: float) -> float:
+def slew_sigma(errors: ModelErrors, turned_rad: float) -> float:
     """Return what the scale error of the torquer leaves of a slew by an angle, radians."""
     return 1e-6 * errors.torquer_ppm * abs(turned_rad)
 
 
-def output_sigma(errors: Errors) -> float:
+def output_sigma(errors: ModelErrors) -> float:
     """Return the part of the output: noise, flexure and pick-off harmonics, radians."""
     arcsec = math.hypot(errors.harmonic_arcsec, errors.harmonic2_arcsec) / math.sqrt(2.0)
     return math.radians(math.hypot(errors.output_deg, errors.flexure_deg, arcsec / 3600.0))
 
 
-def gyrocompass_sigma(errors: Errors, residual_deg_h: float, sigma_1_s: float, soak: float,
+def gyrocompass_sigma(errors: ModelErrors, residual_deg_h: float, sigma_1_s: float, soak: float,
                       latitude_rad: float) -> float:
     """
     Return the standard deviation of a settled gyrocompass, radians.
 
     Parameters
     ----------
-    errors : Errors
+    errors : ModelErrors
         Errors of the class.
     residual_deg_h : float
         Drift left by the calibration, deg/h.
@@ -88,13 +88,13 @@ def gyrocompass_sigma(errors: Errors, residual_deg_h: float, sigma_1_s: float, s
     return math.hypot(slow * RAD_PER_DEG_H, walk) / (EARTH_RATE_RAD_S * math.cos(latitude_rad))
 
 
-def satellite_sigma(errors: Errors, span_s: float) -> float:
+def satellite_sigma(errors: ModelErrors, span_s: float) -> float:
     """
     Return the standard deviation of the Hann-weighted mean of a satellite heading, radians.
 
     Parameters
     ----------
-    errors : Errors
+    errors : ModelErrors
         Size and correlation time of the errors of the satellite heading.
     span_s : float
         Length of the mean, seconds.
@@ -116,7 +116,7 @@ class FreeAzimuth:
 
     Attributes
     ----------
-    errors : Errors
+    errors : ModelErrors
         Errors of the class.
     start_rad : float
         Standard deviation when the azimuth became free, or when the course gyro was calibrated.
@@ -130,7 +130,7 @@ class FreeAzimuth:
 
     """
 
-    errors: Errors
+    errors: ModelErrors
     start_rad: float
     span_s: float = field(default=0.0, init=False)
     _residual_deg_h: float = field(default=math.nan, init=False)

@@ -158,7 +158,7 @@ def describe_condition(status: AhrsStatus) -> Condition:
     if status.flags:
         words += ', ' + ' '.join(flag.lower().replace('_', ' ') for flag in status.flags)
     drifts = zip(('drift_x', 'drift_y', 'drift_z', 'meter_x', 'meter_y'), status.drifts_deg_h)
-    figures = {
+    figures: dict[str, str | int | float] = {
         'mode': status.mode, 'mode_time_s': status.mode_s, 'mode_progress': status.progress,
         'validity': status.validity, 'event': status.message, 'flags': ' '.join(status.flags),
         **{f'test_{name}': result for name, result in status.tests},

@@ -94,6 +94,7 @@ class Fixes:
         turns = 2.0 * math.pi * math.floor(difference / n / (2.0 * math.pi) + 0.5)
         self._fixes.append((self._step * GRID_S, difference / n - turns, done / n))
         if len(self._fixes) >= 2:
+            t_s, differences, corrected = zip(*self._fixes)
             self._computer.drift_z_rad_s = drift_correction(
-                *zip(*self._fixes), method=self._method)
+                t_s, differences, corrected, self._method)
             self._say('drift of the course gyro corrected by satellite heading')

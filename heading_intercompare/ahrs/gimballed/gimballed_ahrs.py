@@ -36,10 +36,12 @@ from heading_intercompare.ahrs.inertial.instruments import Instruments, Thermost
 from heading_intercompare.ahrs.inertial.platform import Platform, rows_of
 from heading_intercompare.ahrs.plans import Event, parse_events
 from heading_intercompare.ahrs.random_noise import open_stream
-from heading_intercompare.ahrs.settings import Ahrs, Errors
+from heading_intercompare.ahrs.sensor_presets import ModelErrors
+from heading_intercompare.ahrs.settings import Ahrs
 from heading_intercompare.ahrs.ship.earth import RAD_PER_DEG_H, UG_M_S2
 from heading_intercompare.ahrs.ship.seaway import BLOCK_STEPS, GRID_S
-from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
+from heading_intercompare.ahrs.ship.ship_motion import ShipBlock, ShipTruth
+from heading_intercompare.core.records import Reals
 
 from .claims import alignment_sigma, FreeAzimuth
 from .condition import progress, self_tests
@@ -81,12 +83,12 @@ class Track:
     """
 
     start_s: float
-    azimuth_rad: np.ndarray
-    error_rad: np.ndarray
-    alpha_rad: np.ndarray
-    beta_rad: np.ndarray
-    flexure_rad: np.ndarray
-    sigma_rad: np.ndarray
+    azimuth_rad: Reals
+    error_rad: Reals
+    alpha_rad: Reals
+    beta_rad: Reals
+    flexure_rad: Reals
+    sigma_rad: Reals
     mode: np.ndarray
     validity: np.ndarray
     statuses: tuple[AhrsStatus, ...]
@@ -100,8 +102,8 @@ class GimballedAhrs:
     ----------
     settings : Ahrs
         Set-up of the AHRS.
-    errors : Errors
-        Errors of its instruments, all given; see `sensor_presets.errors_of`.
+    errors : ModelErrors
+        Errors of its instruments; see `sensor_presets.errors_of`.
     ship : ShipTruth
         The ship that carries it.
     seed : int
@@ -113,7 +115,7 @@ class GimballedAhrs:
 
     """
 
-    def __init__(self, settings: Ahrs, errors: Errors, ship: ShipTruth, seed: int,
+    def __init__(self, settings: Ahrs, errors: ModelErrors, ship: ShipTruth, seed: int,
                  role: str, fast: bool = False) -> None:
         self.settings, self.errors = settings, errors
         self._ship = ship
@@ -331,7 +333,7 @@ class GimballedAhrs:
                 n -= 1
         return n
 
-    def _look(self, ship) -> None:
+    def _look(self, ship: ShipBlock) -> None:
         """Measure once before the first step."""
         platform, computer = self.platform, self.computer
         platform.latitude_rad = float(ship.latitude_rad[0])

@@ -28,7 +28,8 @@ from heading_intercompare.ahrs.inertial.computer import Computer
 from heading_intercompare.ahrs.inertial.instruments import Instruments
 from heading_intercompare.ahrs.inertial.loop import Rates
 from heading_intercompare.ahrs.inertial.platform import Platform
-from heading_intercompare.ahrs.settings import Ahrs, Errors
+from heading_intercompare.ahrs.sensor_presets import ModelErrors
+from heading_intercompare.ahrs.settings import Ahrs
 from heading_intercompare.ahrs.ship.seaway import GRID_S
 
 from .claims import FreeAzimuth
@@ -58,7 +59,7 @@ class Machine(Protocol):
     """The part of the AHRS that a procedure may read and change."""
 
     settings: Ahrs
-    errors: Errors
+    errors: ModelErrors
     instruments: Instruments
     platform: Platform
     computer: Computer

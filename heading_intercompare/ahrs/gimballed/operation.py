@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 from collections import deque
-from itertools import count
 import math
 
 from heading_intercompare.ahrs.inertial.control_laws import settled_rate
@@ -55,8 +54,10 @@ def gyrocompass(ahrs: Machine) -> Procedure:
         ahrs.sigma_rad = max(alignment_sigma(ahrs.residual_deg_h, computer.latitude_rad),
                              ahrs.sigma_rad)
     speed_rad, output_rad = 0.0, output_sigma(errors)
-    for second in count(1):
+    second = 0
+    while True:
         yield Steady(GYROCOMPASS, SECOND)
+        second += 1
         latitude_rad = computer.latitude_rad
         speed_rad = max(speed_rad * math.exp(-FORGOTTEN * sigma_1_s), math.atan2(
             ahrs.unknown_m_s, computer.meridian_m * computer.earth_north))

@@ -26,6 +26,7 @@ from heading_intercompare.ahrs.sensor_presets import errors_of
 from heading_intercompare.ahrs.settings import Sensor
 from heading_intercompare.ahrs.ship.seaway import GRID_S
 from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
+from heading_intercompare.core.records import Reals
 
 from .gimballed_ahrs import GimballedAhrs, Track, TRACK_STEPS
 from .modes import AhrsStatus, Validity
@@ -44,9 +45,9 @@ class Indication(NamedTuple):
     true rate of turn, rad/s.
     """
 
-    heading_deg: np.ndarray
-    sigma_deg: np.ndarray
-    rate_rad_s: np.ndarray
+    heading_deg: Reals
+    sigma_deg: Reals
+    rate_rad_s: Reals
 
 
 class AhrsOutput:
@@ -89,7 +90,7 @@ class AhrsOutput:
         """Make an event happen; return when, or raise ValueError: see `GimballedAhrs.command`."""
         return self._ahrs.command(kind, t_s)
 
-    def read(self, t_s: np.ndarray) -> Indication:
+    def read(self, t_s: Reals) -> Indication:
         """
         Return the output at some instants.
 
@@ -109,7 +110,7 @@ class AhrsOutput:
         del self._tracks[:-1]
         return said
 
-    def _indicate(self, t_s: np.ndarray) -> Indication:
+    def _indicate(self, t_s: Reals) -> Indication:
         """
         Return the output within the blocks at hand.
 

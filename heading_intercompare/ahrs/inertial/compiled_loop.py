@@ -140,18 +140,20 @@ def _compile() -> _Compiled:
         register_jitable(function)
     version, run, sail = hashlib.sha256(sources).hexdigest(), loop.run, steering.sail
 
-    def enter(law, p, c, i, t, rows, first, stop, states):
+    # No type says that the records p, c, i and t have the fields of the objects.
+    def enter(law: int, p: Any, c: Any, i: Any, t: Any, rows: Any, first: int, stop: int,
+              states: Any) -> None:
         # Named here, it belongs to the key under which numba keeps the machine code.
         version  # noqa: B018
         run(law, p[0], c[0], i[0], t[0], rows, first, stop, states)
 
-    def enter_steering(*given):
+    def enter_steering(*given: Any) -> steering.State:
         version  # noqa: B018
         return sail(*given)
 
-    functions = enter, recur, enter_steering
+    functions: list[Callable[..., Any]] = [enter, recur, enter_steering]
     try:
         return _Compiled(*(numba.njit(cache=True)(each) for each in functions))
     except RuntimeError:
         # There is no place where numba may write.
-        return _Compiled(*map(numba.njit, functions))
+        return _Compiled(*(numba.njit(each) for each in functions))

@@ -59,8 +59,26 @@ class Computer:
         Accelerometers less their biases, m/s^2.
     vx, vy, old_vx, old_vy : float
         Velocity of the log in platform axes, now and a step before, m/s.
+    latitude_rad, cos, sin : float
+        Latitude in use, from `prepare` on, with its cosine and sine.
+    earth_north, earth_up : float
+        Earth rate there, rad/s.
+    meridian_m, normal_m : float
+        Radii of curvature there.
+    gravity : float
+        Gravity there, m/s^2.
 
     """
+
+    # `loop.set_latitude` sets them.
+    latitude_rad: float
+    cos: float
+    sin: float
+    earth_north: float
+    earth_up: float
+    meridian_m: float
+    normal_m: float
+    gravity: float
 
     def __init__(self, settings: Ahrs, platform: Platform) -> None:
         self.settings = settings

@@ -22,9 +22,11 @@ import numpy as np
 
 from heading_intercompare.ahrs.plans import parse_fixed
 from heading_intercompare.ahrs.random_noise import Markov, open_stream
-from heading_intercompare.ahrs.settings import Ahrs, Errors
+from heading_intercompare.ahrs.sensor_presets import ModelErrors
+from heading_intercompare.ahrs.settings import Ahrs
 from heading_intercompare.ahrs.ship.earth import RAD_PER_DEG_H, RAD_PER_DEG_SQRT_H, UG_M_S2
 from heading_intercompare.ahrs.ship.seaway import GRID_S
+from heading_intercompare.core.records import Reals
 
 __all__ = ['Instruments', 'Thermostat']
 
@@ -68,8 +70,8 @@ class Instruments:
 
     Parameters
     ----------
-    errors : Errors
-        Sizes of the errors, all given.
+    errors : ModelErrors
+        Sizes of the errors.
     settings : Ahrs
         Uses fixed errors, initial state and `noise`.
     seed : int
@@ -89,7 +91,7 @@ class Instruments:
 
     """
 
-    def __init__(self, errors: Errors, settings: Ahrs, seed: int, role: str) -> None:
+    def __init__(self, errors: ModelErrors, settings: Ahrs, seed: int, role: str) -> None:
         self._errors = errors
         self._noise = 1.0 if settings.noise else 0.0
         self._fixed = parse_fixed(settings.fixed)
@@ -143,7 +145,7 @@ class Instruments:
                           for name, size, n in zip(_GYROS, sizes, drawn)]
         self._aligned = False
 
-    def take(self, n: int) -> dict[str, np.ndarray]:
+    def take(self, n: int) -> dict[str, Reals]:
         """
         Return the random errors of the next n control steps.
 

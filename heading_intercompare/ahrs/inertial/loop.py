@@ -23,7 +23,7 @@ thermostat `t`. These are the objects of this room, or records with the same fie
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import Sequence, TYPE_CHECKING
 
 from heading_intercompare.ahrs.ship.earth import EARTH_RATE_RAD_S, gravity, radii
 from heading_intercompare.ahrs.ship.seaway import GRID_S
@@ -31,6 +31,8 @@ from heading_intercompare.ahrs.ship.seaway import GRID_S
 from .control_laws import coarse_rate
 
 if TYPE_CHECKING:
+    from heading_intercompare.core.records import Reals
+
     from .computer import Computer
     from .instruments import Instruments, Thermostat
     from .platform import Platform
@@ -49,8 +51,9 @@ PICK_OFF_RAD = 2.0 * math.pi / 2**20
 Rates = tuple[float, float, float]
 
 
-def run(law: int, p: 'Platform', c: 'Computer', i: 'Instruments', t: 'Thermostat', rows,
-        first: int, stop: int, states) -> None:
+def run(law: int, p: 'Platform', c: 'Computer', i: 'Instruments', t: 'Thermostat',
+        rows: Sequence[Sequence[float]] | Reals, first: int, stop: int,
+        states: Sequence[list[float]] | Reals) -> None:
     """
     Run a law over some control steps.
 
@@ -60,11 +63,11 @@ def run(law: int, p: 'Platform', c: 'Computer', i: 'Instruments', t: 'Thermostat
         HOLD, FINE, GYROCOMPASS or SCHULER.
     p, c, i, t : Platform, Computer, Instruments, Thermostat
         The states, changed in place.
-    rows : sequence of sequence of float
+    rows : sequence of sequence of float, or ndarray
         Inputs of each step, see `platform.rows_of`.
     first, stop : int
         The steps to run.
-    states : sequence of list of float
+    states : sequence of list of float, or ndarray
         After step k, item k + 1 holds the true and the assumed azimuth and the two tilts.
 
     """
@@ -84,8 +87,8 @@ def run(law: int, p: 'Platform', c: 'Computer', i: 'Instruments', t: 'Thermostat
         state[2], state[3] = p.alpha_rad, p.beta_rad
 
 
-def step(p: 'Platform', i: 'Instruments', t: 'Thermostat', row, ux: float, uy: float,
-         uz: float) -> None:
+def step(p: 'Platform', i: 'Instruments', t: 'Thermostat', row: Sequence[float], ux: float,
+         uy: float, uz: float) -> None:
     """
     Advance the platform by one control step at the commanded rates, and measure.
 
@@ -154,7 +157,7 @@ def step(p: 'Platform', i: 'Instruments', t: 'Thermostat', row, ux: float, uy: f
     show(p, i, t, row)
 
 
-def show(p: 'Platform', i: 'Instruments', t: 'Thermostat', row) -> None:
+def show(p: 'Platform', i: 'Instruments', t: 'Thermostat', row: Sequence[float]) -> None:
     """Update the measurements relative to the ship, and advance the instruments."""
     p.pick_off_rad = PICK_OFF_RAD * math.floor((row[6] - p.azimuth_rad) / PICK_OFF_RAD + 0.5)
     p.speed_m_s = row[7] * (1.0 + i.log_scale) + row[18]

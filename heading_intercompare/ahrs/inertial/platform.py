@@ -23,6 +23,7 @@ import numpy as np
 
 from heading_intercompare.ahrs.ship.seaway import GRID_S
 from heading_intercompare.ahrs.ship.ship_motion import ShipBlock
+from heading_intercompare.core.records import Reals
 
 from . import loop
 from .instruments import Instruments
@@ -38,7 +39,7 @@ SERVO_RATE_1_S = 2.8
 MOTOR_1_S = 2.5
 
 
-def rows_of(ship: ShipBlock, random: dict[str, np.ndarray]) -> np.ndarray:
+def rows_of(ship: ShipBlock, random: dict[str, Reals]) -> Reals:
     """
     Return the inputs of the platform over each control step, shape (n, 22).
 
@@ -58,7 +59,7 @@ def rows_of(ship: ShipBlock, random: dict[str, np.ndarray]) -> np.ndarray:
     n = random['log'].size
     start, stop = slice(0, n), slice(1, n + 1)
 
-    def mean(values: np.ndarray) -> np.ndarray:
+    def mean(values: Reals) -> Reals:
         return 0.5 * (values[start] + values[stop])
 
     bow_rad = mean(ship.heading_rad)

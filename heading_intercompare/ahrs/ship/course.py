@@ -22,7 +22,7 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
-from heading_intercompare.core.records import Reals
+from heading_intercompare.core.records import Integers, Reals
 
 from .earth import KNOT_M_S
 
@@ -60,8 +60,8 @@ NO_CURRENT = Current()
 class Push(NamedTuple):
     """Acceleration of the ship over ground along its axis and to starboard, m/s^2."""
 
-    ahead_m_s2: np.ndarray
-    aside_m_s2: np.ndarray
+    ahead_m_s2: Reals
+    aside_m_s2: Reals
 
 
 class Course(Protocol):
@@ -104,7 +104,7 @@ def interpolate_way(ways_m: Reals, speeds_m_s: Reals, step_s: float, t_s: Reals)
         Seconds, none beyond the grid.
 
     """
-    step = np.minimum((t_s / step_s).astype(np.int64), ways_m.size - 2)
+    step: Integers = np.minimum((t_s / step_s).astype(np.int64), ways_m.size - 2)
     u = t_s / step_s - step
     left, right = ways_m[step], ways_m[step + 1]
     return (left + u * u * (3.0 - 2.0 * u) * (right - left)

@@ -65,7 +65,7 @@ class Sea(Protocol):
 
     calm: bool
 
-    def block(self, index: int) -> np.ndarray:
+    def block(self, index: int) -> Reals:
         """Return the motion over one block of the grid."""
 
     def read(self, t_s: Reals, *wanted: tuple[str, int]) -> list[Reals]:
@@ -110,9 +110,9 @@ class Seaway:
             self._omega.append(omega)
             self._complex.append(amplitude * np.exp(1j * phase))
             self._table.append(np.exp(1j * np.outer(steps_s, omega)))
-        self._kept: dict[int, np.ndarray] = {}
+        self._kept: dict[int, Reals] = {}
 
-    def block(self, index: int) -> np.ndarray:
+    def block(self, index: int) -> Reals:
         """
         Return the motion over one block of the grid, both ends included.
 

@@ -50,22 +50,22 @@ class ShipBlock:
     north, east and down.
     """
 
-    heading_rad: np.ndarray
-    heading_rate_rad_s: np.ndarray
-    speed_m_s: np.ndarray
-    north_m_s: np.ndarray
-    east_m_s: np.ndarray
-    latitude_rad: np.ndarray
-    roll_rad: np.ndarray
-    roll_rate_rad_s: np.ndarray
-    pitch_rad: np.ndarray
-    pitch_rate_rad_s: np.ndarray
-    turn_north_rad_s: np.ndarray
-    turn_east_rad_s: np.ndarray
-    turn_down_rad_s: np.ndarray
-    force_north_m_s2: np.ndarray
-    force_east_m_s2: np.ndarray
-    force_down_m_s2: np.ndarray
+    heading_rad: Reals
+    heading_rate_rad_s: Reals
+    speed_m_s: Reals
+    north_m_s: Reals
+    east_m_s: Reals
+    latitude_rad: Reals
+    roll_rad: Reals
+    roll_rate_rad_s: Reals
+    pitch_rad: Reals
+    pitch_rate_rad_s: Reals
+    turn_north_rad_s: Reals
+    turn_east_rad_s: Reals
+    turn_down_rad_s: Reals
+    force_north_m_s2: Reals
+    force_east_m_s2: Reals
+    force_down_m_s2: Reals
 
 
 class Attitude(NamedTuple):
@@ -128,28 +128,28 @@ class ShipTruth:
         self._sea: Sea = sea if track is None else SeaAboard(track, sea)
         self._block: tuple[int, ShipBlock] | None = None
 
-    def heading_deg(self, t_s: np.ndarray) -> np.ndarray:
+    def heading_deg(self, t_s: Reals) -> Reals:
         """Return the true heading at any instants, shape (n,), degrees in [0, 360)."""
         return wrap360(np.degrees(self.heading_rad(t_s)))
 
-    def heading_rad(self, t_s: np.ndarray) -> np.ndarray:
+    def heading_rad(self, t_s: Reals) -> Reals:
         """Return the true heading as a continuous angle, shape (n,), radians."""
         t = np.asarray(t_s, dtype=np.float64)
         return self.course.read_heading(t)[0] + self._sea.read(t, ('yaw', 0))[0]
 
-    def heading_rate_rad_s(self, t_s: np.ndarray) -> np.ndarray:
+    def heading_rate_rad_s(self, t_s: Reals) -> Reals:
         """Return the rate of turn to starboard, shape (n,), rad/s."""
         t = np.asarray(t_s, dtype=np.float64)
         return self.course.read_heading(t)[1] + self._sea.read(t, ('yaw', 1))[0]
 
-    def read_heading(self, t_s: np.ndarray) -> tuple[Reals, Reals]:
+    def read_heading(self, t_s: Reals) -> tuple[Reals, Reals]:
         """Return `heading_rad` and `heading_rate_rad_s` in less time than one by one."""
         t = np.asarray(t_s, dtype=np.float64)
         (steered, turn), (yaw, rate) = (self.course.read_heading(t),
                                         self._sea.read(t, ('yaw', 0), ('yaw', 1)))
         return steered + yaw, turn + rate
 
-    def read_attitude(self, t_s: np.ndarray) -> Attitude:
+    def read_attitude(self, t_s: Reals) -> Attitude:
         """Return heading, roll and pitch in less time than one by one."""
         t = np.asarray(t_s, dtype=np.float64)
         steered, turn = self.course.read_heading(t)
@@ -157,15 +157,15 @@ class ShipTruth:
             t, ('yaw', 0), ('yaw', 1), ('roll', 0), ('pitch', 0))
         return Attitude(steered + yaw, turn + rate, roll, pitch)
 
-    def speed_m_s(self, t_s: np.ndarray) -> np.ndarray:
+    def speed_m_s(self, t_s: Reals) -> Reals:
         """Return the speed through the water along the ship axis, shape (n,), m/s."""
         return self.course.read_speed(np.asarray(t_s, dtype=np.float64))
 
-    def position_deg(self, t_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def position_deg(self, t_s: Reals) -> tuple[Reals, Reals]:
         """Return latitude and longitude, each of shape (n,), degrees."""
         return self.course.read_position(np.asarray(t_s, dtype=np.float64))
 
-    def velocity_m_s(self, t_s: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def velocity_m_s(self, t_s: Reals) -> tuple[Reals, Reals]:
         """Return the velocity over ground to the east and north, without the sea, (n,), m/s."""
         return self.course.read_velocity(np.asarray(t_s, dtype=np.float64))
 
@@ -176,7 +176,7 @@ class ShipTruth:
         return self._block[1]
 
     def _tabulate(self, index: int) -> ShipBlock:
-        t = index * BLOCK_S + GRID_S * np.arange(BLOCK_STEPS + 1)
+        t = index * BLOCK_S + GRID_S * np.arange(BLOCK_STEPS + 1, dtype=np.float64)
         steered, turn = self.course.read_heading(t)
         east, north = self.course.read_velocity(t)
         push = self.course.read_push(t)

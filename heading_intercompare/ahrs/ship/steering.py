@@ -22,7 +22,7 @@ from typing import Any, Callable, Sequence
 
 import numpy as np
 
-from heading_intercompare.core.records import Reals
+from heading_intercompare.core.records import Integers, Reals
 
 from .course import Current, interpolate_way, NO_CURRENT, Push
 from .earth import KNOT_M_S, radii
@@ -89,7 +89,7 @@ class Steering:
             math.radians(first.course_deg), 0.0, first.speed_kn * KNOT_M_S,
             math.radians(latitude_deg), math.radians(longitude_deg), 0.0, 0.0)
         self.sail: Callable[..., State] = sail
-        self._rows: list[np.ndarray] = []
+        self._rows: list[Reals] = []
         self._grid = np.zeros((9, 0))
 
     def read_speed(self, t_s: Reals) -> Reals:
@@ -133,20 +133,20 @@ class Steering:
             0.5 - decay / 6.0 + decay**2 / 24.0))
         return heading, turn
 
-    def _read_speed(self, t: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    def _read_speed(self, t: Reals) -> tuple[Reals, Reals]:
         """Read the speed and the acceleration along the ship axis."""
         grid, step, u = self._place(t)
         decay, slope = u / SPEED_LAG_S, grid[4][step]
         return (grid[3][step] + slope * u * (1.0 - decay / 2.0 + decay**2 / 6.0),
                 slope * (1.0 - decay + decay**2 / 2.0))
 
-    def _place(self, t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    def _place(self, t: Reals) -> tuple[Reals, Integers, Reals]:
         """Return the course grid, the step of each instant, and the time since that step."""
         grid = self._reach(t)
         step = (t / STEP_S).astype(np.int64)
         return grid, step, t - step * STEP_S
 
-    def _reach(self, t: np.ndarray) -> np.ndarray:
+    def _reach(self, t: Reals) -> Reals:
         """Return the course grid, extended as far as these instants."""
         if t.size:
             if float(t.min()) < 0.0:

@@ -93,7 +93,8 @@ class TrackCourse:
                  current: Current = NO_CURRENT) -> None:
         self._track, self._current_m_s = track, current.velocity_m_s
         first = track.position_deg or (latitude_deg, longitude_deg)
-        t_s = STEP_S * np.arange(math.ceil((track.duration_s + _BEYOND_S) / STEP_S))
+        t_s = STEP_S * np.arange(math.ceil((track.duration_s + _BEYOND_S) / STEP_S),
+                                 dtype=np.float64)
         east, north = self.read_velocity(t_s)
         middle = [0.5 * STEP_S * (speed[:-1] + speed[1:]) for speed in (east, north)]
         latitude, longitude = math.radians(first[0]), math.radians(first[1])
@@ -168,11 +169,11 @@ class SeaAboard:
             ('roll', track.roll_rad), ('pitch', track.pitch_rad)) if function is not None}
         self.calm = sea.calm and not self._own
 
-    def block(self, index: int) -> np.ndarray:
+    def block(self, index: int) -> Reals:
         """Return the motion over one block of the grid, shape (6, 3, 601); see `Seaway.block`."""
         values = self._sea.block(index).copy()
         values[CHANNELS.index('yaw')] = 0.0
-        t_s = index * BLOCK_S + GRID_S * np.arange(BLOCK_STEPS + 1)
+        t_s = index * BLOCK_S + GRID_S * np.arange(BLOCK_STEPS + 1, dtype=np.float64)
         for channel, function in self._own.items():
             values[CHANNELS.index(channel)] = [function.read(t_s, order) for order in range(3)]
         return values

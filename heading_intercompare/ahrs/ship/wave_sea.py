@@ -66,12 +66,13 @@ class WaveSea:
         self._hull, self._course = hull, course
         self._waves = draw_waves(waves, seed)
         self._number = self._waves.omega_rad_s**2 / STANDARD_GRAVITY_M_S2
-        self._kept: dict[int, np.ndarray] = {}
+        self._kept: dict[int, Reals] = {}
 
-    def block(self, index: int) -> np.ndarray:
+    def block(self, index: int) -> Reals:
         """Return the motion over one block of the grid, shape (6, 3, 601); see `Seaway.block`."""
         if index not in self._kept:
-            t_s = index * BLOCK_S + GRID_S * np.arange(-_REACH, BLOCK_STEPS + 1 + _REACH)
+            steps = np.arange(-_REACH, BLOCK_STEPS + 1 + _REACH, dtype=np.float64)
+            t_s = index * BLOCK_S + GRID_S * steps
             values = self._move(t_s)
             made = np.empty((len(CHANNELS), 3, BLOCK_STEPS + 1))
             made[:, 0] = values[:, _REACH:-_REACH]
@@ -88,7 +89,7 @@ class WaveSea:
         """Return channels or their rates at any instants; see `Seaway.read`."""
         return read_blocks(self, t_s, *wanted)
 
-    def _move(self, t_s: Reals) -> np.ndarray:
+    def _move(self, t_s: Reals) -> Reals:
         """Return the motion at some instants, shape (6, n)."""
         sailed_s = np.maximum(t_s, 0.0)
         heading, turn = self._course.read_heading(sailed_s)
@@ -110,5 +111,5 @@ class WaveSea:
                  - np.outer(north, self._number * to_north))
         answers = respond(self._hull, self._number, ahead, aside, met)
         answers = np.broadcast_to(answers, (len(CHANNELS), *angle.shape))
-        moved: np.ndarray = np.einsum('cti,ti->ct', answers, amplitude * np.exp(1j * angle)).real
+        moved: Reals = np.einsum('cti,ti->ct', answers, amplitude * np.exp(1j * angle)).real
         return moved

@@ -126,10 +126,10 @@ class Wavelets(NamedTuple):
 
     """
 
-    omega_rad_s: np.ndarray
-    amplitude_m: np.ndarray
-    phase_rad: np.ndarray
-    towards_rad: np.ndarray
+    omega_rad_s: Reals
+    amplitude_m: Reals
+    phase_rad: Reals
+    towards_rad: Reals
 
 
 def draw_waves(waves: Waves, seed: int) -> Wavelets:

@@ -25,8 +25,7 @@ from heading_intercompare.ahrs.gimballed.calibration import hann
 from heading_intercompare.ahrs.gimballed.claims import FreeAzimuth, satellite_sigma
 from heading_intercompare.ahrs.gimballed.modes import Mode, Validity
 from heading_intercompare.ahrs.random_noise import Markov
-from heading_intercompare.ahrs.sensor_presets import ERRORS
-from heading_intercompare.ahrs.settings import Errors
+from heading_intercompare.ahrs.sensor_presets import ERRORS, ModelErrors
 from heading_intercompare.ahrs.ship.earth import RAD_PER_DEG_H
 
 
@@ -114,8 +113,8 @@ def test_claim_of_a_free_azimuth_by_hand():
     0.03, 0.1 and 0.04 degrees with the random walk of 0.01 and the start of 0.05: 0.1229. After a
     calibration that leaves nothing, only the walk grows it.
     """
-    free = FreeAzimuth(Errors(random_walk_deg_sqrt_h=0.01, temperature_deg_h_k=0.02,
-                              soak_deg_h=0.08), math.radians(0.05))
+    free = FreeAzimuth(ModelErrors(random_walk_deg_sqrt_h=0.01, temperature_deg_h_k=0.02,
+                                   soak_deg_h=0.08), math.radians(0.05))
     for _ in range(60):
         sigma_rad = free.add(60.0, 0.03, -5.0, 0.5)
     assert math.degrees(sigma_rad) == pytest.approx(0.12288, abs=1e-5)
@@ -320,7 +319,7 @@ def test_mean_of_a_coloured_satellite_heading_is_as_good_as_told(rng):
     """Markov noise, tau = 20 s, Hann-weighted over 300 s: 1000 means, known to 14 %."""
     noise = Markov(1.0, 20.0, 1.0, rng).take(300 * 1000).reshape(1000, 300)
     weights = hann(300) / hann(300).sum()
-    told = math.degrees(satellite_sigma(Errors(gps_deg=1.0, gps_tau_s=20.0), 300.0))
+    told = math.degrees(satellite_sigma(ModelErrors(gps_deg=1.0, gps_tau_s=20.0), 300.0))
     assert np.std(noise @ weights) == pytest.approx(told, rel=0.14)
 
 
