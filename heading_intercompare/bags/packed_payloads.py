@@ -24,6 +24,9 @@ from __future__ import annotations
 import numpy as np
 import zstandard
 
+from heading_intercompare.core.records import Integers
+from heading_intercompare.messages.byte_columns import BytesLike
+
 __all__ = ['is_packed', 'MOST_BYTES', 'unpack_payload', 'unpack_payloads']
 
 _MAGIC = b'\x28\xb5\x2f\xfd'
@@ -35,7 +38,7 @@ MOST_BYTES = 2**27
 _MOST_SMALL = 2**16
 
 
-def is_packed(data: bytes | bytearray | memoryview, start: np.ndarray) -> bool:
+def is_packed(data: BytesLike, start: Integers) -> bool:
     """Tell whether the messages at these offsets of some data are compressed one by one."""
     return bool(len(start)) and bytes(data[start[0]:start[0] + len(_MAGIC)]) == _MAGIC
 
@@ -52,14 +55,14 @@ def unpack_payload(data: bytes, most: int = MOST_BYTES) -> bytes | None:
         return None
 
 
-def unpack_payloads(data: bytes, start: np.ndarray,
-                    stop: np.ndarray) -> tuple[bytes, np.ndarray, np.ndarray]:
+def unpack_payloads(data: BytesLike, start: Integers,
+                    stop: Integers) -> tuple[bytes, Integers, Integers]:
     """
     Return small messages decompressed.
 
     Parameters
     ----------
-    data : bytes
+    data : bytes-like
         The bytes that hold them.
     start, stop : ndarray of int64, shape (n,)
         First byte of each message, and the byte after its last.

@@ -98,6 +98,7 @@ def run_node(module: str, node: str, config: str | None, *, namespace: str = '/'
         return made
 
     def make_beside(made: Any, **kwargs: Any) -> Any:
+        assert beside is not None
         other_module, other_node, look = beside
         other = _find(other_module, other_node)(**kwargs)
         every(other, _BESIDE_S, lambda: look(made, other))

@@ -144,7 +144,8 @@ def _run(argv: Sequence[str]) -> int:
         parser.print_help()
         return 2
     module = import_module(f'heading_intercompare.cli.commands.{COMMANDS[arguments.command][0]}')
-    return module.run(arguments)
+    code: int = module.run(arguments)
+    return code
 
 
 def _refuse(error: Exception) -> int:

@@ -24,7 +24,7 @@ from __future__ import annotations
 from collections import deque
 from statistics import median
 
-from .sentence_choice import Name
+from .sentences import Name
 
 __all__ = ['BurstFinder']
 

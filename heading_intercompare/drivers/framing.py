@@ -82,7 +82,8 @@ def _checksums(texts: list[bytes]) -> list[int]:
     joined = np.frombuffer(b'\0'.join(texts) + b'\0', np.uint8)
     starts = np.zeros(len(texts), np.intp)
     np.cumsum([len(text) + 1 for text in texts[:-1]], out=starts[1:])
-    return np.bitwise_xor.reduceat(joined, starts).tolist()
+    sums: list[int] = np.bitwise_xor.reduceat(joined, starts).tolist()
+    return sums
 
 
 class Framer:
@@ -179,7 +180,8 @@ class Framer:
         pieces = _PIECE.findall(text)
         if not ends:
             pieces.append(pieces.pop()[:1] + (b'', b'', b'', b'', b''))
-        frames, counts, n, before = [], self.counts, 0, b''
+        frames: list[Frame] = []
+        counts, n, before = self.counts, 0, b''
         for (prefix, start, body, checksum, after, rest), computed in zip(
                 pieces, _checksums([piece[2] for piece in pieces])):
             prefix = prefix or before

@@ -33,7 +33,7 @@ from .settings import DriverError, DriverSettings
 __all__ = ['is_log', 'LogReader', 'read_log']
 
 
-def is_log(path: str | PathLike) -> bool:
+def is_log(path: str | PathLike[str]) -> bool:
     """
     Tell whether a path names a log: its beginning has an NMEA sentence or is a csv of headings.
 
@@ -77,7 +77,7 @@ class LogReader:
 
     """
 
-    def __init__(self, path: str | PathLike, settings: DriverSettings | None = None,
+    def __init__(self, path: str | PathLike[str], settings: DriverSettings | None = None,
                  block_bytes: int = 1 << 20) -> None:
         self._path, self._block_bytes = os.fspath(path), block_bytes
         settings = settings or DriverSettings()
@@ -154,7 +154,7 @@ class LogReader:
         self._nmea.refuse_several_instruments(self._path)
 
 
-def read_log(path: str | PathLike, settings: DriverSettings | None = None
+def read_log(path: str | PathLike[str], settings: DriverSettings | None = None
              ) -> tuple[Headings, dict[str, int]]:
     """
     Return all headings of a log, and counts of everything that gave none, by reason.

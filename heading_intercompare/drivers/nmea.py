@@ -323,7 +323,8 @@ class NmeaDecoder:
             if self._validity:
                 stamp_ns, heading_deg = self._read_valid(name, text, prefix, suffix, received_ns)
             elif self._bursts is not None and received_ns is not None:
-                stamp_ns, heading_deg = self._read_stream(name, text, received_ns)
+                stamp_ns, heading_deg = self._read_stream(self._bursts, name, text,
+                                                          received_ns)
             else:
                 heading_deg = self._heading(name, text)
                 stamp_ns = self._receipt_ns(name, prefix, suffix, received_ns)
@@ -386,15 +387,16 @@ class NmeaDecoder:
             raise Rejected('no_validity_time')
         return burst_ns, heading_deg
 
-    def _read_stream(self, name: Name, text: bytes, received_ns: int) -> tuple[int, float]:
+    def _read_stream(self, bursts: BurstFinder, name: Name, text: bytes, received_ns: int
+                     ) -> tuple[int, float]:
         """
         Return time of receipt and heading of a sentence from a stream; raises Rejected.
 
         One of a burst was received at its time of validity plus the usual latency, if both are
         known.
         """
-        burst = self._bursts.find(name, received_ns, self._in_read[name, received_ns],
-                                  self._late_s.get(received_ns, 0.0))
+        burst = bursts.find(name, received_ns, self._in_read[name, received_ns],
+                            self._late_s.get(received_ns, 0.0))
         heading_deg = self._heading(name, text)
         try:
             valid_ns, _ = self._read_valid(name, text, b'', b'', received_ns)
@@ -402,9 +404,9 @@ class NmeaDecoder:
             valid_ns = None
         if not burst:
             if valid_ns is not None:
-                self._bursts.learn_latency(name, received_ns, valid_ns)
+                bursts.learn_latency(name, received_ns, valid_ns)
             return received_ns, heading_deg
-        stamp_ns = None if valid_ns is None else self._bursts.receipt_ns(name, valid_ns)
+        stamp_ns = None if valid_ns is None else bursts.receipt_ns(name, valid_ns)
         if stamp_ns is None:
             raise Rejected('burst')
         return stamp_ns, heading_deg

@@ -118,6 +118,7 @@ class FileSource:
     def _due(self, stamp_ns: int | None) -> float:
         if stamp_ns is None or self._speed == 0.0:
             return 0.0
+        assert self._started is not None and self.origin_ns is not None
         return self._started + (stamp_ns - self.origin_ns) / 1e9 / self._speed
 
     def _rewind(self) -> None:

@@ -213,4 +213,6 @@ def heading_of(text: bytes) -> float:
     231.0
 
     """
-    return PARSERS[identify(text).kind](text.split(b','))
+    name = identify(text)
+    assert name is not None
+    return PARSERS[name.kind](text.split(b','))

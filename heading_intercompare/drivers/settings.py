@@ -128,12 +128,12 @@ def parse_address(source: str) -> Address:
 def _parse_network(source: str, scheme: str) -> Address:
     try:
         url = urlsplit(source)
-        host, port = url.hostname or '', url.netloc.rpartition(']')[2].rpartition(':')[2]
+        host, digits = url.hostname or '', url.netloc.rpartition(']')[2].rpartition(':')[2]
     except ValueError as error:
         raise SettingsError(f'source = {source!r}: {error}; {_FORMS}') from None
     if not url.netloc or url.path not in ('', '/') or '@' in url.netloc:
         raise SettingsError(f'source = {source!r}: {_FORMS}')
-    port = _parse_whole(source, 'port', port, 1, 65535)
+    port = _parse_whole(source, 'port', digits, 1, 65535)
     options = _options(source, url.query, ('interface', 'from') if scheme == 'udp' else ())
     if scheme == 'tcp' and not host:
         raise SettingsError(f'source = {source!r}: the host is missing; {_FORMS}')

@@ -52,7 +52,9 @@ class Source(Protocol):
 
     """
 
-    exhausted: bool
+    @property
+    def exhausted(self) -> bool:
+        """Whether nothing more will come."""
 
     @property
     def status(self) -> str:
@@ -78,38 +80,40 @@ class TcpLine:
 
     def connect(self, timeout_s: float) -> bool:
         """Return whether the server has answered by now; OSError if it refuses."""
-        if self._socket is None:
-            self._begin()
-        _, writable, failed = select.select([], [self._socket], [self._socket], timeout_s)
+        begun = self._begin() if self._socket is None else self._socket
+        _, writable, failed = select.select([], [begun], [begun], timeout_s)
         if not (writable or failed):
             return False
-        code = self._socket.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
+        code = begun.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR)
         if code:
             raise OSError(code, os.strerror(code))
         return True
 
-    def _begin(self) -> None:
+    def _begin(self) -> socket.socket:
         """Start to connect; each attempt uses the next address of the host name."""
         found = socket.getaddrinfo(self._address.host, self._address.port,
                                    type=socket.SOCK_STREAM)
         family, kind, protocol, _, place = found[self._attempts % len(found)]
         self._attempts += 1
-        self._socket = socket.socket(family, kind, protocol)
-        self._socket.setblocking(False)
-        self._socket.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
+        self._socket = begun = socket.socket(family, kind, protocol)
+        begun.setblocking(False)
+        begun.setsockopt(socket.SOL_SOCKET, socket.SO_KEEPALIVE, 1)
         for name, value in (('TCP_KEEPIDLE', 10), ('TCP_KEEPINTVL', 5), ('TCP_KEEPCNT', 3)):
             if hasattr(socket, name):
-                self._socket.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)
-        code = self._socket.connect_ex(place)
+                begun.setsockopt(socket.IPPROTO_TCP, getattr(socket, name), value)
+        code = begun.connect_ex(place)
         if code not in (0, errno.EINPROGRESS, errno.EWOULDBLOCK):
             raise OSError(code, os.strerror(code))
+        return begun
 
     def is_ready(self) -> bool:
         """Return whether bytes wait to be read, or the connection is broken."""
+        assert self._socket is not None
         return bool(select.select([self._socket], [], [], 0.0)[0])
 
     def receive(self, timeout_s: float) -> bytes:
         """Return the bytes received, maybe none; OSError if the connection is broken."""
+        assert self._socket is not None
         if not select.select([self._socket], [], [], timeout_s)[0]:
             return b''
         data = self._socket.recv(65536)
@@ -141,7 +145,8 @@ class _SerialLine:
         except ImportError:
             raise DriverError(f'serial:{address.path} needs pyserial: install python3-serial or '
                               'pip install pyserial') from None
-        self._serial, self._address, self._port = serial, address, None
+        self._serial, self._address = serial, address
+        self._port: Any = None
 
     def connect(self, timeout_s: float) -> bool:
         """Open the device; OSError if that fails."""
@@ -157,8 +162,10 @@ class _SerialLine:
         """Return the bytes received, maybe none; OSError if the device is gone."""
         if self._port.timeout != timeout_s:
             self._port.timeout = timeout_s
-        data = self._port.read(1)
-        return data + self._port.read(self._port.in_waiting) if data else data
+        data: bytes = self._port.read(1)
+        if data:
+            data += self._port.read(self._port.in_waiting)
+        return data
 
     def close(self) -> None:
         """Close the device, if it is open."""

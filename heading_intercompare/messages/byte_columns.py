@@ -41,8 +41,12 @@ from .cdr import encode
 from .errors import MessageError
 from .stamps import TIME_LIMIT_NS
 
-__all__ = ['align', 'check_size', 'decode_readable', 'decode_stamped', 'end_of_strings', 'gather',
-           'join_messages', 'read_sound', 'read_stamps', 'split_rows', 'stamped_rows']
+__all__ = ['align', 'BytesLike', 'check_size', 'decode_readable', 'decode_stamped',
+           'end_of_strings', 'gather', 'join_messages', 'read_sound', 'read_stamps', 'split_rows',
+           'stamped_rows']
+
+#: Some data that holds messages.
+BytesLike = bytes | bytearray | memoryview
 
 _SECOND_NS = 1_000_000_000
 _HEADER = np.dtype([('order', '<u2'), ('options', '<u2'), ('sec', '<i4'), ('nanosec', '<u4'),
@@ -53,7 +57,7 @@ _BIG, _LITTLE = 0x0000, 0x0100
 _Chunk = TypeVar('_Chunk', Attitude, Headings, Motion, Pairs)
 #: Converts messages of one byte order to a chunk, from the data, their first bytes, their sizes
 #: and their headers.
-_DecodeOne = Callable[[bytes, Integers, Integers, np.ndarray], _Chunk]
+_DecodeOne = Callable[[BytesLike, Integers, Integers, np.ndarray], _Chunk]
 _ByteOrder = Literal['<', '>']
 
 
@@ -62,13 +66,13 @@ def _plain(dtype: np.dtype) -> np.dtype:
     return np.dtype(f'V{dtype.itemsize}') if dtype.names or dtype.shape else dtype
 
 
-def gather(data: bytes, kind: DTypeLike, at: Integers) -> np.ndarray:
+def gather(data: BytesLike, kind: DTypeLike, at: Integers) -> np.ndarray:
     """
     Return the values at the given byte offsets of some data, aligned or not.
 
     Parameters
     ----------
-    data : bytes
+    data : bytes-like
         The bytes that hold the values.
     kind : dtype
         Type of the values, with its byte order; several in a row if it has a shape.
@@ -154,7 +158,7 @@ def check_size(type_name: str, start: Integers, size: Integers,
                            offset=int(start[first]), offsets=start[short].tolist())
 
 
-def decode_stamped(type_name: str, data: bytes, start: Integers, stop: Integers,
+def decode_stamped(type_name: str, data: BytesLike, start: Integers, stop: Integers,
                    decode_one: _DecodeOne[_Chunk]) -> _Chunk:
     """Return the chunk in a stretch of bytes; each message may have either byte order."""
     size = stop - start

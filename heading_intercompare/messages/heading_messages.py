@@ -32,6 +32,7 @@ from heading_intercompare.core.records import Attitude, Headings, Integers, Pair
 
 from .byte_columns import (
     align,
+    BytesLike,
     check_size,
     decode_stamped,
     end_of_strings,
@@ -184,7 +185,7 @@ _NORTHS = {0: 'a magnetic azimuth', 2: 'an azimuth from grid north'}
 #: Longer lags do not fit an int64 of nanoseconds.
 _MOST_LAG_S = 9e9
 
-def decode_headings(type_name: str, convention: str, data: bytes, start: Integers,
+def decode_headings(type_name: str, convention: str, data: BytesLike, start: Integers,
                     stop: Integers) -> Headings:
     """
     Return the headings in the messages that a stretch of bytes holds.
@@ -195,7 +196,7 @@ def decode_headings(type_name: str, convention: str, data: bytes, start: Integer
         A key of `HEADING_TYPES`.
     convention : {'enu', 'ned'}
         World axes of the orientations; an azimuth says its own.
-    data : bytes
+    data : bytes-like
         Any bytes that hold the messages.
     start, stop : ndarray of int64, shape (n,)
         First byte of each message, and the byte after its last.
@@ -218,7 +219,7 @@ def decode_headings(type_name: str, convention: str, data: bytes, start: Integer
     return decode_stamped(type_name, data, start, stop, partial(_headings, type_name, convention))
 
 
-def _azimuths(type_name: str, data: bytes, start: Integers, size: Integers,
+def _azimuths(type_name: str, data: BytesLike, start: Integers, size: Integers,
               header: np.ndarray) -> Headings:
     """Return the azimuths from true north in messages of one byte order."""
     sign, end = end_of_strings(header)
@@ -239,7 +240,7 @@ def _azimuths(type_name: str, data: bytes, start: Integers, size: Integers,
                     angles.wrap360(np.where(rows['ned'] == 1, angle, 90.0 - angle)))
 
 
-def _headings(type_name: str, convention: str, data: bytes, start: Integers, size: Integers,
+def _headings(type_name: str, convention: str, data: BytesLike, start: Integers, size: Integers,
               header: np.ndarray) -> Headings:
     """Return the headings in messages of one byte order."""
     (x, y, z, w), known = _orientations(type_name, data, start, size, header)
@@ -248,7 +249,7 @@ def _headings(type_name: str, convention: str, data: bytes, start: Integers, siz
     return Headings(read_stamps(header), heading_deg)
 
 
-def _orientations(type_name: str, data: bytes, start: Integers, size: Integers,
+def _orientations(type_name: str, data: BytesLike, start: Integers, size: Integers,
                   header: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     """Return the quaternions, shape (4, n), and which of them the messages call known."""
     sign, end = end_of_strings(header)
@@ -264,13 +265,13 @@ def _orientations(type_name: str, data: bytes, start: Integers, size: Integers,
     return columns[:4], known
 
 
-def decode_attitude(type_name: str, convention: str, data: bytes, start: Integers,
+def decode_attitude(type_name: str, convention: str, data: BytesLike, start: Integers,
                     stop: Integers) -> Attitude:
     """Return roll and pitch in the messages of a stretch of bytes; see `decode_headings`."""
     return decode_stamped(type_name, data, start, stop, partial(_attitude, type_name, convention))
 
 
-def _attitude(type_name: str, convention: str, data: bytes, start: Integers, size: Integers,
+def _attitude(type_name: str, convention: str, data: BytesLike, start: Integers, size: Integers,
               header: np.ndarray) -> Attitude:
     """Return roll and pitch in messages of one byte order."""
     (x, y, z, w), known = _orientations(type_name, data, start, size, header)
@@ -279,13 +280,13 @@ def _attitude(type_name: str, convention: str, data: bytes, start: Integers, siz
     return Attitude(read_stamps(header), roll_deg, pitch_deg)
 
 
-def decode_pairs(data: bytes, start: Integers, stop: Integers) -> Pairs:
+def decode_pairs(data: BytesLike, start: Integers, stop: Integers) -> Pairs:
     """
     Return the pairs in the messages of `encode_pairs` that a stretch of bytes holds, to the bit.
 
     Parameters
     ----------
-    data : bytes
+    data : bytes-like
         Any bytes that hold the messages.
     start, stop : ndarray of int64, shape (n,)
         First byte of each message, and the byte after its last.
@@ -306,7 +307,7 @@ def decode_pairs(data: bytes, start: Integers, stop: Integers) -> Pairs:
     return decode_stamped(PAIRS_TYPE, data, start, stop, _pairs)
 
 
-def _pairs(data: bytes, start: Integers, size: Integers, header: np.ndarray) -> Pairs:
+def _pairs(data: BytesLike, start: Integers, size: Integers, header: np.ndarray) -> Pairs:
     """Return the pairs in messages of one byte order."""
     sign, end = end_of_strings(header)
     at = align(end, 8) + 4

@@ -19,6 +19,7 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Callable, Mapping, Sequence
 
+from heading_intercompare.core.records import Reals
 from heading_intercompare.core.verdict.verdict_document import Verdict
 
 from . import json
@@ -117,7 +118,7 @@ def write(verdict: Verdict, path: str | Path,
 
 def write_trial_page(path: str | Path, title: str, lines: Sequence[str],
                      traces: Sequence[Trace] = (),
-                     seeds: Mapping[str, Sequence[float]] | None = None) -> None:
+                     seeds: Mapping[str, Sequence[float] | Reals] | None = None) -> None:
     """Write the page of a simulated trial; see `trial_page.compose_trial_page`."""
     from .trial_page import compose_trial_page
     Path(path).write_text(compose_trial_page(title, lines, traces, seeds), encoding='utf-8')

@@ -19,6 +19,8 @@ from __future__ import annotations
 from html import escape
 from typing import Iterable, Mapping, Sequence
 
+from heading_intercompare.core.records import Reals
+
 from .figures.trial_figures import draw_seeds, draw_trace
 from .sketching.trace import Trace
 
@@ -31,7 +33,7 @@ svg { width: 100%; height: auto; }
 
 
 def compose_trial_page(title: str, lines: Iterable[str], traces: Sequence[Trace] = (),
-                       seeds: Mapping[str, Sequence[float]] | None = None) -> str:
+                       seeds: Mapping[str, Sequence[float] | Reals] | None = None) -> str:
     """
     Return the page of a simulated trial.
 
@@ -43,7 +45,7 @@ def compose_trial_page(title: str, lines: Iterable[str], traces: Sequence[Trace]
         What the command says of it.
     traces : sequence of Trace
         What each sensor showed.
-    seeds : mapping of str to sequence of float, optional
+    seeds : mapping of str to array_like of float, optional
         Columns `seed`, `true_mean_deg`, `mean_deg`, `low_deg` and `high_deg` of a repeated trial.
 
     """

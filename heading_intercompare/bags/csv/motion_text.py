@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from base64 import b64decode, b64encode
 import binascii
-from typing import Mapping
+from typing import Callable, Mapping
 
 import numpy as np
 
@@ -29,6 +29,8 @@ __all__ = ['motion_of_text', 'text_of_motion']
 #: Columns by what the rows tell.
 _COLUMNS = {'position': ('latitude_deg', 'longitude_deg'), 'velocity': ('east_m_s', 'north_m_s'),
             'rate': ('rate_deg_s',)}
+_BUILDERS: dict[str, Callable[..., Motion]] = {
+    'position': Motion.of_positions, 'velocity': Motion.of_velocities, 'rate': Motion.of_rates}
 
 
 def text_of_motion(motion: Motion) -> dict[str, str] | None:
@@ -81,7 +83,5 @@ def motion_of_text(text: Mapping[str, str] | None) -> Motion:
         stamps = np.frombuffer(data[:size], '<i8').astype(np.int64)
         reals = [np.frombuffer(data[at:at + size], '<f8').astype(np.float64)
                  for at in range(size, len(data), size)] if size else [np.zeros(0)] * len(names)
-        build = {'position': Motion.of_positions, 'velocity': Motion.of_velocities,
-                 'rate': Motion.of_rates}[what]
-        chunks.append(build(stamps, *reals))
+        chunks.append(_BUILDERS[what](stamps, *reals))
     return Motion.concatenate(chunks)

@@ -135,7 +135,7 @@ class PairsDigest:
             if column.dtype.kind == 'f':
                 # There are many nan, and two zeros.
                 column = np.where(np.isfinite(column), column, np.nan) + 0.0
-            digest.update(np.ascontiguousarray(column, column.dtype.newbyteorder('<')))
+            digest.update(np.ascontiguousarray(column, column.dtype.newbyteorder('<')).data)
 
     def hexdigest(self) -> str:
         """Return the hash of the pairs so far."""

@@ -19,7 +19,7 @@ from __future__ import annotations
 import hashlib
 import math
 import os
-from typing import Callable, Iterable, Iterator
+from typing import Any, Callable, Iterable, Iterator
 
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.pairing.difference import subtract
@@ -148,7 +148,7 @@ class PairsCsv:
         """Yield the pairs in file order, at most 65536 rows each."""
         with self._rows:
             most = _FIRST_ROWS
-            chunk: tuple[list, ...] = ([], [], [], [], [], [])
+            chunk: tuple[list[Any], ...] = ([], [], [], [], [], [])
             for row in self._read():
                 for column, value in zip(chunk, row):
                     column.append(value)

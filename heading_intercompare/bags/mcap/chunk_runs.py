@@ -30,6 +30,8 @@ import zstandard
 
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.packed_payloads import is_packed
+from heading_intercompare.core.records import Integers
+from heading_intercompare.messages.byte_columns import BytesLike
 
 from .checksum import crc32
 from .chunks import LARGE_BYTES, unpack
@@ -124,8 +126,8 @@ class ChunkRun:
     """
 
     chunks: list[Chunk]
-    bases: np.ndarray
-    edges: np.ndarray
+    bases: Integers
+    edges: Integers
     block: Block
     untimed: int
 
@@ -136,9 +138,9 @@ class _Part(NamedTuple):
     start: int
     head: ChunkHead
     index_end: int
-    data: bytes | bytearray | memoryview
+    data: BytesLike
     crc: int
-    index: list[tuple[int, bytes]]
+    indexes: list[tuple[int, bytes]]
 
 
 def count_messages(channels: np.ndarray) -> Counts:
@@ -237,8 +239,8 @@ class ChunkRuns:
         chunks, untimed = self._chunks(parts, block, bases, edges, log, indexed)
         return ChunkRun(chunks, bases, edges, block, untimed)
 
-    def _chunks(self, parts: list[_Part], block: Block, bases: np.ndarray, edges: np.ndarray,
-                log: np.ndarray, indexed: list[bool]) -> tuple[list[Chunk], int]:
+    def _chunks(self, parts: list[_Part], block: Block, bases: Integers, edges: Integers,
+                log: Integers, indexed: list[bool]) -> tuple[list[Chunk], int]:
         filled = np.flatnonzero(np.diff(edges))
         first, last = np.zeros(len(parts), np.int64), np.zeros(len(parts), np.int64)
         published = np.zeros(len(parts), np.int64)
@@ -266,8 +268,9 @@ class ChunkRuns:
                 parts, spans, first.tolist(), last.tolist())):
             head = part.head
             indexed[i] = indexed[i] and begin_ns >= 0
+            counts: Counts
             if indexed[i]:
-                counts = tuple([(n, len(content) // ENTRY_BYTES) for n, content in part.index])
+                counts = tuple([(n, len(content) // ENTRY_BYTES) for n, content in part.indexes])
             else:
                 timed = log[lo:hi] >= 0
                 counts = count_messages(block.heads['channel'][lo:hi][timed])
@@ -285,7 +288,7 @@ class ChunkRuns:
         return self._known.setdefault(tuple(records), frozenset(records))
 
 
-def _are_apart(block: Block, bases: np.ndarray, edges: np.ndarray) -> bool:
+def _are_apart(block: Block, bases: Integers, edges: Integers) -> bool:
     """Tell whether no record reaches from one chunk into the next."""
     inner, before = bases[1:-1], edges[1:-1] - 1
     within = before >= 0
@@ -298,25 +301,25 @@ def _are_apart(block: Block, bases: np.ndarray, edges: np.ndarray) -> bool:
 class _Entries:
     """What the message indexes of several chunks say about their messages."""
 
-    def __init__(self, parts: list[_Part], bases: np.ndarray) -> None:
-        contents = [content for part in parts for _, content in part.index]
+    def __init__(self, parts: list[_Part], bases: Integers) -> None:
+        contents = [content for part in parts for _, content in part.indexes]
         lengths = np.array([len(content) // ENTRY_BYTES for content in contents], np.int64)
-        self._places = np.array([i for i, part in enumerate(parts) for _ in part.index], np.int64)
-        self._places = np.repeat(self._places, lengths)
-        numbers = np.array([n for part in parts for n, _ in part.index], np.uint16)
+        places = np.array([i for i, part in enumerate(parts) for _ in part.indexes], np.int64)
+        self._places = np.repeat(places, lengths)
+        numbers = np.array([n for part in parts for n, _ in part.indexes], np.uint16)
         self._channels = np.repeat(numbers, lengths)
         entries = np.frombuffer(b''.join(contents), '<i8').reshape(-1, 2)
         self._times = entries[:, 0]
         self._at = entries[:, 1] + bases[:-1][self._places]
-        self._doubled = [len({n for n, _ in part.index}) < len(part.index) for part in parts]
-        self._complete = all(part.index for part in parts)
+        self._doubled = [len({n for n, _ in part.indexes}) < len(part.indexes) for part in parts]
+        self._complete = all(part.indexes for part in parts)
 
-    def offsets(self) -> np.ndarray | None:
+    def offsets(self) -> Integers | None:
         """Return the offsets of the messages they name; None if a chunk has no index."""
         return self._at if self._complete else None
 
-    def verify(self, block: Block, at: np.ndarray, log: np.ndarray,
-               edges: np.ndarray) -> list[bool]:
+    def verify(self, block: Block, at: Integers, log: Integers,
+               edges: Integers) -> list[bool]:
         """Return for each chunk whether its indexes name each of its messages once."""
         order = np.argsort(self._at, kind='stable')
         channels = block.heads['channel']

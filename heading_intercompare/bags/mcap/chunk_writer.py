@@ -34,6 +34,9 @@ from mcap.opcode import Opcode
 import numpy as np
 import zstandard
 
+from heading_intercompare.core.records import Integers
+from heading_intercompare.messages.byte_columns import BytesLike
+
 from .attachments import read_attachment
 from .checksum import crc32
 from .chunk_runs import Chunk
@@ -180,8 +183,8 @@ class ChunkWriter:
         if self._size >= self._chunk_bytes:
             self.end_chunk()
 
-    def add_records(self, records: list[bytes], channel: np.ndarray,
-                    log_time_ns: np.ndarray) -> None:
+    def add_records(self, records: list[bytes], channel: Integers,
+                    log_time_ns: Integers) -> None:
         """
         Take whole message records.
 
@@ -206,7 +209,7 @@ class ChunkWriter:
                 self.end_chunk()
             lo = hi
 
-    def _index_all(self, channel: np.ndarray, log: np.ndarray, at: np.ndarray) -> None:
+    def _index_all(self, channel: Integers, log: Integers, at: Integers) -> None:
         """Index messages that will lie `at` bytes after the records in memory."""
         entries = np.stack((log, at + self._size), axis=1)
         for number in np.unique(channel).tolist():
@@ -245,7 +248,7 @@ class ChunkWriter:
         """How many chunks without definitions may follow before all topics are defined again."""
         return max(_DEFINED_EVERY - 1 - self._undefined, 1)
 
-    def append(self, data: bytes | bytearray | memoryview, chunks: Sequence[Chunk]) -> None:
+    def append(self, data: BytesLike, chunks: Sequence[Chunk]) -> None:
         """
         Write chunks unchanged, with their message indexes, after the messages in memory.
 
@@ -287,7 +290,7 @@ class ChunkWriter:
         """Bytes written to the file."""
         return self._end
 
-    def _append(self, data: bytes) -> None:
+    def _append(self, data: BytesLike) -> None:
         """Write all the data; or write nothing and raise OSError."""
         rest = memoryview(data)
         try:
@@ -353,6 +356,7 @@ class ChunkWriter:
         """
         data_at = find_attached(lambda at, size: record[at:at + size],
                                 Record(Opcode.ATTACHMENT, HEAD.size, len(record) - HEAD.size))
+        assert data_at is not None
         # The fields before the data, followed by empty data.
         begun = bytes(record[HEAD.size:data_at - 8]) + bytes(8 + _CRC.size)
         head = read_attachment(begun)

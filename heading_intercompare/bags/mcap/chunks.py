@@ -16,14 +16,17 @@
 
 from __future__ import annotations
 
+from io import BufferedIOBase
 import struct
-from typing import BinaryIO, Callable, Iterator, NamedTuple
+from typing import Callable, Iterator, NamedTuple
 
 import lz4.frame
 import numpy as np
 import zstandard
 
 from heading_intercompare.bags.errors import BagError
+from heading_intercompare.core.records import Integers
+from heading_intercompare.messages.byte_columns import BytesLike
 
 from .checksum import crc32
 from .message_blocks import Block, block_of, HEAD, measure_whole, refuse_definitions
@@ -170,7 +173,7 @@ class BegunChunk(NamedTuple):
         return self._replace(end=min(self.end, end), head=self.head._replace(length=length))
 
 
-def begin_chunk(file: BinaryIO, length: int) -> BegunChunk:
+def begin_chunk(file: BufferedIOBase, length: int) -> BegunChunk:
     """
     Read the head of a chunk; the file stands at its content, which has this length.
 
@@ -198,7 +201,7 @@ class LargeChunk:
 
     """
 
-    def __init__(self, file: BinaryIO, begun: BegunChunk) -> None:
+    def __init__(self, file: BufferedIOBase, begun: BegunChunk) -> None:
         self._file, (self._at, self._start, _, self._head) = file, begun
         self.size = 0
 
@@ -214,7 +217,7 @@ class LargeChunk:
         if self._head.crc and crc != self._head.crc:
             raise BagError('chunk damaged: its checksum does not match')
 
-    def blocks(self, measure: Callable[[bytearray], int] = measure_whole) -> Iterator[Block]:
+    def blocks(self, measure: Callable[[BytesLike], int] = measure_whole) -> Iterator[Block]:
         """
         Yield its messages block by block.
 
@@ -287,7 +290,9 @@ class LargeChunk:
                     packed = b''
         elif self._head.compression == 'zstd':
             source = _Span(self._file, self._start, self._start + self._head.length)
-            with zstandard.ZstdDecompressor().stream_reader(source) as reader:
+            decompressor = zstandard.ZstdDecompressor()
+            # It only calls `read`, but its types ask for a whole IO.
+            with decompressor.stream_reader(source) as reader:  # type: ignore[arg-type]
                 while piece := reader.read(_PIECE_BYTES):
                     yield piece
         else:
@@ -298,7 +303,7 @@ class LargeChunk:
 class _Span:
     """The bytes of a file between two places, to read in order."""
 
-    def __init__(self, file: BinaryIO, at: int, end: int) -> None:
+    def __init__(self, file: BufferedIOBase, at: int, end: int) -> None:
         self._file, self._next, self._end = file, at, end
 
     def read(self, size: int) -> bytes:
@@ -340,7 +345,7 @@ class Gathering:
     def __bool__(self) -> bool:
         return bool(self.end)
 
-    def take(self, file: BinaryIO, begun: BegunChunk) -> None:
+    def take(self, file: BufferedIOBase, begun: BegunChunk) -> None:
         """Take a chunk; BagError if it is damaged, and the chunks taken before stay usable."""
         head = begun.head
         file.seek(begun.start)
@@ -366,7 +371,7 @@ class Gathering:
             self._memory = larger
         return self._memory[self.size:self.size + size]
 
-    def _read(self, file: BinaryIO, length: int) -> memoryview:
+    def _read(self, file: BufferedIOBase, length: int) -> memoryview:
         if length > len(self._packed):
             self._packed = memoryview(bytearray(length))
         return self._packed[:file.readinto(self._packed[:length])]
@@ -381,7 +386,7 @@ class Gathering:
         """Return the messages as a block, valid until the next chunk is taken."""
         return block_of(self._memory[:self.size], self._offset, self._offsets)
 
-    def _offsets(self) -> np.ndarray | None:
+    def _offsets(self) -> Integers | None:
         """Return the message offsets that the indexes name; None unless each chunk has indexes."""
         if not self._usable or self._awaited or not self._index:
             return None

@@ -24,6 +24,9 @@ from mcap.opcode import Opcode
 import numpy as np
 import zstandard
 
+from heading_intercompare.core.records import Integers
+from heading_intercompare.messages.byte_columns import BytesLike
+
 from .chunks import CHUNK_HEAD
 from .message_blocks import HEAD, INVALID_OPCODE, MESSAGE_HEAD
 from .record_stream import MAGIC
@@ -120,14 +123,13 @@ def decompress_begun(content: bytes) -> bytearray:
     return found
 
 
-def measure_leading(data: bytes | bytearray | memoryview,
-                    times: tuple[int, int] | None) -> int:
+def measure_leading(data: BytesLike, times: tuple[int, int] | None) -> int:
     """
     Return the size of the intact records at the start of a chunk.
 
     Parameters
     ----------
-    data : bytes
+    data : bytes-like
         The decompressed records.
     times : tuple of int or None
         First and last log time in the head of a chunk that no checksum proves. Then a message at
@@ -152,7 +154,7 @@ def measure_leading(data: bytes | bytearray | memoryview,
     return at
 
 
-def find_candidates(window: bytes, room: int, opcodes: tuple[int, ...]) -> np.ndarray:
+def find_candidates(window: bytes, room: int, opcodes: tuple[int, ...]) -> Integers:
     """Return where in a window a record of these opcodes may begin and end within `room` bytes."""
     count = len(window) - HEAD.size + 1
     if count <= 0:

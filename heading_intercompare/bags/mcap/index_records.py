@@ -39,7 +39,8 @@ def build_record(record: mcap.McapRecord) -> bytes:
     """Return the bytes of a record."""
     builder = RecordBuilder()
     record.write(builder)
-    return builder.end()
+    content: bytes = builder.end()
+    return content
 
 
 def message_index(channel: int, entries: bytes | bytearray) -> bytes:

@@ -23,6 +23,7 @@ from __future__ import annotations
 
 from contextlib import contextmanager
 from functools import partial
+from io import BufferedReader, FileIO
 import math
 import os
 from pathlib import Path
@@ -172,7 +173,7 @@ class Part:
         self.path = named or self._place
         self.incomplete: str | None = None
         self._forget()
-        with open(self._place, 'rb', _BUFFER_BYTES) as file:
+        with BufferedReader(FileIO(self._place), _BUFFER_BYTES) as file:
             magic = file.read(len(MAGIC))
             if magic != MAGIC:
                 problem = ('is empty (0 bytes)' if not magic else
@@ -275,6 +276,7 @@ class Part:
         """Read the whole file; note its contents, and where it breaks off."""
         finished = False
         begun: _Counted | None = None
+        problem: str | None
         closed = stream.content(Record(0, stream.size - len(MAGIC), len(MAGIC))) == MAGIC
         try:
             self._take_header(stream)
@@ -392,7 +394,7 @@ class Part:
     @contextmanager
     def open(self) -> Iterator[RecordStream]:
         """Open the file for the time of a `with` block."""
-        with open(self._place, 'rb', _BUFFER_BYTES) as file:
+        with BufferedReader(FileIO(self._place), _BUFFER_BYTES) as file:
             yield RecordStream(file)
 
     def blocks_of(self, stream: RecordStream, begin: int, end: int | None = None,

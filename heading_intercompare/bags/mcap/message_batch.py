@@ -22,6 +22,9 @@ from mcap.opcode import Opcode
 import numpy as np
 from numpy.typing import ArrayLike
 
+from heading_intercompare.core.records import Integers
+from heading_intercompare.messages.byte_columns import BytesLike
+
 from .message_blocks import HEAD, MESSAGE_HEADS
 
 __all__ = ['Records', 'Rows']
@@ -88,8 +91,8 @@ class Records:
 
     """
 
-    def __init__(self, data: bytes | bytearray | memoryview, start: np.ndarray, stop: np.ndarray,
-                 channel: np.ndarray, log_time_ns: np.ndarray) -> None:
+    def __init__(self, data: BytesLike, start: Integers, stop: Integers, channel: Integers,
+                 log_time_ns: Integers) -> None:
         self.channel, self.log_time_ns = channel, log_time_ns
         self.ends = np.cumsum(stop - start)
         self._data, self._start, self._stop = memoryview(data), start, stop

@@ -30,7 +30,8 @@ from mcap.opcode import Opcode
 import numpy as np
 
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.messages.byte_columns import gather
+from heading_intercompare.core.records import Integers
+from heading_intercompare.messages.byte_columns import BytesLike, gather
 
 __all__ = ['Block', 'block_of', 'ENTRY_BYTES', 'HEAD', 'INDEX_HEAD', 'INDEX_LEAST',
            'INVALID_OPCODE', 'measure_whole', 'MESSAGE_HEAD', 'MESSAGE_HEADS', 'Record',
@@ -78,7 +79,7 @@ class Block:
     ----------
     offset : int
         Where the block starts in its file.
-    data : bytes
+    data : bytes-like
         The records, decompressed.
     start, stop : ndarray of int64, shape (n,)
         First byte of each payload in `data`, and the byte after its last; in file order.
@@ -91,9 +92,9 @@ class Block:
     """
 
     offset: int
-    data: bytes
-    start: np.ndarray
-    stop: np.ndarray
+    data: BytesLike
+    start: Integers
+    stop: Integers
     heads: np.ndarray
     others: tuple[Record, ...]
 
@@ -108,7 +109,7 @@ def refuse_definitions(others: int, messages: int) -> None:
         raise BagError('too many records that are no messages')
 
 
-def walk(data: bytes, begin: int, end: int, definitions: float = _MOST_DEFINITIONS
+def walk(data: BytesLike, begin: int, end: int, definitions: float = _MOST_DEFINITIONS
          ) -> tuple[list[int], list[Record]]:
     """
     Return message offsets and the other records; BagError unless they end at `end`.
@@ -137,7 +138,7 @@ def walk(data: bytes, begin: int, end: int, definitions: float = _MOST_DEFINITIO
     return messages, others
 
 
-def measure_whole(data: bytes, opcodes: tuple[int, ...] | None = None) -> int:
+def measure_whole(data: BytesLike, opcodes: tuple[int, ...] | None = None) -> int:
     """Return the size of the whole records of some or all opcodes at the start of the data."""
     at = 0
     while at + HEAD.size <= len(data):
@@ -151,13 +152,13 @@ def measure_whole(data: bytes, opcodes: tuple[int, ...] | None = None) -> int:
 
 
 #: Offsets of messages, their heads, the bytes after their ends, other records.
-_Found = tuple[np.ndarray, np.ndarray, np.ndarray, list[Record]]
+_Found = tuple[Integers, np.ndarray, Integers, list[Record]]
 
 
-def _find_regular(data: bytes) -> _Found | None:
+def _find_regular(data: BytesLike) -> _Found | None:
     """Return messages of one length that follow the definitions; None if the data differs."""
-    at, others = 0, []
-    opcode = length = 0
+    others: list[Record] = []
+    at = opcode = length = 0
     while at + MESSAGE_HEAD.size <= len(data) and len(others) < _DEFINITIONS:
         opcode, length = HEAD.unpack_from(data, at)
         if opcode in (Opcode.MESSAGE, INVALID_OPCODE):
@@ -177,7 +178,7 @@ def _find_regular(data: bytes) -> _Found | None:
     return first, heads, first + stride, others
 
 
-def _follow_index(data: bytes, at: np.ndarray) -> _Found | None:
+def _follow_index(data: BytesLike, at: Integers) -> _Found | None:
     """Return the messages that the index names; None if it misses or misplaces one."""
     at = np.sort(at, kind='stable')
     if not at.size or at[0] < 0 or at[-1] > len(data) - MESSAGE_HEAD.size:
@@ -191,13 +192,12 @@ def _follow_index(data: bytes, at: np.ndarray) -> _Found | None:
         return None
     others: list[Record] = []
     # Before each hole lie this many messages.
-    holes = [(0, 0, at[0])] if at[0] else []
-    for number in np.flatnonzero(behind != ahead):
-        holes.append((number + 1, behind[number], ahead[number]))
+    holes = [(0, 0, int(at[0]))] if at[0] else []
+    for number in np.flatnonzero(behind != ahead).tolist():
+        holes.append((number + 1, int(behind[number]), int(ahead[number])))
     for before, begin, end in holes:
         try:
-            messages, found = walk(data, int(begin), int(end),
-                                   _most_definitions(int(before)) - len(others))
+            messages, found = walk(data, begin, end, _most_definitions(before) - len(others))
         except BagError:
             # The index may name a message within the payload of another.
             return None
@@ -207,14 +207,14 @@ def _follow_index(data: bytes, at: np.ndarray) -> _Found | None:
     return at, heads, behind, others
 
 
-def block_of(data: bytes, offset: int,
-             index: Callable[[], np.ndarray | None] = lambda: None) -> Block:
+def block_of(data: BytesLike, offset: int,
+             index: Callable[[], Integers | None] = lambda: None) -> Block:
     """
     Return the messages in decompressed records.
 
     Parameters
     ----------
-    data : bytes
+    data : bytes-like
         Whole records.
     offset : int
         Where they start in their file.

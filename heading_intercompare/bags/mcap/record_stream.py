@@ -16,17 +16,17 @@
 
 from __future__ import annotations
 
-from io import BytesIO
+from io import BufferedIOBase, BytesIO
 import os
 import struct
-from typing import BinaryIO, Iterator, Mapping, TypeVar
+from typing import Any, Iterator, Mapping, Protocol, TypeVar
 
-from mcap import records as mcap
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
 
 from heading_intercompare.bags.errors import BagError
+from heading_intercompare.messages.byte_columns import BytesLike
 
 from .chunks import begin_chunk, BegunChunk, Gathering, LargeChunk, UNFIT
 from .message_blocks import Block, block_of, ENTRY_BYTES, HEAD, INDEX_LEAST, measure_whole, Record
@@ -41,7 +41,16 @@ _BARE_BYTES = 1048576
 #: A record that claims to be larger is not read.
 _RECORD_LIMIT = 2**31
 
-_AnyRecord = TypeVar('_AnyRecord', bound=mcap.McapRecord)
+
+class _Readable(Protocol):
+    """A kind of MCAP record that can be read."""
+
+    @staticmethod
+    def read(stream: ReadDataStream) -> Any:
+        """Return a record of this kind."""
+
+
+_AnyRecord = TypeVar('_AnyRecord', bound=_Readable)
 
 
 class _AnyText(ReadDataStream):
@@ -52,7 +61,8 @@ class _AnyText(ReadDataStream):
         return self.read(self.read4()).decode(errors='backslashreplace')
 
 
-def parse_record(kind: type[_AnyRecord], content: bytes, *, any_text: bool = False) -> _AnyRecord:
+def parse_record(kind: type[_AnyRecord], content: BytesLike, *,
+                 any_text: bool = False) -> _AnyRecord:
     """
     Return an MCAP record from the bytes after its head.
 
@@ -60,7 +70,7 @@ def parse_record(kind: type[_AnyRecord], content: bytes, *, any_text: bool = Fal
     ----------
     kind : type
         The kind of record.
-    content : bytes
+    content : bytes-like
         The bytes.
     any_text : bool
         Its texts may be no UTF-8, as where its checksum proves that it was written like that.
@@ -73,7 +83,8 @@ def parse_record(kind: type[_AnyRecord], content: bytes, *, any_text: bool = Fal
     """
     stream = _AnyText if any_text else ReadDataStream
     try:
-        return kind.read(stream(BytesIO(content)))
+        record: _AnyRecord = kind.read(stream(BytesIO(content)))
+        return record
     except (McapError, struct.error, ValueError, OverflowError, MemoryError):
         raise BagError(f'a record of type {kind.__name__} is damaged') from None
 
@@ -89,7 +100,7 @@ class RecordStream:
 
     """
 
-    def __init__(self, file: BinaryIO) -> None:
+    def __init__(self, file: BufferedIOBase) -> None:
         self._file = file
         self._chunks = Gathering()
         self.size = file.seek(0, os.SEEK_END)

@@ -22,25 +22,29 @@ from mcap import records as mcap
 from mcap.opcode import Opcode
 
 from heading_intercompare.bags.errors import BagError
+from heading_intercompare.messages.byte_columns import BytesLike
 
 from .message_blocks import INDEX_LEAST, Record
 from .record_stream import parse_record
 
 __all__ = ['find_attached', 'is_disguised', 'is_formed', 'SMALL']
 
+_Small = mcap.Header | mcap.Schema | mcap.Channel | mcap.Metadata | mcap.Statistics
 #: Records of a few fields.
-SMALL = {Opcode.HEADER: mcap.Header, Opcode.SCHEMA: mcap.Schema, Opcode.CHANNEL: mcap.Channel,
-         Opcode.METADATA: mcap.Metadata, Opcode.STATISTICS: mcap.Statistics}
+SMALL: dict[int, type[_Small]] = {
+    Opcode.HEADER: mcap.Header, Opcode.SCHEMA: mcap.Schema, Opcode.CHANNEL: mcap.Channel,
+    Opcode.METADATA: mcap.Metadata, Opcode.STATISTICS: mcap.Statistics}
 #: A record of these that claims to be larger is not believed.
 _SMALL_BYTES = 2**26
-_FIXED = {Opcode.DATA_END: 4, Opcode.FOOTER: 20}
+_FIXED: dict[int, int] = {Opcode.DATA_END: 4, Opcode.FOOTER: 20}
 #: For records with one field of variable length: where its length is, and where it begins.
-_FIELD = {Opcode.MESSAGE_INDEX: (2, INDEX_LEAST), Opcode.METADATA_INDEX: (16, 20)}
+_FIELD: dict[int, tuple[int, int]] = {Opcode.MESSAGE_INDEX: (2, INDEX_LEAST),
+                                      Opcode.METADATA_INDEX: (16, 20)}
 #: Records that one wrong bit turns into a message.
 _LIKE_MESSAGES = (Opcode.HEADER, Opcode.CHANNEL, Opcode.MESSAGE_INDEX, Opcode.METADATA_INDEX)
 
 #: Given an offset and a size, returns that many bytes of a file, fewer at its end.
-_Read = Callable[[int, int], bytes]
+_Read = Callable[[int, int], BytesLike]
 
 
 def is_formed(read: _Read, record: Record) -> bool:
@@ -59,7 +63,7 @@ def is_formed(read: _Read, record: Record) -> bool:
         return False
     # Without counts per channel nothing could show that statistics are wrong.
     return _written_size(found) == length and (
-        opcode != Opcode.STATISTICS or not found.channel_message_counts
+        not isinstance(found, mcap.Statistics) or not found.channel_message_counts
         or sum(found.channel_message_counts.values()) == found.message_count)
 
 
@@ -79,7 +83,7 @@ def find_attached(read: _Read, record: Record) -> int | None:
     return begin if at == end else None
 
 
-def _written_size(record: mcap.McapRecord) -> int:
+def _written_size(record: _Small) -> int:
     """Return the length of the content of a small record when it is written."""
     if isinstance(record, mcap.Header):
         return 8 + len(record.profile.encode()) + len(record.library.encode())

@@ -20,7 +20,7 @@ from typing import Iterator, Sequence
 
 import numpy as np
 
-from heading_intercompare.core.records import Headings
+from heading_intercompare.core.records import Headings, Integers
 
 from .decoding import Found
 
@@ -29,7 +29,7 @@ __all__ = ['Window']
 _MINUTE_NS = 60_000_000_000
 
 
-def _take_rising(found: Found) -> tuple[np.ndarray, np.ndarray | None]:
+def _take_rising(found: Found) -> tuple[Integers, Integers | None]:
     """
     Return log times in rising order and the rows they belong to; None for the rows as they are.
 
@@ -47,7 +47,7 @@ def _take_rising(found: Found) -> tuple[np.ndarray, np.ndarray | None]:
     return latest_ns[rows], rows
 
 
-def _minutes(found: Sequence[Found], first_ns: int) -> Iterator[list[slice | np.ndarray]]:
+def _minutes(found: Sequence[Found], first_ns: int) -> Iterator[list[slice | Integers]]:
     """Yield the rows of each kind, minute by minute from the first time; skip empty minutes."""
     times_ns, rows = zip(*map(_take_rising, found))
     done = [0] * len(found)

@@ -29,7 +29,7 @@ from multiprocessing.connection import Connection, wait
 import signal
 import sys
 from threading import active_count
-from typing import Container, Iterator, NamedTuple, Sequence
+from typing import Container, Generator, Iterator, NamedTuple, Sequence
 from warnings import catch_warnings, simplefilter
 
 import numpy as np
@@ -83,7 +83,7 @@ def _size(layout: _Layout) -> int:
 
 def _put(blocks: Sequence[Decoded], memory: memoryview) -> _Layout | None:
     """Write decoded blocks into memory and return their layout; None if they do not fit."""
-    layout = [(block.count, [len(each.place) for each in block.found],
+    layout = [(block.messages, [len(each.place) for each in block.found],
                [each.unreadable for each in block.found]) for block in blocks]
     if _size(layout) > len(memory):
         return None
@@ -103,9 +103,10 @@ def _take(layout: _Layout, memory: bytes) -> list[Decoded]:
     for count, _, unreadable in layout:
         found = []
         for lacking in unreadable:
-            *head, stamp_ns, heading_deg = (np.frombuffer(memory, *each)
-                                            for each in next(columns))
-            found.append(Found(*head, Headings(stamp_ns, heading_deg), lacking))
+            log_time_ns, place, sequence, stamp_ns, heading_deg = (
+                np.frombuffer(memory, *each) for each in next(columns))
+            found.append(Found(log_time_ns, place, sequence, Headings(stamp_ns, heading_deg),
+                               lacking))
         blocks.append(Decoded(count, found))
     return blocks
 
@@ -250,7 +251,8 @@ def can_fork() -> bool:
 
 
 def decode_stretches(decoder: Decoder, tasks: Sequence[Task], helpers: int = 0,
-                     unwanted: Container[int] = ()) -> Iterator[list[Decoded] | None]:
+                     unwanted: Container[int] = ()
+                     ) -> Generator[list[Decoded] | None, None, None]:
     """
     Yield the decoded stretches in order, each as `Decoder.stretch` returns it.
 

@@ -27,7 +27,7 @@ from heading_intercompare.bags.mcap.mcap_file import Part, Stretch
 from heading_intercompare.bags.mcap.message_blocks import Block
 from heading_intercompare.bags.mcap.record_stream import RecordStream
 from heading_intercompare.bags.packed_payloads import is_packed, unpack_payloads
-from heading_intercompare.core.records import Headings
+from heading_intercompare.core.records import Headings, Integers
 from heading_intercompare.messages.byte_columns import decode_readable
 from heading_intercompare.messages.heading_messages import decode_headings
 from heading_intercompare.messages.schemas import layout_problem
@@ -55,7 +55,7 @@ class Found(NamedTuple):
     `unreadable` is the number of messages that cannot be read, and what is wrong with one.
     """
 
-    log_time_ns: np.ndarray
+    log_time_ns: Integers
     place: np.ndarray
     sequence: np.ndarray
     headings: Headings
@@ -72,7 +72,7 @@ class Found(NamedTuple):
                    Headings.concatenate([part.headings for part in parts]),
                    add_unreadable(part.unreadable for part in parts))
 
-    def take(self, rows: np.ndarray) -> 'Found':
+    def take(self, rows: Integers) -> 'Found':
         """Return some of the headings."""
         return self._replace(log_time_ns=self.log_time_ns[rows], place=self.place[rows],
                              sequence=self.sequence[rows], headings=self.headings[rows])
@@ -102,7 +102,7 @@ def order_by_time(found: Found) -> Found:
     return found.take(rows)
 
 
-def count_falls(stamp_ns: np.ndarray) -> int:
+def count_falls(stamp_ns: Integers) -> int:
     """Return how many stamps are earlier than the one before."""
     return int((stamp_ns[1:] < stamp_ns[:-1]).sum())
 
@@ -110,7 +110,7 @@ def count_falls(stamp_ns: np.ndarray) -> int:
 class Decoded(NamedTuple):
     """A block: the number of its messages, of all topics, and its headings by kind."""
 
-    count: int
+    messages: int
     found: list[Found]
 
 
@@ -143,7 +143,7 @@ def _find_headings(block: Block, kind: Kind, place_of: np.ndarray,
 
     """
     place = place_of[block.heads['channel']]
-    which = slice(None)
+    which: slice | Integers = slice(None)
     if place.size and place.min() < 0:
         which = np.flatnonzero(place >= 0)
         place = place[which]
@@ -153,7 +153,7 @@ def _find_headings(block: Block, kind: Kind, place_of: np.ndarray,
     return order_by_time(Found(log_time_ns, place, heads['sequence'].copy(), headings, unreadable))
 
 
-def _decode(block: Block, kind: Kind, which: slice | np.ndarray, log_time_ns: np.ndarray,
+def _decode(block: Block, kind: Kind, which: slice | Integers, log_time_ns: Integers,
             strange: Mapping[int, str]) -> tuple[Headings, tuple[int, str]]:
     """
     Return the readings in some messages of a block; count the unreadable ones, and say why.
@@ -201,7 +201,7 @@ class Decoder:
     def __enter__(self) -> 'Decoder':
         return self
 
-    def __exit__(self, *exc) -> None:
+    def __exit__(self, *exc: object) -> None:
         self._number = -1
         self._file.close()
 
@@ -244,7 +244,7 @@ class Decoder:
         try:
             for block in self.blocks(number, stretch.begin, stretch.end):
                 decoded.append(block)
-                count += block.count
+                count += block.messages
                 if count > _MOST_MESSAGES:
                     return None
         except (BagError, OSError):

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections import deque
 from concurrent.futures import ThreadPoolExecutor
-from typing import Iterator, TypeVar
+from typing import Any, Iterator, TypeVar
 
 __all__ = ['run_ahead']
 
@@ -34,7 +34,8 @@ def run_ahead(items: Iterator[_Item]) -> Iterator[_Item]:
 
     If the iterator raises, the error follows the items it yielded before.
     """
-    end = object()
+    # Any, because `is not` tells it from the items.
+    end: Any = object()
     with ThreadPoolExecutor(1) as worker:
         coming = deque(worker.submit(next, items, end) for _ in range(_AHEAD))
         while (item := coming.popleft().result()) is not end:

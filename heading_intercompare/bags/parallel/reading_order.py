@@ -29,6 +29,7 @@ from typing import Callable, Collection, Iterable, Iterator, NamedTuple, Sequenc
 import numpy as np
 
 from heading_intercompare.bags.mcap.mcap_file import ChunkRow, Part, Stretch
+from heading_intercompare.core.records import Integers
 
 from .decoding import count_falls, Decoded, Decoder, Found
 
@@ -124,7 +125,7 @@ def rises_by_time(decoder: Decoder, pieces: Iterable[Piece]) -> bool:
         If a piece cannot be read.
 
     """
-    seen: dict[int, list[tuple[np.ndarray, np.ndarray]]] = {}
+    seen: dict[int, list[tuple[Integers, Integers]]] = {}
     for piece in pieces:
         for each in (found for block in _read(decoder, piece) for found in block.found):
             for place in np.unique(each.place).tolist():
@@ -192,7 +193,7 @@ def read_by_time(decoder: Decoder, pieces: Iterable[Piece],
     held = fresh = 0
     for piece, limit_ns in _sort(pieces):
         for block in _read(decoder, piece):
-            counts[piece.number] = counts.get(piece.number, 0) + block.count
+            counts[piece.number] = counts.get(piece.number, 0) + block.messages
             waiting.append(block.found)
             fresh += _count_rows(block.found)
             if held + fresh > _MOST_WAITING:

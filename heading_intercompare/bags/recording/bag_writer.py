@@ -147,8 +147,8 @@ class BagWriter:
             undo.callback(_remove, file)
             chunks = ChunkWriter(file, self._settings.compression, self._settings.chunk_bytes,
                                  self._software)
-            for _, *definition in self._rows.values():
-                self._define(chunks, *definition)
+            for _, row, schema, preferred in self._rows.values():
+                self._define(chunks, row, schema, preferred)
             for name, mapping in self._records.items():
                 chunks.add_metadata(name, mapping)
             undo.pop_all()
@@ -327,7 +327,9 @@ class BagWriter:
     def take_pending(self) -> list[tuple[str, bytes, int, int, int]]:
         """Take the unwritten messages out of memory, each as arguments of `write`."""
         names = {number: name for name, (number, *_) in self._rows.items()}
-        return [(names[number], *rest) for number, *rest in self._chunks.take_pending()]
+        return [(names[number], data, log_time_ns, publish_time_ns, sequence)
+                for number, data, log_time_ns, publish_time_ns, sequence
+                in self._chunks.take_pending()]
 
     def check(self) -> None:
         """Raise FileNotFoundError if the current file is no longer in its place."""
@@ -383,7 +385,7 @@ class BagWriter:
     def split_if_due(self) -> None:
         """Continue in a new file if the settings say so; a failure only sets `problem`."""
         settings, chunks = self._settings, self._chunks
-        if chunks.start_ns is None:
+        if chunks.start_ns is None or chunks.end_ns is None:
             return
         span_s = (chunks.end_ns - chunks.start_ns) / 1e9
         if 0 < settings.split_bytes <= chunks.size or 0 < settings.split_duration_s <= span_s:

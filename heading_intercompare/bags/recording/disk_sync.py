@@ -73,7 +73,7 @@ class Syncing:
     def __init__(self, interval_s: float) -> None:
         self._interval_s = interval_s
         self._worker = ThreadPoolExecutor(1)
-        self._running: deque[Future] = deque()
+        self._running: deque[Future[None]] = deque()
         self._last_s = -inf
         self._texts: dict[Path, str] = {}
         self.problem: OSError | None = None

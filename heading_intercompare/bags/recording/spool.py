@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from functools import partial
+from io import FileIO
 import os
 import tempfile
 from typing import Callable
@@ -46,7 +47,7 @@ class Spool:
                  folder: str | None = None) -> None:
         self._on_fault = on_fault
         self._folder = folder or (_ON_DISK if os.access(_ON_DISK, os.W_OK) else None)
-        self._file = None
+        self._file: FileIO | None = None
         self._size = 0
 
     def keep(self, page: np.ndarray) -> Callable[[], np.ndarray]:
@@ -54,7 +55,7 @@ class Spool:
         try:
             if self._file is None:
                 self._file = tempfile.TemporaryFile(buffering=0, dir=self._folder)
-            at, data = self._size, memoryview(page).cast('B')
+            at, data = self._size, page.data.cast('B')
             while data:
                 data = data[os.pwrite(self._file.fileno(), data, at + page.nbytes - len(data)):]
         except OSError as error:
@@ -65,6 +66,7 @@ class Spool:
 
     def _read(self, at: int, dtype: np.dtype, count: int) -> np.ndarray:
         page = np.empty(count, dtype)
-        if os.preadv(self._file.fileno(), [page], at) < page.nbytes:
+        assert self._file is not None
+        if os.preadv(self._file.fileno(), [page.data], at) < page.nbytes:
             raise OSError(f'temporary file in {self._folder} ends early')
         return page

@@ -67,8 +67,9 @@ class Definitions:
             return
         self._seen.add((opcode, content, checked))
         try:
-            definition = parse_record(mcap.Schema if opcode == Opcode.SCHEMA else mcap.Channel,
-                                      content, any_text=checked)
+            kind: type[_Definition] = (mcap.Schema if opcode == Opcode.SCHEMA
+                                       else mcap.Channel)
+            definition = parse_record(kind, content, any_text=checked)
         except BagError:
             return
         known = (self._checked if checked else self._others).setdefault(key, definition)

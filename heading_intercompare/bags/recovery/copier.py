@@ -23,7 +23,8 @@ are copied too if they are right. The messages of other chunks are gathered and 
 from __future__ import annotations
 
 from collections import Counter
-from typing import BinaryIO, Callable, Iterator, Mapping
+from io import BufferedIOBase
+from typing import Callable, Iterator, Mapping
 
 from mcap import records as mcap
 from mcap.opcode import Opcode
@@ -40,6 +41,8 @@ from heading_intercompare.bags.mcap.record_stream import parse_record
 from heading_intercompare.bags.packed_payloads import is_packed, MOST_BYTES, unpack_payload
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
+from heading_intercompare.core.records import Integers
+from heading_intercompare.messages.byte_columns import BytesLike
 from heading_intercompare.messages.fields import full_name
 from heading_intercompare.messages.schemas import Schema
 
@@ -154,7 +157,7 @@ class Transfer:
         self._names[new] = name
         return new
 
-    def _copy_extra(self, found: Inventory, file: BinaryIO, place: Chunk) -> None:
+    def _copy_extra(self, found: Inventory, file: BufferedIOBase, place: Chunk) -> None:
         try:
             data = bytearray(place.end - place.start)
         except MemoryError:
@@ -177,7 +180,7 @@ def _blame_change(found: Inventory) -> BagError:
 class _Copying:
     """The copying of one file."""
 
-    def __init__(self, file: BinaryIO, found: Inventory, bag: BagWriter,
+    def __init__(self, file: BufferedIOBase, found: Inventory, bag: BagWriter,
                  numbers: dict[tuple[int, int], int]) -> None:
         self._file = file
         self._found = found
@@ -186,7 +189,7 @@ class _Copying:
         self.salvage = Salvage(file, found.unproven > 0)
         self._runs = ChunkRuns(self._read, self.salvage.size)
         self._same: dict[object, bool] = {}
-        self._tables: tuple[int, np.ndarray] = (-1, np.empty(0, np.int64))
+        self._tables: tuple[int, Integers] = (-1, np.empty(0, np.int64))
         #: Chunks to pass on unchanged, and chunks to gather; one of the lists is empty.
         self._passed: list[Chunk] = []
         self._gathered: list[Chunk] = []
@@ -265,19 +268,20 @@ class _Copying:
             end = chunks[0].end
         if end - start > len(self._memory):
             self._memory = bytearray(end - start)
-        data = memoryview(self._memory)[:end - start]
+        passed = memoryview(self._memory)[:end - start]
         self._file.seek(start)
-        if self._file.readinto(data) < len(data):
+        if self._file.readinto(passed) < len(passed):
             raise _blame_change(self._found)
         for chunk in chunks:
-            data[chunk.start - start] = Opcode.CHUNK
-            CHUNK_HEAD.pack_into(data, chunk.start - start + HEAD.size, chunk.first_ns,
+            passed[chunk.start - start] = Opcode.CHUNK
+            CHUNK_HEAD.pack_into(passed, chunk.start - start + HEAD.size, chunk.first_ns,
                                  chunk.last_ns, chunk.size, chunk.crc, len(chunk.compression))
+        data: BytesLike = passed
         if not chunks[0].indexed:
             run = self._runs.run(start, chunks[0].end)
             if run is None:
                 raise _blame_change(self._found)
-            data = b''.join((data, _indexes(run, chunks[0])))
+            data = b''.join((passed, _indexes(run, chunks[0])))
         self._bag.chunks.append(data, chunks)
         self._bag.split_if_due()
 
@@ -305,7 +309,7 @@ class _Copying:
         if base != piece.chunk.size:
             raise _blame_change(self._found)
 
-    def _table(self, section: int) -> np.ndarray:
+    def _table(self, section: int) -> Integers:
         """Return the number in the new bag of each channel of a section, -1 for none."""
         if self._tables[0] != section:
             table = np.full(_CHANNELS, -1, np.int64)
@@ -322,7 +326,7 @@ class _Copying:
         log, publish = block.heads['log_time'].copy(), block.heads['publish_time'].copy()
         new = self._table(section)[channel]
         wanted = (new >= 0) & (log >= 0)
-        data = block.data
+        data: BytesLike = block.data
         if (new != channel)[wanted].any() or (publish < 0)[wanted].any():
             data = bytearray(data)
             every = np.frombuffer(data, np.uint8)
@@ -331,9 +335,9 @@ class _Copying:
             unsent = at[wanted & (publish < 0)]
             for byte in range(_PUBLISH_AT - _LOG_AT):
                 every[unsent + _PUBLISH_AT + byte] = every[unsent + _LOG_AT + byte]
-        every = data, at[wanted], block.stop[wanted], new[wanted], log[wanted]
+        columns = data, at[wanted], block.stop[wanted], new[wanted], log[wanted]
         packed = is_packed(block.data, block.start)
-        for records in self._unpack(*every) if packed else (Records(*every),):
+        for records in self._unpack(*columns) if packed else (Records(*columns),):
             lo = 0
             while lo < len(records):
                 chunks: ChunkWriter = self._bag.chunks
@@ -341,17 +345,16 @@ class _Copying:
                 if not chunks.pending:
                     self._bag.split_if_due()
 
-    def _unpack(self, data: bytes | bytearray | memoryview, start: np.ndarray, stop: np.ndarray,
-                channel: np.ndarray, log_time_ns: np.ndarray) -> Iterator[Records]:
+    def _unpack(self, data: BytesLike, start: Integers, stop: Integers, channel: Integers,
+                log_time_ns: Integers) -> Iterator[Records]:
         """Yield records with payloads decompressed, in pieces; count those that cannot be."""
         kept: list[int] = []
         records: list[bytes] = []
         size = 0
         for number, (lo, hi) in enumerate(zip(start.tolist(), stop.tolist())):
             begin = lo + MESSAGE_HEAD.size
-            payload: bytes | None = bytes(data[begin:hi])
-            if is_packed(data, np.array([begin])):
-                payload = unpack_payload(payload)
+            stored = bytes(data[begin:hi])
+            payload = unpack_payload(stored) if is_packed(data, np.array([begin])) else stored
             if payload is None:
                 self.refused[int(channel[number])] += 1
             else:

@@ -21,8 +21,9 @@ from collections import Counter
 from contextlib import suppress
 from dataclasses import dataclass, field
 from enum import IntEnum
+from io import BufferedIOBase
 from pathlib import Path
-from typing import BinaryIO, Callable, Iterator, NamedTuple
+from typing import Any, Callable, Iterator, NamedTuple
 
 from mcap import records as mcap
 from mcap.opcode import Opcode
@@ -78,7 +79,7 @@ class Pieces:
 
     def __init__(self) -> None:
         self._rows = array('q')
-        self._things: list[object] = []
+        self._things: list[Any] = []
         self._places: dict[object, int] = {}
 
     def __len__(self) -> int:
@@ -108,11 +109,13 @@ class Pieces:
         for lo in range(0, len(self._rows), width * _ROWS):
             rows = np.array(self._rows[lo:lo + width * _ROWS], np.int64).reshape(-1, width)
             for row in rows.tolist():
-                *whole, compression, packed, counts, definitions, flags = row
-                if whole[0] >= 0:
-                    yield Piece(Kind(whole[0]), whole[1], Chunk(
-                        *whole[2:], things[compression], packed, things[counts],
-                        things[definitions], bool(flags & 2), bool(flags & 1), flags > 3))
+                (kind, section, start, end, index_end, first_ns, last_ns, size, crc, compression,
+                 packed, counts, definitions, flags) = row
+                if kind >= 0:
+                    yield Piece(Kind(kind), section, Chunk(
+                        start, end, index_end, first_ns, last_ns, size, crc, things[compression],
+                        packed, things[counts], things[definitions], bool(flags & 2),
+                        bool(flags & 1), flags > 3))
 
 
 class Damage(NamedTuple):
@@ -288,8 +291,7 @@ def take_inventory(path: Path, progress: Callable[[str], None],
         salvage = Salvage(file, unproven)
         found.size = salvage.size
         for item in salvage.scan():
-            index = isinstance(item, Sound) and item.record.opcode == Opcode.MESSAGE_INDEX
-            if index:
+            if isinstance(item, Sound) and item.record.opcode == Opcode.MESSAGE_INDEX:
                 names = (item.record.length - INDEX_LEAST) // ENTRY_BYTES
                 if names and indexing is None:
                     at, indexing = item.record.start - HEAD.size, True
@@ -310,7 +312,8 @@ def take_inventory(path: Path, progress: Callable[[str], None],
                 found.damage.append(Damage(item.record.start - HEAD.size, item.end, item.fault,
                                            True, item.lost))
                 indexing = True
-                kept = item.large.messages if item.large else len(item.block.start)
+                kept = (item.large.messages if item.large else
+                        len(item.block.start) if item.block else 0)
                 found.unproven += kept if item.unproven else 0
             _take(found, item, salvage, file)
             if item.block is not None or item.large is not None:
@@ -321,7 +324,7 @@ def take_inventory(path: Path, progress: Callable[[str], None],
     return found
 
 
-def _take(found: Inventory, item: Sound, salvage: Salvage, file: BinaryIO) -> None:
+def _take(found: Inventory, item: Sound, salvage: Salvage, file: BufferedIOBase) -> None:
     opcode = item.record.opcode
     if item.begins:
         # Only a header just after magic bytes begins another file; elsewhere the file was torn.
@@ -396,7 +399,8 @@ def _take_run(found: Inventory, run: ChunkRun) -> None:
             found.pieces.add(Kind.CHUNK, found.section, chunk)
 
 
-def _take_large(found: Inventory, start: int, end: int, large: Large, file: BinaryIO) -> None:
+def _take_large(found: Inventory, start: int, end: int, large: Large,
+                file: BufferedIOBase) -> None:
     """Take a large chunk; its messages are counted block by block."""
     totals: Counter[int] = Counter()
     first_ns, last_ns = 2**63 - 1, 0

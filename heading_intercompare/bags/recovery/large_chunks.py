@@ -22,7 +22,8 @@ gigabytes takes no more memory than others.
 from __future__ import annotations
 
 from functools import partial
-from typing import BinaryIO, Iterator, NamedTuple
+from io import BufferedIOBase
+from typing import Iterator, NamedTuple
 
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.chunks import begin_chunk, LargeChunk
@@ -58,13 +59,13 @@ class Large(NamedTuple):
     messages: int = 0
 
 
-def _open(file: BinaryIO, at: int, end: int, head: ChunkHead) -> LargeChunk:
+def _open(file: BufferedIOBase, at: int, end: int, head: ChunkHead) -> LargeChunk:
     """Return the chunk at a byte, up to byte `end`; BagError if its head is damaged."""
     file.seek(at + HEAD.size)
     return LargeChunk(file, begin_chunk(file, head.length).cut(end))
 
 
-def find_fault(file: BinaryIO, at: int, head: ChunkHead) -> str:
+def find_fault(file: BufferedIOBase, at: int, head: ChunkHead) -> str:
     """Return why a large chunk at a byte is damaged; empty if it proves itself."""
     try:
         _open(file, at, at + HEAD.size + head.length, head).verify()
@@ -73,7 +74,7 @@ def find_fault(file: BinaryIO, at: int, head: ChunkHead) -> str:
     return ''
 
 
-def read_blocks(file: BinaryIO, at: int, end: int, large: Large) -> Iterator[Block]:
+def read_blocks(file: BufferedIOBase, at: int, end: int, large: Large) -> Iterator[Block]:
     """
     Yield the intact messages of a large chunk, block by block.
 
@@ -99,7 +100,7 @@ def _blocks(chunk: LargeChunk, large: Large) -> Iterator[Block]:
         return
 
 
-def survey(file: BinaryIO, at: int, end: int, head: ChunkHead, proved: bool) -> Large | None:
+def survey(file: BufferedIOBase, at: int, end: int, head: ChunkHead, proved: bool) -> Large | None:
     """Return what a large chunk holds between two bytes; None if its head is damaged."""
     try:
         chunk = _open(file, at, end, head)

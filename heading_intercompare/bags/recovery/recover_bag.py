@@ -116,7 +116,8 @@ def _find_files(source: Path) -> tuple[BagFiles, str]:
 def _take_inventories(paths: list[Path], progress: Callable[[str], None], unproven: bool
                       ) -> tuple[list[Inventory], list[tuple[Path, str]]]:
     """Return the inventories of files, and why others cannot be read; OSError if all fail."""
-    files, others = [], []
+    files: list[Inventory] = []
+    others: list[tuple[Path, str]] = []
     for path in paths:
         try:
             files.append(take_inventory(path, progress, unproven))
@@ -219,7 +220,7 @@ def _settings(given: BagSettings | None, files: list[Inventory]) -> BagSettings:
     for found in files:
         for name, written in COMPRESSIONS.items():
             packed[name] = packed.get(name, 0) + found.packed.get(written, 0)
-    most = max(packed, key=packed.get)
+    most = max(packed, key=packed.__getitem__)
     return BagSettings(compression=most) if packed[most] else BagSettings()
 
 

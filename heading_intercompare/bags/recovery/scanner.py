@@ -23,7 +23,8 @@ scanner searches for the next record that proves itself.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import BinaryIO, Callable, Iterator
+from io import BufferedIOBase
+from typing import Callable, Iterator
 
 from mcap.opcode import Opcode
 import zstandard
@@ -57,6 +58,7 @@ from heading_intercompare.bags.mcap.record_validity import (
     is_formed,
     SMALL,
 )
+from heading_intercompare.messages.byte_columns import BytesLike
 
 from .large_chunks import find_fault, Large, survey
 from .unreadable_sectors import HOLE_BYTES
@@ -169,7 +171,7 @@ class Salvage:
 
     """
 
-    def __init__(self, file: BinaryIO, unproven: bool = False) -> None:
+    def __init__(self, file: BufferedIOBase, unproven: bool = False) -> None:
         self._file = file
         self._unproven = unproven
         self._stream = RecordStream(file)
@@ -400,6 +402,7 @@ class Salvage:
         if head is None:
             return None
         content = self._read(at + HEAD.size, end - at - HEAD.size)
+        data: BytesLike
         if len(content) < head.length:
             if head.first_ns > head.last_ns:
                 self._fault = 'chunk damaged: its head does not agree with itself'
@@ -475,7 +478,8 @@ class Salvage:
             window_bytes = min(4 * window_bytes, _WINDOW_BYTES)
             self._file.seek(at)
             window = self._file.read(step + HEAD.size - 1)
-            for place in find_candidates(window, self.size - at, opcodes).tolist():
+            places: list[int] = find_candidates(window, self.size - at, opcodes).tolist()
+            for place in places:
                 if self._read(at + place, len(MAGIC)) == MAGIC:
                     return at + place
                 if at + place < barred:

@@ -55,7 +55,8 @@ class _RoughFile(RawIOBase):
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
         return os.lseek(self._descriptor, offset, whence)
 
-    def readinto(self, buffer: memoryview) -> int:
+    # BufferedReader hands in nothing else, and Python 3.10 has no name for every buffer.
+    def readinto(self, buffer: memoryview) -> int:  # type: ignore[override]
         at = self.tell()
         size = len(buffer)
         if self._holes:

@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from io import BufferedReader, FileIO
 from itertools import chain
 import os
 from pathlib import Path
@@ -34,6 +35,7 @@ from heading_intercompare.bags.mcap.mcap_file import Part
 from heading_intercompare.bags.mcap.message_blocks import Block, HEAD, Record
 from heading_intercompare.bags.mcap.record_stream import MAGIC, parse_record, RecordStream
 from heading_intercompare.bags.packed_files import PACKED, unpack_file
+from heading_intercompare.core.records import Integers
 
 from .bag_files import find_files
 from .index_check import find_index_faults
@@ -75,7 +77,7 @@ class BagCheck:
     late: dict[str, int] = field(default_factory=dict)
     _newest_ns: dict[str, int] = field(default_factory=dict)
 
-    def take_times(self, topic: str, log_time_ns: np.ndarray) -> None:
+    def take_times(self, topic: str, log_time_ns: Integers) -> None:
         """Take the log times of messages of a topic, at least one, as they lie."""
         before = np.maximum.accumulate(np.append(self._newest_ns.get(topic, 0), log_time_ns))
         self._newest_ns[topic] = int(before[-1])
@@ -132,7 +134,7 @@ def _faults(file: Path, found: BagCheck, progress: Callable[[str], None]) -> Ite
             progress(f'{found.messages:,} messages')
         for _ in chain(part.metadata(), part.attachments()):
             pass
-        with open(file, 'rb', _READ_BYTES) as stream:
+        with BufferedReader(FileIO(file), _READ_BYTES) as stream:
             yield from _check_rest(RecordStream(stream), part, found)
             yield from find_index_faults(stream, part)
     except BagError as error:

@@ -320,9 +320,10 @@ class BagReader:
         # Without helpers, decode ahead in a prefetch thread.
         for minute, gaps in minutes if helpers else run_ahead(minutes):
             found = dict(zip(once, minute))
-            for place, lost_as, losses in gaps if lost else ():
-                for asked in (asked for asked, each in wanted.items() if each == once[place]):
-                    lost(asked, lost_as, losses)
+            if lost is not None:
+                for place, lost_as, losses in gaps:
+                    for asked in (asked for asked, each in wanted.items() if each == once[place]):
+                        lost(asked, lost_as, losses)
             yield {asked: found[each] for asked, each in wanted.items()}
 
     def keeps_numbers(self) -> bool:
@@ -392,13 +393,14 @@ class BagReader:
                      by_blocks: set[int]) -> Iterator[Decoded]:
         """Yield the decoded blocks of a file; BagError where it is damaged."""
         count = 0
-        for (_, stretch), blocks in stretches:
+        for (_, stretch), whole in stretches:
+            blocks: Iterable[Decoded] | None = whole
             if blocks is None:
                 # Damaged, too large, or not where the index says: continue block by block.
                 by_blocks.add(number)
                 blocks = decoder.blocks(number, stretch.begin)
             for block in blocks:
-                count += block.count
+                count += block.messages
                 yield block
             if number in by_blocks:
                 break

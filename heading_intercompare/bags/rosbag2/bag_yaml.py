@@ -147,11 +147,12 @@ def _scalar(value: Any) -> str:
         return 'true' if value else 'false'
     if isinstance(value, int):
         return str(value)
-    if _PLAIN.fullmatch(value) and value.lower() not in _WORDS:
-        return value
+    text: str = value
+    if _PLAIN.fullmatch(text) and text.lower() not in _WORDS:
+        return text
     # Escape characters that parsers treat as the end of a line, or reject.
     return ''.join(letter if letter.isprintable() else f'\\u{ord(letter):04x}'
-                   for letter in json.dumps(value, ensure_ascii=False))
+                   for letter in json.dumps(text, ensure_ascii=False))
 
 
 def _lines(value: Any, indent: str) -> Iterator[str]:
@@ -179,7 +180,8 @@ def _span(parts: Sequence[PartInfo]) -> dict[str, Any]:
     """Return the entries for starting time, duration and number of messages."""
     starts = [part.start_ns for part in parts if part.start_ns is not None]
     start_ns = min(starts, default=_NEVER)
-    end_ns = max((part.end_ns for part in parts if part.start_ns is not None), default=start_ns)
+    ends = [part.end_ns for part in parts if part.end_ns is not None]
+    end_ns = max(ends, default=start_ns)
     return {'duration': {'nanoseconds': end_ns - start_ns},
             'starting_time': {'nanoseconds_since_epoch': start_ns},
             'message_count': sum(part.count for part in parts)}

@@ -16,7 +16,8 @@
 
 from __future__ import annotations
 
-from typing import BinaryIO, Callable, Iterator
+from io import BufferedIOBase
+from typing import Callable, Iterator
 
 from mcap import records as mcap
 from mcap.opcode import Opcode
@@ -35,7 +36,7 @@ _MOST_FAULTS = 5
 _Read = Callable[[int, int], bytes]
 
 
-def find_index_faults(file: BinaryIO, part: Part) -> Iterator[str]:
+def find_index_faults(file: BufferedIOBase, part: Part) -> Iterator[str]:
     """
     Yield what is wrong with the indexes of a file, at most a few faults.
 
@@ -64,7 +65,7 @@ def find_index_faults(file: BinaryIO, part: Part) -> Iterator[str]:
         yield f'{part.path.name}: {fault}'
 
 
-def _compare(file: BinaryIO, stream: RecordStream, part: Part,
+def _compare(file: BufferedIOBase, stream: RecordStream, part: Part,
              indexed: dict[int, mcap.ChunkIndex]) -> Iterator[str]:
     def read(at: int, size: int) -> bytes:
         file.seek(at)

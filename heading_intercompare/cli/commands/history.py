@@ -27,8 +27,9 @@ from typing import Any, Sequence
 from heading_intercompare.app.outputs import name_file
 from heading_intercompare.app.run_table import parse_stamp
 from heading_intercompare.cli.terminal.console import say, say_lines, VERDICT_MARKS
+from heading_intercompare.core.typed_reader import make_plain
 from heading_intercompare.core.utc_text import utc
-from heading_intercompare.core.verdict.verdict_document import make_plain, Software
+from heading_intercompare.core.verdict.verdict_document import Software
 from heading_intercompare.logbook.control_chart import LEAST_BASELINE
 from heading_intercompare.logbook.history import History, Point, tell_histories
 from heading_intercompare.logbook.logbook_file import Logbook, merge_logbooks

@@ -130,8 +130,8 @@ def _choose(arguments: argparse.Namespace, settings: Settings,
                 raise ValueError(f'--{role}: is missing; give --ts FILE and --rs FILE, or '
                                  'NAME=LOG for each sensor of the setting sensors')
         return given, {'ts': settings.ts_topic, 'rs': settings.rs_topic}, drivers
-    if given := next((role for role in ROLES if getattr(arguments, role) is not None), None):
-        raise ValueError(f'--{given} {getattr(arguments, given)}: goes without NAME=LOG; give '
+    if named := next((role for role in ROLES if getattr(arguments, role) is not None), None):
+        raise ValueError(f'--{named} {getattr(arguments, named)}: goes without NAME=LOG; give '
                          'one or the other')
     sensors = read_sensors(settings.sensors)
     paths = name_logs(arguments.logs, settings)
@@ -198,7 +198,7 @@ def _write(path: str, streams: Sequence[_Stream], said: dict[str, object], notes
             bag.write_rows(batches)
 
 
-def _edges(logs: list[np.ndarray]) -> list[int]:
+def _edges(logs: list[Integers]) -> list[int]:
     """Return the bounds of the pieces that are merged one at a time, to bound the memory."""
     joined = np.sort(np.concatenate(logs))
     return [*np.unique(joined[::_PIECE]).tolist(), int(joined[-1]) + 1]

@@ -159,12 +159,14 @@ def _whole(reader: Readable) -> Iterator[str]:
 
 
 def _span_s(reader: Readable) -> float | None:
-    return None if reader.start_ns is None else (reader.end_ns - reader.start_ns) / 1e9
+    if reader.start_ns is None or reader.end_ns is None:
+        return None
+    return (reader.end_ns - reader.start_ns) / 1e9
 
 
 def _topics(reader: Readable, checked: BagCheck | None) -> Iterator[str]:
     span_s = _span_s(reader)
-    rows = [('topic', 'type', 'messages', 'rate [1/s]')]
+    rows: list[tuple[str, ...]] = [('topic', 'type', 'messages', 'rate [1/s]')]
     for name, info in sorted(reader.topics.items()):
         rate = f'{(info.count - 1) / span_s:.2f}' if span_s and info.count > 1 else '-'
         rows.append((name, info.type_name or '(without a schema)', str(info.count), rate))
@@ -178,7 +180,7 @@ def _topics(reader: Readable, checked: BagCheck | None) -> Iterator[str]:
 def _missing(numbers: Numbering) -> str:
     if not numbers.numbered:
         return '-'
-    begin = [f'at {numbers.first}'] if numbers.first > 1 else []
+    begin = [f'at {numbers.first}'] if (numbers.first or 0) > 1 else []
     if numbers.restarts:
         begin.append(f'again: {numbers.restarts}')
     return str(numbers.missing) + (f' (numbers begin {", ".join(begin)})' if begin else '')

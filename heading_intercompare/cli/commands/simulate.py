@@ -47,7 +47,7 @@ from heading_intercompare.bags.rosbag2.provenance import (
 )
 from heading_intercompare.cli.terminal.console import say_lines
 from heading_intercompare.cli.terminal.progress import Progress
-from heading_intercompare.core.records import Headings
+from heading_intercompare.core.records import Headings, Reals
 from heading_intercompare.core.rows.sensor_table import simulated_topics
 from heading_intercompare.core.settings import Settings, SettingsError
 from heading_intercompare.messages.heading_messages import encode_imu, IMU
@@ -182,7 +182,7 @@ def _repeat(arguments: argparse.Namespace, source: ScenarioFile, settings: Setti
 
 
 def _write_page(path: str, source: ScenarioFile, lines: Sequence[str], traces: Sequence[Trace],
-                table: Mapping[str, Sequence[float]] | None = None) -> None:
+                table: Mapping[str, Sequence[float] | Reals] | None = None) -> None:
     """Write the page of the trial."""
     with name_file(path):
         write_trial_page(path, source.scenario.title or source.name, lines, traces, table)

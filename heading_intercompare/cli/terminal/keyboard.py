@@ -21,7 +21,7 @@ import os
 import select
 import sys
 import termios
-from typing import IO
+from typing import Any, IO
 
 __all__ = ['Keyboard']
 
@@ -51,7 +51,7 @@ class Keyboard:
         stream = sys.stdin if stream is None else stream
         self.on = stream is not None and not stream.closed and stream.isatty()
         self._fd = stream.fileno() if self.on else -1
-        self._before: list | None = None
+        self._before: list[Any] | None = None
 
     def __enter__(self) -> 'Keyboard':
         return self

@@ -66,7 +66,7 @@ class Progress:
     def __enter__(self) -> 'Progress':
         return self
 
-    def __exit__(self, *exc) -> None:
+    def __exit__(self, *exc: object) -> None:
         self.clear()
 
     def show(self, text: str) -> None:
@@ -79,14 +79,14 @@ class Progress:
         self._next, self._words = now + 0.1, words
         room = _columns() - 1
         if self._console is not None:
-            self._draw(text, room)
+            self._draw(self._console, text, room)
         else:
             line = f'{self._label}: {text}'[:room]
             sys.stderr.write(line.ljust(self._width)[:room] + '\r')
             self._width = len(line)
         sys.stderr.flush()
 
-    def _draw(self, text: str, room: int) -> None:
+    def _draw(self, console: Any, text: str, room: int) -> None:
         """Draw the line with rich, as wide as the terminal."""
         from rich.progress_bar import ProgressBar
         from rich.segment import Segments
@@ -96,7 +96,7 @@ class Progress:
 
         now = time.monotonic()
         if self._spinner is None:
-            letters = (self._console.encoding or '').lower().startswith('utf')
+            letters = (console.encoding or '').lower().startswith('utf')
             self._spinner = Spinner('dots' if letters else 'line', style='cyan')
         # Names from others are plain text, without markup or control characters.
         words = Text(_printable(f'{self._label}: {text}'), overflow='ellipsis')
@@ -113,10 +113,10 @@ class Progress:
         others = sum(1 + getattr(cell, 'cell_len', _BAR) for cell in cells if cell is not words)
         words.truncate(max(1, room - others), overflow='ellipsis')
         line.add_row(*cells)
-        options = self._console.options.update(width=room, no_wrap=True)
-        (drawn, *_) = self._console.render_lines(line, options)
-        with self._console.capture() as written:
-            self._console.print(Segments(drawn), end='')
+        options = console.options.update(width=room, no_wrap=True)
+        (drawn, *_) = console.render_lines(line, options)
+        with console.capture() as written:
+            console.print(Segments(drawn), end='')
         sys.stderr.write(written.get() + '\r')
         self._width = room
 

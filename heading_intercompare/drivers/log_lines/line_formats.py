@@ -150,7 +150,8 @@ def _read_dmy(text: bytes) -> int:
 
 
 def _read_epoch(text: bytes) -> int:
-    return int(text) * 10 ** (19 - len(text))
+    unit_ns: int = 10 ** (19 - len(text))
+    return int(text) * unit_ns
 
 
 def _read_clock(text: bytes) -> int:

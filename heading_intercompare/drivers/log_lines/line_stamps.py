@@ -265,7 +265,7 @@ class LineStamps:
     def _borrow(self, name: Name, *, bare: bool) -> int:
         """Return the stamp of the burst for a line without one; raises Rejected."""
         if self._owner is not None:
-            self._owner, self._taken = None, {self._owner}
+            self._taken, self._owner = {self._owner}, None
         passed = set()
         while self._passed:
             prefix, suffix, other = self._passed.pop()

@@ -24,7 +24,7 @@ import gzip
 from itertools import chain
 import lzma
 import os
-from typing import Any, BinaryIO, Callable, Iterator
+from typing import Any, BinaryIO, Callable, Generator, Iterator
 import zlib
 
 from heading_intercompare.drivers.settings import DriverError
@@ -191,7 +191,7 @@ class LogFiles:
             yield data
         self.position, self.cut = position, cut
 
-    def lines(self) -> Iterator[tuple[str | None, bytes]]:
+    def lines(self) -> Generator[tuple[str | None, bytes], None, None]:
         """Yield the lines with their ends, each with the file that it begins or None."""
         rest, begins = b'', None
         for path, data in self.blocks():

@@ -29,6 +29,7 @@ import numpy as np
 from heading_intercompare.core.records import Integers, Motion
 from heading_intercompare.messages.byte_columns import (
     align,
+    BytesLike,
     check_size,
     decode_stamped,
     end_of_strings,
@@ -118,7 +119,7 @@ def split_motion(motion: Motion, what: str, frame_id: str) -> list[bytes]:
     return split_rows(encode_motion(rows, what, frame_id)) if len(rows) else []
 
 
-def decode_motion(type_name: str, what: str, data: bytes, start: Integers,
+def decode_motion(type_name: str, what: str, data: BytesLike, start: Integers,
                   stop: Integers) -> Motion:
     """
     Return the motion in the messages that a stretch of bytes holds.
@@ -129,7 +130,7 @@ def decode_motion(type_name: str, what: str, data: bytes, start: Integers,
         One of `MOTION_TYPES` for `what`.
     what : {'fix', 'velocity', 'rate'}
         What is taken from the messages.
-    data : bytes
+    data : bytes-like
         Any bytes that hold the messages.
     start, stop : ndarray of int64, shape (n,)
         First byte of each message, and the byte after its last.
@@ -149,7 +150,7 @@ def decode_motion(type_name: str, what: str, data: bytes, start: Integers,
     return decode_stamped(type_name, data, start, stop, partial(_motion, type_name, what))
 
 
-def _motion(type_name: str, what: str, data: bytes, start: Integers, size: Integers,
+def _motion(type_name: str, what: str, data: BytesLike, start: Integers, size: Integers,
             header: np.ndarray) -> Motion:
     """Return the motion in messages of one byte order."""
     sign, end = end_of_strings(header)

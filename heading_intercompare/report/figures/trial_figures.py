@@ -71,13 +71,13 @@ def draw_trace(trace: Trace, number: int) -> tuple[str, str]:
                  x_label='time [h]', y_label='error [deg]', height_mm=_HEIGHT_MM))
 
 
-def draw_seeds(columns: Mapping[str, Sequence[float]]) -> str:
+def draw_seeds(columns: Mapping[str, Sequence[float] | Reals]) -> str:
     """
     Return a chart of the means of a trial with many seeds, as an `svg` element.
 
     Parameters
     ----------
-    columns : mapping of str to sequence of float
+    columns : mapping of str to array_like of float
         `seed`, `true_mean_deg`, `mean_deg`, `low_deg` and `high_deg`, one value a seed.
 
     """
