@@ -188,7 +188,7 @@ def test_runs_that_the_clock_cuts_are_the_same_live_in_replay_and_offline(tmp_pa
     settings = Settings.from_mapping(CUTS)
     judged = judge_bags([bag], settings)
     assert_same(json.loads(json.dumps(judged.verdict.to_dict())), live)
-    Logbook(books[2]).write(make_rows(judged.verdict, earlier=judged.earlier))
+    Logbook(books[2]).write(make_rows(judged.verdict, earlier=judged.earlier['ts']))
     rows = [Logbook(book).read() for book in books]
     assert {row.bag for row in rows[0]} == {bag} and len(rows[0]) >= 4
     assert sum(row.n for row in rows[0]) == sum(row.paired for row in rows[0]) > 900

@@ -133,7 +133,9 @@ class ComparisonWatch:
         self._step_deg, self._repeats = 0.0, False
         self._repeated = {name: _Repeated(name) for name in ('TS', 'RS')}
         self._turned_with_ns = self._explained_ns = 0
+        # What the signs last said for sure: those that explain others, and all.
         self._holds: dict[str, bool] = {}
+        self._raised: dict[str, bool] = {}
         self._steps = find_resolution([]), find_resolution([])
         self.newest_ns: int | None = None
 
@@ -185,8 +187,9 @@ class ComparisonWatch:
         signs['same_source'] = self._look_same_source(ts)
         if self._is_due('clock', _CLOCK_EVERY_S):
             signs['clock_step'] = self._look_clock()
-        self._remember(signs)
-        if any(self._holds.values()):
+        self._raised |= {name: sign.active for name, sign in signs.items()
+                         if sign.active is not None}
+        if any(self._raised.values()):
             # What a detector of its own explains is no news of another condition, then and later.
             self._explained_ns = self.newest_ns or 0
         elif self._is_due('run', _RUN_EVERY_S):
