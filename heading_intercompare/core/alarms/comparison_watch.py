@@ -69,7 +69,7 @@ _LEAST_STEP_S = 0.3
 # A repetition is examined again when the other sensor has moved this much further, or later.
 _FURTHER, _AGAIN_NS = 1.05, 10 * 10 ** 9
 # The slow detectors run this seldom, seconds of stamp time.
-_NOISE_EVERY_S, _CLOCK_EVERY_S, _STEP_EVERY_S, _RUN_EVERY_S = 20.0, 30.0, 10.0, 60.0
+_NOISE_EVERY_S, _CLOCK_EVERY_S, _STEP_EVERY_S, _RUN_EVERY_S = 20.0, 30.0, 10.0, 300.0
 
 
 @dataclass(slots=True)
@@ -114,8 +114,8 @@ class ComparisonWatch:
     The detectors and their thresholds are those of the verdict. They see the newest part of the
     rolling window, at most 65536 pairs. One situation has one alarm: a frozen sensor explains what
     looks rotated, mirrored or like a jump; a rotated or mirrored one explains a jump; and a jump
-    explains outliers. A condition without a detector of its own here is judged once a minute, on
-    the window as if it were a run.
+    explains outliers. A condition without a detector of its own here is judged every five minutes,
+    on the window as if it were a run.
 
     """
 
