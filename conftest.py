@@ -48,6 +48,9 @@ else:
     hypothesis_settings.register_profile(
         'quick', max_examples=100, derandomize=True, deadline=None,
         suppress_health_check=[HealthCheck.too_slow])
+    # Other versions of the libraries fail on any example, or on none.
+    hypothesis_settings.register_profile(
+        'pins', hypothesis_settings.get_profile('quick'), max_examples=10)
     hypothesis_settings.register_profile(
         'release', hypothesis_settings.get_profile('quick'), max_examples=3000, derandomize=False)
     hypothesis_settings.load_profile(os.environ.get('HYPOTHESIS_PROFILE', 'quick'))

@@ -52,6 +52,7 @@ from risk_rows import ROWS  # noqa: E402
 import same_source  # noqa: E402
 import sound_pairs  # noqa: E402
 import sound_ships  # noqa: E402
+import sources  # noqa: E402
 
 QUICK = {'A': '^AR.1., 20$', 'cells': '^AR.1., 20$', 'drift': '^AR.1., 20; (order 3|auto)',
          'gaps': '^AR.1., 20; five', 'short': 'white, n = 128$', 'rates': '^10 Hz, n = 512: sea',
@@ -373,3 +374,19 @@ def test_damages_of_a_seed_are_always_the_same(damaged_bags):
                        for seed in range(5)] for _ in range(2))
         assert one == other and any(each != data for each in one)
         assert all(len(each) <= len(data) for each in one)
+
+
+def test_the_sources_are_measured(tmp_path):
+    (tmp_path / 'a.py').write_text(
+        '"""A module."""\nimport os\n\n\ndef pick(given, n):\n    """Return it."""\n'
+        '    # Why.\n    found = [one for one in given if one or n]\n    return found\n')
+    figures = sources.measure(tmp_path)
+    assert (figures.files, figures.code_lines) == (1, 3)
+    assert figures.names == {'given': 1, 'found': 1, 'one': 1}
+    assert (figures.above_10, figures.above_20) == (0, 0)
+
+
+def test_few_names_say_nothing():
+    """The limit only falls."""
+    figures = sources.measure(BENCHMARKS.parent / 'heading_intercompare')
+    assert figures.names_per_1000 < 33.0

@@ -167,6 +167,12 @@ class Recorder(Node):
         self._note()
         self.ended = True
 
+    def destroy_node(self) -> None:
+        """Close the bag, also of a graph that could not start, and destroy the node."""
+        if not self.ended:
+            self._bag.close()
+        super().destroy_node()
+
 
 def main(args: Sequence[str] | None = None) -> int:
     """Run the node."""

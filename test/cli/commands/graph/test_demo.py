@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+import gc
 from pathlib import Path
 import re
 import shlex
@@ -175,6 +176,8 @@ def test_a_wrong_source_is_named(text, words, tmp_path, capfd):
     config = tmp_path / 'config.yaml'
     config.write_text(f'/**: {{ros__parameters: {{{NORMS}}}}}\n' + text.replace('{}', ''))
     assert main(['live', '--config', str(config), '-o', str(tmp_path / 'bag')]) == 2
+    # A file that is left open is an error.
+    gc.collect()
     *notes, error = capfd.readouterr().err.splitlines()
     assert error.startswith('heading-intercompare: error: ') and words in error
     assert all('a run must last 10 min to comply' in note for note in notes)
