@@ -88,10 +88,10 @@ def judge_there(job: Job, path: str, place: str, libraries: str) -> JudgedInput:
         judged = job.survive(path, place)
     if judged.error is not None:
         return job.unread(path, f'{judged.error} (on {gethostname()})')
-    here = describe_libraries()
-    if libraries != here:
-        judged.notes.append(f'{path}: judged with {here} on {gethostname()}, but here are '
-                            f'{libraries}: last digits may differ')
+    local_libraries = describe_libraries()
+    if libraries != local_libraries:
+        judged.notes.append(f'{path}: judged with {local_libraries} on {gethostname()}, but here '
+                            f'are {libraries}: last digits may differ')
     return judged
 
 

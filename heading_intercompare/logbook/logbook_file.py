@@ -134,9 +134,9 @@ class Logbook:
                 where.append(condition)
                 values.append(value)
         with self._open(write=False) as connection:
-            found = connection.execute(
+            rows = connection.execute(
                 f'{_READ} WHERE {" AND ".join(where)} ORDER BY start_ns, end_ns, ship, id', values)
-            return [RunRow(*row) for row in found]
+            return [RunRow(*row) for row in rows]
 
     @contextmanager
     def _open(self, *, write: bool) -> Iterator[sqlite3.Connection]:
