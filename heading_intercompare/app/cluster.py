@@ -79,7 +79,8 @@ def open_cluster(scheduler: str) -> Iterator[Executor]:
     ------
     OSError, ValueError
         If the file cannot be read or is not that of a scheduler; if the scheduler cannot be
-        reached or has no worker; if it or a worker has another version of Dask or of this package.
+        reached or has no worker; if the scheduler or a worker has another version of Dask or of
+        this package.
 
     """
     place = _Place(scheduler, _address_in(scheduler) if scheduler.endswith('.json') else scheduler)
@@ -199,7 +200,8 @@ def _connect(place: _Place) -> Iterator[Client]:
     place.check_version('distributed', DISTRIBUTED, {'the scheduler': version})
     try:
         with warnings.catch_warnings():
-            # It warns of many libraries that do not matter here; `remote_task` checks the others.
+            # The client warns of many libraries that do not matter here; `remote_task` checks
+            # the others.
             warnings.simplefilter('ignore', VersionMismatchWarning)
             client = Client(place.address, timeout=_CONNECT_S, set_as_default=False)
     except _NO_SCHEDULER as error:

@@ -188,12 +188,12 @@ def choose_pair(settings: Settings, ts: str | None, rs: str | None) -> Settings:
     Returns
     -------
     Settings
-        Without sensors if both are given; otherwise as they are.
+        Without sensors if both options are given; otherwise the settings as they are.
 
     Raises
     ------
     ValueError
-        If one of them is given without the other.
+        If one of the options is given without the other.
 
     """
     if settings.sensors is None or ts is None and rs is None:

@@ -91,7 +91,7 @@ def load_config_or_journal(path: str | None, inputs: Sequence[str]) -> Config:
     OSError, BagError
         If the parameter file, or every journal, cannot be read.
     SettingsError
-        If it is not a ROS parameter file, or if journals have different settings.
+        If the file is not a ROS parameter file, or if journals have different settings.
 
     """
     if path is not None or not all(map(is_journal, inputs)):
@@ -102,7 +102,7 @@ def load_config_or_journal(path: str | None, inputs: Sequence[str]) -> Config:
             stored[journal_path] = read_origin(read_journal(Path(journal_path), _HEAD_BYTES),
                                                Path(journal_path)).settings
         except (OSError, ValueError):
-            # The judging names it, and goes on with the others.
+            # The judging names the journal, and goes on with the other inputs.
             if journal_path == inputs[-1] and not stored:
                 raise
     first = next(iter(stored))
@@ -220,7 +220,7 @@ def _leave_out_names(settings: Mapping[str, Any]) -> dict[str, Any]:
 def _judge_journal(path: str, name: str, settings: Settings, runs: Spans | None,
                    takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
                    sketch: SeriesSketch | None) -> JudgedInput:
-    # A node may be writing it: the hash is that of the bytes that were read.
+    # A node may be writing the journal: the hash is that of the bytes that were read.
     contents = read_journal(Path(path))
     origin = read_origin(contents, Path(path))
     compliance = Compliance(settings, source=name, table=runs, progress=progress)

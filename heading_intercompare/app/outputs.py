@@ -83,7 +83,7 @@ def check_outputs(outputs: Outputs, inputs: Sequence[str], *, config: str | None
     Raises
     ------
     ValueError
-        If one cannot; one line with the command-line option, the file, and what is wrong.
+        If an output cannot; one line with the command-line option, the file, and what is wrong.
 
     """
     reserved = {Path(os.path.realpath(path)): f'the file of --{option}'

@@ -125,7 +125,7 @@ class Logbook:
         LogbookBusy
             If another process is writing all the time.
         LogbookError
-            If there is no such file, or it is no logbook, or one of a newer version.
+            If there is no such file, or the file is no logbook, or a logbook of a newer version.
 
         """
         where, values = ['1'], []

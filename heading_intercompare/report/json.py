@@ -46,7 +46,7 @@ def parse(text: str | bytes) -> Verdict:
     Raises
     ------
     VerdictError
-        If it is not JSON, or not a verdict; the message is one line.
+        If the text is not JSON, or not a verdict; the message is one line.
 
     """
     verdict = parse_any(text)

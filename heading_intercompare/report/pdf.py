@@ -67,7 +67,7 @@ def print_page(text: str, path: str | Path,
     """Write a page of HTML that needs nothing from elsewhere as PDF; OSError if that fails."""
     with _told_to(progress):
         document = weasyprint.HTML(string=text, url_fetcher=_refuse).write_pdf()
-    # Made first, so that a fault leaves no half-written file.
+    # The document is made first, so that a fault leaves no half-written file.
     Path(path).write_bytes(document)
 
 

@@ -63,14 +63,14 @@ def find_motion(paths: Mapping[str, str], drivers: Mapping[str, DriverSettings],
     drivers : mapping of str to DriverSettings
         How to read each log, and 'motion'.
     motion_log : str, optional
-        A log of its own; then the other two are not searched.
+        A log of the motion alone; then the logs of the sensors are not searched.
 
     Raises
     ------
     OSError
         If a log cannot be read.
     DriverError
-        If the log of its own has no motion.
+        If the log of the motion alone has no motion of the ship.
 
     """
     sources: Sequence[tuple[str, str]] = [('motion', motion_log)] if motion_log is not None else [

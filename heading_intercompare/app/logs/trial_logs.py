@@ -70,9 +70,9 @@ def find_logs(inputs: Sequence[str], drivers: Mapping[str, DriverSettings] | Non
     Raises
     ------
     OSError
-        If one is a log and another cannot be read.
+        If one input is a log and another cannot be read.
     ValueError
-        If one is a log and they are neither two different logs nor one log of both sensors.
+        If one input is a log and the inputs are neither two different logs nor one log of both.
 
     """
     for argument in inputs:

@@ -114,7 +114,7 @@ def judge_csv(path: str, name: str, settings: Settings,
     path : str
         The file; see `PairsCsv`.
     name : str
-        Its name in the verdict.
+        Name of the file in the verdict.
     settings : Settings
         Settings with the norms.
     runs : sequence of (start_ns, stop_ns), optional
@@ -131,7 +131,7 @@ def judge_csv(path: str, name: str, settings: Settings,
     OSError
         If the file cannot be read.
     BagError
-        If it, or its account, is wrong.
+        If the file, or its account, is wrong.
 
     """
     # A pipe can be read only once.
@@ -178,7 +178,7 @@ def judge_csv(path: str, name: str, settings: Settings,
     described = _describe(name, digest, account)
     noted = (*notes, *problems)
     if account is None and rows.names == COLUMNS and not problems:
-        # Its own program wrote it.
+        # This program wrote the csv.
         problems.append(f'{account_path(path).name} is not beside it: what was rejected, lost or '
                         'without partner is unknown')
     account_problems = () if account is None else account.inputs[0].ledger_problems or ()

@@ -157,15 +157,15 @@ class InputComparison:
         results : mapping of (str, str) to list of RunResult
             What `finish` returned.
         entries : sequence of Input
-            Its entries in the verdict on several sensors.
+            Entries of the input in the verdict on several sensors.
         entries_of_pair : callable
-            Returns its entries in the verdict on a pair of sensors.
+            Returns the entries of the input in the verdict on a pair of sensors.
         notes : sequence of str
             What the user should know, before what is said of pairs without a run.
         path : str
             The input.
         label : str
-            What its notes begin with.
+            What the notes on the input begin with.
 
         """
         notes, sensors = [*notes], {sensor.name: sensor for sensor in self.sensors}

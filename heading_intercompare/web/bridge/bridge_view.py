@@ -249,7 +249,7 @@ class Bridge:
                 continue
             node = self._nodes.get(name)
             if node is None or node.owner != status.owner:
-                # It was started again: nothing of the former one holds.
+                # The node was started again: nothing of the former node holds.
                 node = self._nodes[name] = _Node(status.owner, now_s)
             node.came_s = self._heard_s = now_s
             if part in node.parts or len(node.parts) < _MOST_PARTS:

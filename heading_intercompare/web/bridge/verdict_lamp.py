@@ -40,9 +40,9 @@ def light_lamp(statuses: Sequence[Status], stamp_ns: int, next_look_ns: int | No
     Parameters
     ----------
     statuses : sequence of Status
-        Of that message; none if none has come.
+        Statuses of that message; none if no message has come.
     stamp_ns : int
-        Its stamp, nanoseconds.
+        Stamp of that message, nanoseconds.
     next_look_ns, ends_ns : int or None
         When the next look is due, and when the clock ends the run.
 

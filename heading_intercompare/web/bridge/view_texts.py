@@ -92,7 +92,7 @@ def tell(view: BridgeView) -> dict[str, Said]:
 
 
 def alarm_words(view: BridgeView) -> list[tuple[str, Said]]:
-    """Return the alarms: the name to acknowledge, '' if it is acknowledged, and the words."""
+    """Return the alarms: the name to acknowledge, '' of an acknowledged alarm, and the words."""
     return [('' if alarm.acknowledged else alarm.name, Said(
         f'{alarm.priority.upper()}: {alarm.name}: {alarm.words} '
         f'({"active" if alarm.active else "over"}, '
