@@ -78,7 +78,7 @@ def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | Non
     paths : sequence of str
         The inputs.
     settings : Settings
-        By which each of them is judged.
+        By which each input is judged.
     table : sequence of (start_ns, stop_ns, source), optional
         Runs; those with a source apply only to the input of that name.
     takers : mapping of str to sequence of callable, optional
@@ -91,7 +91,7 @@ def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | Non
         decoded by several processes but judged by one. Ignored with an executor.
     executor : concurrent.futures.Executor, optional
         Judges instead, in threads, in processes or on other computers, which see the same paths.
-        It gets the absolute paths of all inputs, however small or few they are.
+        The executor gets the absolute paths of all inputs, however small or few they are.
     progress : callable
         Called with the progress in words.
 

@@ -58,7 +58,7 @@ class _OneThread:
 def _limit_threads() -> Any:
     """Limit linear algebra to one thread; return what restores it, None without threadpoolctl."""
     try:
-        # Only workers need it, and it takes some time to load.
+        # Only workers need threadpoolctl, and it takes some time to load.
         from threadpoolctl import threadpool_limits
     except ModuleNotFoundError:
         return None
@@ -79,7 +79,7 @@ def judge_there(job: Job, path: str, place: str, libraries: str) -> JudgedInput:
     path : str
         Name of the input in the verdict.
     place : str
-        Its absolute path.
+        Absolute path of the input.
     libraries : str
         `describe_libraries` of the process that asks; if they differ here, a note says so.
 
@@ -97,6 +97,6 @@ def judge_there(job: Job, path: str, place: str, libraries: str) -> JudgedInput:
 
 def describe_libraries() -> str:
     """Return the versions of the libraries on which the last bits of figures depend."""
-    # Takes some time to load, and only tasks elsewhere ask for it.
+    # The module takes some time to load, and only tasks elsewhere ask for versions.
     from importlib.metadata import version
     return ' and '.join(f'{name} {version(name)}' for name in ('numpy', 'scipy'))

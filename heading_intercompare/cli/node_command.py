@@ -53,7 +53,8 @@ def run_node(module: str, node: str, config: str | None, *, namespace: str = '/'
     config : str or None
         ROS parameter file.
     namespace : str
-        Of the node and its topics, with a leading slash. The sections of the file hold there too.
+        Namespace of the node and its topics, with a leading slash. The sections of the file hold
+        there too.
     remap : mapping of str to str, optional
         Published topics with other names. The node gets them as `remapped` and rejects any that
         it does not publish.

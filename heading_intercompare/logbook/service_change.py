@@ -116,7 +116,7 @@ def compare_service(rows: Sequence[RunRow], at_ns: int, *,
     Returns
     -------
     tuple of ServiceChange
-        Of the mean and of the standard deviation.
+        The change of the mean and that of the standard deviation.
 
     Notes
     -----

@@ -87,7 +87,7 @@ def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = (),
     verdict : Verdict
         The verdict to show.
     sketches : sequence of SeriesSketch
-        One per input, for the figures; without any there are no figures.
+        One sketch per input, for the figures; without sketches there are no figures.
     progress : callable
         Called with the progress in words.
 

@@ -42,7 +42,7 @@ def compose_trial_page(title: str, lines: Iterable[str], traces: Sequence[Trace]
     title : str
         Title of the trial.
     lines : iterable of str
-        What the command says of it.
+        What the command says of the trial.
     traces : sequence of Trace
         What each sensor showed.
     seeds : mapping of str to array_like of float, optional

@@ -154,7 +154,7 @@ def _check(arguments: argparse.Namespace) -> None:
     if arguments.page and not arguments.page.endswith('.html'):
         raise ValueError(f'--page {arguments.page}: must end with .html')
     if arguments.page:
-        # Its libraries may not be installed, and a trial may take long.
+        # The libraries of a page may not be installed, and a trial may take long.
         check_form(arguments.page)
 
 

@@ -64,7 +64,7 @@ def campaign_lines(verdict: Verdict, columns: int | None = None) -> list[str]:
     Parameters
     ----------
     verdict : Verdict
-        Of several recordings.
+        The verdict on several recordings.
     columns : int, optional
         Width of the terminal; a longer line of the table ends with an ellipsis.
 

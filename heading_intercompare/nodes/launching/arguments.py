@@ -98,7 +98,7 @@ def read_switch(name: str, text: str) -> bool:
     name : str
         Name of the argument, for the message.
     text : str
-        Its value.
+        Value of the argument.
 
     Raises
     ------
@@ -126,7 +126,7 @@ def read_number(name: str, text: str) -> float:
     name : str
         Name of the argument, for the message.
     text : str
-        Its value.
+        Value of the argument.
 
     Raises
     ------

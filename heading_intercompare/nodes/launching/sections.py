@@ -71,7 +71,7 @@ def check_sections(path: str, sections: Mapping[str, Mapping[str, Any]],
     path : str
         The parameter file, for the message.
     sections : mapping of str to mapping
-        Its sections, by the name of the node.
+        Sections of the file, by the name of the node.
     nodes : iterable of tuple of str and str
         Executable and name of each node.
 

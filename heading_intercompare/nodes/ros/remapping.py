@@ -49,7 +49,7 @@ def published_names(node: Node, topics: Sequence[str],
     Parameters
     ----------
     node : Node
-        The node that publishes them.
+        The node that publishes the topics.
     topics : sequence of str
         Names before remapping.
     remapped : collection of str

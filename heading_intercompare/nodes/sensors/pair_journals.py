@@ -136,7 +136,7 @@ class PairJournals:
             journal.book(journal.kept.before)
 
     def _is_ahead(self, names: Names) -> bool:
-        """Tell whether the newest ledger of another pair ends where the one before ended."""
+        """Tell whether the newest ledger of another pair ends where the ledger before ended."""
         trial = self._journals[names].kept
         newest, before = _ends_of(names, trial.newest), _ends_of(names, trial.before)
         return any(newest.get(name) != end == before.get(name)

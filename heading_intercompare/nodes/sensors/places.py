@@ -81,9 +81,9 @@ def remap_rules(sensors: tuple[Sensor, ...], namespace: str,
     Parameters
     ----------
     sensors : tuple of Sensor
-        Those of the settings.
+        The sensors of the settings.
     namespace : str
-        Of the graph.
+        Namespace of the graph.
     motion : MotionRule, optional
         Names the topics of the motion of the ship, unless they are those of the defaults.
 

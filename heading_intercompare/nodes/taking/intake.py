@@ -349,7 +349,7 @@ class Intake:
             return
         self._qos = best
         if waited and best is self._kept and came:
-            # It brings all, in order.
+            # Publishers that keep their messages send them all, in order.
             self._reception.set_aside()
         elif self._reception.there and (waited or best is self._kept):
             self._reception.hand_over(best, seamless=waited)

@@ -72,7 +72,7 @@ class JudgedHeadings:
         topic : str
             Name of the topic.
         messages : sequence of Message
-            In the order in which they came.
+            The messages in the order in which they came.
         now_s : float
             Steady time, seconds.
         ending : bool

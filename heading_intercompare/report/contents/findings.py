@@ -371,7 +371,7 @@ def rows_of_block(figures: Sequence[Figure],
     Parameters
     ----------
     figures : sequence of Figure
-        Of one section of the findings.
+        Figures of one section of the findings.
     blocks : sequence of (int, mapping)
         Number of the run, and its figures by their dotted names.
 

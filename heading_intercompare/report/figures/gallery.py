@@ -97,7 +97,7 @@ def draw_figures(sketch: SeriesSketch, verdict: Verdict, prefix: str,
     sketch, verdict
         As for `collect`.
     prefix : str
-        Letters and digits with which the ids begin; no other record of the page has it.
+        Letters and digits with which the ids begin; each record of the page has its own prefix.
     progress : callable
         Called after each figure with how many of `NAMES` are done.
 

@@ -69,7 +69,7 @@ class Plotter:
         Parameters
         ----------
         verdict : Verdict
-            Its figures are drawn.
+            The verdict whose figures are drawn.
         name : str, optional
             One of `NAMES`; default all.
 

@@ -40,7 +40,7 @@ def read_web(arguments: argparse.Namespace,
     Parameters
     ----------
     arguments : Namespace
-        Of the command, with the option `web`.
+        Arguments of the command, with the option `web`.
     section : mapping
         The section `dashboard` of the parameter file; the option goes before it.
 
