@@ -49,8 +49,8 @@ def serve(folder: str) -> Iterator[str]:
     assert demo.stdout is not None
     try:
         for line in demo.stdout:
-            if found := re.match(r'page: (\S+)', line):
-                yield found[1]
+            if match := re.match(r'page: (\S+)', line):
+                yield match[1]
                 return
         raise SystemExit('screenshots: error: the demo served no page; it said why above')
     finally:
@@ -83,8 +83,8 @@ def take_live_page() -> None:
     """Take the pictures of the live page while the demo runs."""
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as play:
         for url in serve(folder):
-            made = open_browser(play)
-            page = made.new_page(viewport={'width': 1280, 'height': 800})
+            browser = open_browser(play)
+            page = browser.new_page(viewport={'width': 1280, 'height': 800})
             page.goto(url)
             page.wait_for_function(
                 'least => parseInt((document.querySelector(".k-ledger")?.textContent ?? "")'
@@ -94,23 +94,23 @@ def take_live_page() -> None:
                 page.click(f'.k-{name}')
                 page.wait_for_function(f'document.documentElement.dataset.palette === "{name}"')
                 keep(page, f'live_page_{name}')
-            made.close()
+            browser.close()
 
 
 def take_protocol() -> None:
     """Take the picture of the first page of a protocol, as it is printed."""
     program = [sys.executable, '-m', 'heading_intercompare']
-    settings = [word for one in _TRIAL for word in ('--set', one)]
+    settings = [word for setting in _TRIAL for word in ('--set', setting)]
     with tempfile.TemporaryDirectory() as folder, sync_playwright() as play:
         for words in (['simulate', '--scenario', 'demo', '-o', 'trial'],
                       ['report', 'trial', *settings, '-o', 'report.html']):
             subprocess.run([*program, *words], cwd=folder, check=True, stdout=subprocess.DEVNULL)
-        made = open_browser(play)
-        page = made.new_page(viewport={'width': 794, 'height': 1123})
+        browser = open_browser(play)
+        page = browser.new_page(viewport={'width': 794, 'height': 1123})
         page.emulate_media(media='print')
         page.goto(Path(folder, 'report.html').as_uri())
         keep(page, 'protocol_first_page', 'section.first')
-        made.close()
+        browser.close()
 
 
 if __name__ == '__main__':

@@ -140,8 +140,9 @@ def judge_bags(paths: Sequence[Place], settings: Settings, *,
     table: RunTable | None = None
     elsewhere: list[str] = []
     if runs is not None:
-        given = read_run_table(os.fspath(runs)) if isinstance(runs, (str, os.PathLike)) else runs
-        table, elsewhere = assign_runs(given, names)
+        run_table = (read_run_table(os.fspath(runs)) if isinstance(runs, (str, os.PathLike))
+                     else runs)
+        table, elsewhere = assign_runs(run_table, names)
     judged = judge_inputs(names, settings, table, takers=takers, sketched=sketched, jobs=jobs,
                           executor=executor, progress=progress)
     called = os.fspath(runs) if isinstance(runs, (str, os.PathLike)) else 'runs'
@@ -172,9 +173,9 @@ def conclude(judged: Sequence[JudgedInput], settings: Settings,
             incomplete=[names for names in others if names in lacking])
     unused = name_unused([run.verdict for runs in results.values() for run in runs],
                          settings.exclusions)
-    said = [note for judged_input in judged for note in judged_input.notes]
+    input_notes = [note for judged_input in judged for note in judged_input.notes]
     return Judgement(
-        verdicts, together, (*said, *notes, *unused), sketches,
+        verdicts, together, (*input_notes, *notes, *unused), sketches,
         {name: tuple(run for judged_input in judged for run in judged_input.earlier.get(name, ()))
          for name in verdicts}, judged[0].accounts if len(judged) == 1 else {})
 

@@ -78,7 +78,7 @@ def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | Non
     paths : sequence of str
         The inputs.
     settings : Settings
-        By which each of them is judged.
+        By which each input is judged.
     table : sequence of (start_ns, stop_ns, source), optional
         Runs; those with a source apply only to the input of that name.
     takers : mapping of str to sequence of callable, optional
@@ -91,7 +91,7 @@ def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | Non
         decoded by several processes but judged by one. Ignored with an executor.
     executor : concurrent.futures.Executor, optional
         Judges instead, in threads, in processes or on other computers, which see the same paths.
-        It gets the absolute paths of all inputs, however small or few they are.
+        The executor gets the absolute paths of all inputs, however small or few they are.
     progress : callable
         Called with the progress in words.
 
@@ -121,22 +121,22 @@ def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | Non
     trials = find_parts(paths)
     job = Job(settings, table, sketched, {
         first: [os.path.abspath(part) for part in parts] for first, parts in trials.items()})
-    given, paths = paths, [path for path in paths
-                           if not any(path in parts for parts in trials.values())]
+    all_paths, paths = paths, [path for path in paths
+                               if not any(path in parts for parts in trials.values())]
     if executor is None and len(paths) == 1:
         helpers = min(jobs or count_cores(), MOST_READERS) - 1
-        return _add_parts(given, trials, [job.judge(paths[0], takers, progress,
-                                                    helpers=helpers)], settings)
+        return _add_parts(all_paths, trials, [job.judge(paths[0], takers, progress,
+                                                        helpers=helpers)], settings)
     if executor is not None:
         judged = _judge_elsewhere(job, paths, executor, progress)
     elif (jobs or 0) > 1 or jobs is None and sum(map(_size, paths)) >= _WORTH_BYTES:
         judged = _judge_in_processes(job, paths, min(len(paths), jobs or count_cores()), progress)
     else:
         judged = _judge_in_turn(job, paths, progress)
-    if all(each.error for each in judged):
+    if all(judged_input.error for judged_input in judged):
         several = f'none of the {len(paths)} inputs can be read: ' if len(paths) > 1 else ''
         raise ValueError(f'{several}{judged[0].path}: {judged[0].error}')
-    return _add_parts(given, trials, _drop_repeats(judged), settings)
+    return _add_parts(all_paths, trials, _drop_repeats(judged), settings)
 
 
 def _add_parts(paths: Sequence[str], trials: Mapping[str, Sequence[str]],
@@ -179,9 +179,9 @@ def _judge_in_processes(job: Job, paths: Sequence[str], jobs: int,
 
 def _judge_elsewhere(job: Job, paths: Sequence[str], executor: Executor,
                      progress: Callable[[str], None]) -> list[JudgedInput]:
-    here = describe_libraries()
+    libraries = describe_libraries()
     # Another process may have another working directory.
-    tasks = [partial(judge_there, job, path, os.path.abspath(path), here) for path in paths]
+    tasks = [partial(judge_there, job, path, os.path.abspath(path), libraries) for path in paths]
     futures = _complete(executor, tasks, paths, progress)
     return [_result(job, path, future) for path, future in zip(paths, futures)]
 

@@ -59,13 +59,13 @@ _LOST = 'the scheduler or its last worker was lost'
 
 
 @contextmanager
-def open_cluster(given: str) -> Iterator[Executor]:
+def open_cluster(scheduler: str) -> Iterator[Executor]:
     """
     Yield the workers of a Dask scheduler as an executor; after the context no task starts.
 
     Parameters
     ----------
-    given : str
+    scheduler : str
         Address of the scheduler, ``tcp://HOST:8786``; or its ``.json`` file, which holds the
         address.
 
@@ -79,10 +79,11 @@ def open_cluster(given: str) -> Iterator[Executor]:
     ------
     OSError, ValueError
         If the file cannot be read or is not that of a scheduler; if the scheduler cannot be
-        reached or has no worker; if it or a worker has another version of Dask or of this package.
+        reached or has no worker; if the scheduler or a worker has another version of Dask or of
+        this package.
 
     """
-    place = _Place(given, _address_in(given) if given.endswith('.json') else given)
+    place = _Place(scheduler, _address_in(scheduler) if scheduler.endswith('.json') else scheduler)
     with _silence(), _connect(place) as client:
         _check(client, place)
         pool = _Workers(client)
@@ -95,16 +96,16 @@ def open_cluster(given: str) -> Iterator[Executor]:
 class _Place(NamedTuple):
     """A scheduler as the user named it, and its address."""
 
-    given: str
+    name: str
     address: str
 
     def error(self, why: str) -> ValueError:
         """Return an error that names the scheduler."""
-        return ValueError(f'--dask {self.given}: {why}')
+        return ValueError(f'--dask {self.name}: {why}')
 
-    def check_version(self, package: str, expected: str, found: Mapping[str, object]) -> None:
+    def check_version(self, package: str, expected: str, answers: Mapping[str, object]) -> None:
         """Reject a scheduler or worker whose version of a package differs from ours."""
-        for who, answer in found.items():
+        for who, answer in answers.items():
             if answer != expected:
                 has = (f'cannot load it: {answer}' if isinstance(answer, BaseException)
                        else f'has {answer}')
@@ -191,15 +192,16 @@ class _Workers(Executor):
 def _connect(place: _Place) -> Iterator[Client]:
     # Ask for the version first: a client is slow to notice a scheduler of another version.
     try:
-        found = asyncio.run(_version_of(place.address))
+        version = asyncio.run(_version_of(place.address))
     except _NO_SCHEDULER as error:
         why = ('another program does' if isinstance(error, _BABBLE) else
                str(error) or f'not within {_CONNECT_S:g} s')
         raise place.error(f'no Dask scheduler answers there: {why}') from error
-    place.check_version('distributed', DISTRIBUTED, {'the scheduler': found})
+    place.check_version('distributed', DISTRIBUTED, {'the scheduler': version})
     try:
         with warnings.catch_warnings():
-            # It warns of many libraries that do not matter here; `remote_task` checks the others.
+            # The client warns of many libraries that do not matter here; `remote_task` checks
+            # the others.
             warnings.simplefilter('ignore', VersionMismatchWarning)
             client = Client(place.address, timeout=_CONNECT_S, set_as_default=False)
     except _NO_SCHEDULER as error:
@@ -218,22 +220,22 @@ def _check(client: Client, place: _Place) -> None:
                            ('heading_intercompare.core.version:VERSION', VERSION),
                            ('heading_intercompare.app.remote_task:VERSION', VERSION)):
         # Send a function of the standard library: ours may not be installed on the worker.
-        found = client.run(resolve_name, name, on_error='return')
-        found = {f'worker {worker}': answer for worker, answer in found.items()}
+        answers = client.run(resolve_name, name, on_error='return')
+        answers = {f'worker {worker}': answer for worker, answer in answers.items()}
         try:
-            found['the scheduler'] = client.run_on_scheduler(resolve_name, name)
+            answers['the scheduler'] = client.run_on_scheduler(resolve_name, name)
         except (ImportError, AttributeError) as error:
-            found['the scheduler'] = error
-        place.check_version(name.partition('.')[0].partition(':')[0], expected, found)
+            answers['the scheduler'] = error
+        place.check_version(name.partition('.')[0].partition(':')[0], expected, answers)
 
 
 def _address_in(path: str) -> str:
     """Return the address in the file of a scheduler."""
     try:
-        found: Any = json.loads(Path(path).read_text('utf-8'))
+        document: Any = json.loads(Path(path).read_text('utf-8'))
     except ValueError as error:
         raise ValueError(f'--dask {path}: must be JSON: {error}') from error
-    address = found.get('address') if isinstance(found, dict) else None
+    address = document.get('address') if isinstance(document, dict) else None
     if not isinstance(address, str):
         raise ValueError(f'--dask {path}: is not the file of a Dask scheduler: it has no address')
     return address

@@ -169,9 +169,9 @@ def settings_for(config: Config, assignments: Sequence[str] = (),
         from_file = Settings.from_mapping(config.shared).to_mapping() if config.shared else {}
     except SettingsError as error:
         raise SettingsError(f'{config.path}: {error}') from error
-    given = {**from_file, **_parse_assignments(assignments),
-             **{k: v for k, v in overrides.items() if v is not None}}
-    return Settings.from_mapping(given)
+    merged = {**from_file, **_parse_assignments(assignments),
+              **{k: v for k, v in overrides.items() if v is not None}}
+    return Settings.from_mapping(merged)
 
 
 def choose_pair(settings: Settings, ts: str | None, rs: str | None) -> Settings:
@@ -188,21 +188,21 @@ def choose_pair(settings: Settings, ts: str | None, rs: str | None) -> Settings:
     Returns
     -------
     Settings
-        Without sensors if both are given; otherwise as they are.
+        Without sensors if both options are given; otherwise the settings as they are.
 
     Raises
     ------
     ValueError
-        If one of them is given without the other.
+        If one of the options is given without the other.
 
     """
     if settings.sensors is None or ts is None and rs is None:
         return settings
     if ts is None or rs is None:
-        given = f'--ts {ts}' if rs is None else f'--rs {rs}'
-        raise ValueError(f'{given}: with the setting sensors give --ts and --rs, to compare these '
-                         'two alone, or neither')
-    by_name = {one.name: one for one in read_sensors(settings.sensors)}
+        option = f'--ts {ts}' if rs is None else f'--rs {rs}'
+        raise ValueError(f'{option}: with the setting sensors give --ts and --rs, to compare '
+                         'these two alone, or neither')
+    by_name = {sensor.name: sensor for sensor in read_sensors(settings.sensors)}
     if ts in by_name and rs in by_name:
         return settings_of_pair(settings, by_name[ts], by_name[rs])
     return replace(settings, sensors=None)

@@ -67,8 +67,9 @@ def write_page(histories: Sequence[History], path: str, since_ns: int | None = N
     for number, history in enumerate(histories):
         parts.append(f'<h2>{escape(history.ship or "(no ship)")}, settings '
                      f'{history.settings_sha256[:8]}</h2>\n')
-        said = [trend.words for trend in history.trends] or [f'No charts: {history.why_no_chart}']
-        parts += [f'<p>{escape(words[0].upper() + words[1:])}.</p>\n' for words in said]
+        sentences = [trend.words for trend in history.trends] or [
+            f'No charts: {history.why_no_chart}']
+        parts += [f'<p>{escape(words[0].upper() + words[1:])}.</p>\n' for words in sentences]
         points = history.list_since(since_ns)
         parts += [_draw(points, figure, f'h{number}{figure}') + '\n' for figure in _NAMES]
     Path(path).write_text(''.join(parts) + '</body></html>\n', 'utf-8')
@@ -76,12 +77,13 @@ def write_page(histories: Sequence[History], path: str, since_ns: int | None = N
 
 def _group(histories: Sequence[History]) -> dict[str, list[History]]:
     """Return the histories of ships with several sensors, called SHIP/SENSOR, by the ship."""
-    found: dict[str, list[History]] = {}
+    by_ship: dict[str, list[History]] = {}
     for history in histories:
         ship, has_name, _ = history.ship.rpartition('/')
         if has_name:
-            found.setdefault(ship, []).append(history)
-    return {ship: some for ship, some in found.items() if len({one.ship for one in some}) > 1}
+            by_ship.setdefault(ship, []).append(history)
+    return {ship: ship_histories for ship, ship_histories in by_ship.items()
+            if len({history.ship for history in ship_histories}) > 1}
 
 
 def _draw_together(histories: Sequence[History], figure: str, name: str,
@@ -91,20 +93,20 @@ def _draw_together(histories: Sequence[History], figure: str, name: str,
 
     runs = [(history, [p for p in history.list_since(since_ns)
                        if getattr(p.row, f'{figure}_deg') is not None]) for history in histories]
-    start_ns = min((p.row.start_ns for _, some in runs for p in some), default=0)
+    start_ns = min((p.row.start_ns for _, points in runs for p in points), default=0)
 
     def fill(axes: Any) -> None:
-        for at, (history, some) in enumerate(runs):
+        for at, (history, points) in enumerate(runs):
             # Legible in black and white: each sensor has a mark and a dash of its own.
-            axes.plot([(p.row.start_ns - start_ns) / _DAY_NS for p in some],
-                      [getattr(p.row, f'{figure}_deg') for p in some],
+            axes.plot([(p.row.start_ns - start_ns) / _DAY_NS for p in points],
+                      [getattr(p.row, f'{figure}_deg') for p in points],
                       color=(INK, GREY)[at // len(_MARKERS) % 2], linewidth=0.8,
                       marker=_MARKERS[at % len(_MARKERS)], markersize=4.0,
                       linestyle=_DASHES[at % len(_DASHES)],
                       label=f'{history.ship.rpartition("/")[2]}, settings '
                             f'{history.settings_sha256[:8]}')
 
-    n = sum(len(some) for _, some in runs)
+    n = sum(len(points) for _, points in runs)
     return draw(fill, name=name, title=f'{_NAMES[figure].capitalize()} of each sensor, {n} runs',
                 x_label=f'days since {utc(start_ns)[:16]} UTC', y_label=f'{_NAMES[figure]} [deg]')
 

@@ -91,23 +91,24 @@ def load_config_or_journal(path: str | None, inputs: Sequence[str]) -> Config:
     OSError, BagError
         If the parameter file, or every journal, cannot be read.
     SettingsError
-        If it is not a ROS parameter file, or if journals have different settings.
+        If the file is not a ROS parameter file, or if journals have different settings.
 
     """
     if path is not None or not all(map(is_journal, inputs)):
         return load_config(path)
     stored: dict[str, Mapping[str, Any]] = {}
-    for each in inputs:
+    for journal_path in inputs:
         try:
-            stored[each] = read_origin(read_journal(Path(each), _HEAD_BYTES), Path(each)).settings
+            stored[journal_path] = read_origin(read_journal(Path(journal_path), _HEAD_BYTES),
+                                               Path(journal_path)).settings
         except (OSError, ValueError):
-            # The judging names it, and goes on with the others.
-            if each == inputs[-1] and not stored:
+            # The judging names the journal, and goes on with the other inputs.
+            if journal_path == inputs[-1] and not stored:
                 raise
     first = next(iter(stored))
-    for other, settings in stored.items():
+    for journal, settings in stored.items():
         if differing := compare_settings(settings, stored[first]):
-            raise SettingsError(f'{other}: has other settings than {first}: {differing}; '
+            raise SettingsError(f'{journal}: has other settings than {first}: {differing}; '
                                 'give the settings for all with --config')
     return Config(first, stored[first])
 
@@ -211,15 +212,15 @@ class _Resumed:
         self._progress(f'{self._n:,} pairs')
 
 
-def _leave_out_names(given: Mapping[str, Any]) -> dict[str, Any]:
+def _leave_out_names(settings: Mapping[str, Any]) -> dict[str, Any]:
     """Return settings without the names of the trial, which change no figure."""
-    return {name: value for name, value in given.items() if not name.startswith('trial.')}
+    return {name: value for name, value in settings.items() if not name.startswith('trial.')}
 
 
 def _judge_journal(path: str, name: str, settings: Settings, runs: Spans | None,
                    takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
                    sketch: SeriesSketch | None) -> JudgedInput:
-    # A node may be writing it: the hash is that of the bytes that were read.
+    # A node may be writing the journal: the hash is that of the bytes that were read.
     contents = read_journal(Path(path))
     origin = read_origin(contents, Path(path))
     compliance = Compliance(settings, source=name, table=runs, progress=progress)
@@ -231,16 +232,17 @@ def _judge_journal(path: str, name: str, settings: Settings, runs: Spans | None,
     reader = JournalReader(Path(path))
     state = reader.read(contents, _Resumed(compliance, whole, runs is not None, takers, progress))
     compliance.finish()
-    kept = reader.kept
-    total = kept.sum_ledgers().total
+    trial = reader.kept
+    total = trial.sum_ledgers().total
     # The node called the source of the runs that it judged by another name.
-    results, earlier = ([replace(one, verdict=replace(one.verdict, source=name)) for one in some]
-                        for some in (compliance.results(total), compliance.take_earlier(total)))
+    results, earlier = (
+        [replace(result, verdict=replace(result.verdict, source=name)) for result in run_results]
+        for run_results in (compliance.results(total), compliance.take_earlier(total)))
     judged = 0 if state is None else state.n_judged
     problems = [f'is the journal of a live run, begun at {utc(origin.began_ns)} UTC by version '
                 f'{origin.software}' + (f', recorded to {origin.bag}' if origin.bag else '')
-                + f': it holds {count_words(kept.n_pairs, "pair")}, '
-                f'{count_words(len(kept.marks), "mark")} and {count_words(judged, "judged run")}']
+                + f': it holds {count_words(trial.n_pairs, "pair")}, '
+                f'{count_words(len(trial.marks), "mark")} and {count_words(judged, "judged run")}']
     if others:
         problems.append('its pairs were judged by other settings than those of its node: '
                         f'{others}')
@@ -248,14 +250,15 @@ def _judge_journal(path: str, name: str, settings: Settings, runs: Spans | None,
         problems.append(f'left out: {count_words(judged, "judged run")}, whose pairs are not in '
                         'it: ' + ('the table of runs' if not others else
                                                    'these settings') + ' cannot judge them again')
-    problems += describe_gaps(kept, contents.torn)
+    problems += describe_gaps(trial, contents.torn)
     if total is None or not total.paired:
-        n = dict.fromkeys((LedgerKey.PAIRED, LedgerKey.TS_PAIRED, LedgerKey.RS_USED), kept.n_pairs)
+        n = dict.fromkeys((LedgerKey.PAIRED, LedgerKey.TS_PAIRED, LedgerKey.RS_USED),
+                          trial.n_pairs)
         total = Ledger.from_segments([LedgerSegment(None, n)])
     described = Input(name, contents.sha256, origin.settings.get('ts_topic'),
                       origin.settings.get('rs_topic'), ledger_problems=tuple(problems))
     return describe_two(results, earlier, described, problems, total, settings, table=runs,
-                        marks=sorted(kept.marks), sketch=sketch)
+                        marks=sorted(trial.marks), sketch=sketch)
 
 
 def _judge_recording(readers: Sequence[Readable], path: str, name: str, settings: Settings,
@@ -356,12 +359,12 @@ def _read_antennas(reader: Readable, settings: Settings, remarks: list[str]) -> 
     rule = settings.antennas
     (fore, bad), (aft, worse) = (read_fixes(reader, topic or '')
                                  for topic in (rule.fore_topic, rule.aft_topic))
-    found = find_baseline_headings(fore, aft, rule)
-    counts = {**found.rejected, 'unreadable': bad + worse}
+    baseline = find_baseline_headings(fore, aft, rule)
+    counts = {**baseline.rejected, 'unreadable': bad + worse}
     lacking = ', '.join(f'{n} {why}' for why, n in counts.items() if n)
-    remarks.append(f'reference sensor (RS): {len(found.headings)} headings of two antennas, '
-                   f'{describe_baseline(found)}; not taken: {lacking or "nothing"}')
-    return found.headings
+    remarks.append(f'reference sensor (RS): {len(baseline.headings)} headings of two antennas, '
+                   f'{describe_baseline(baseline)}; not taken: {lacking or "nothing"}')
+    return baseline.headings
 
 
 def _read_motion(reader: Readable, settings: Settings, problems: list[str]) -> Motion:
@@ -370,10 +373,11 @@ def _read_motion(reader: Readable, settings: Settings, problems: list[str]) -> M
         return Motion.empty()
     if isinstance(reader, StreamRecording):
         return Motion.concatenate([rows for _, rows in reader.choose_motion().values()])
-    found = read_bag_motion(reader, settings.motion)
-    if found.unreadable:
-        problems.append(f'{found.unreadable} messages of the motion of the ship cannot be read')
-    return found.rows
+    bag_motion = read_bag_motion(reader, settings.motion)
+    if bag_motion.unreadable:
+        problems.append(f'{bag_motion.unreadable} messages of the motion of the ship cannot be '
+                        'read')
+    return bag_motion.rows
 
 
 def _count_headings(readers: Sequence[Readable], topics: Iterable[str]) -> int:

@@ -83,16 +83,16 @@ def check_outputs(outputs: Outputs, inputs: Sequence[str], *, config: str | None
     Raises
     ------
     ValueError
-        If one cannot; one line with the command-line option, the file, and what is wrong.
+        If an output cannot; one line with the command-line option, the file, and what is wrong.
 
     """
-    taken = {Path(os.path.realpath(path)): f'the file of --{option}'
-             for option, path in (('config', config), ('runs', runs)) if path}
-    for given in map(Path, inputs):
-        taken[Path(os.path.realpath(given))] = 'an INPUT'
+    reserved = {Path(os.path.realpath(path)): f'the file of --{option}'
+                for option, path in (('config', config), ('runs', runs)) if path}
+    for input_path in map(Path, inputs):
+        reserved[Path(os.path.realpath(input_path))] = 'an INPUT'
         for pattern in ('*.mcap*', 'metadata.yaml'):
-            taken |= {Path(os.path.realpath(file)): f'a file of {given}'
-                      for file in given.glob(pattern)}
+            reserved |= {Path(os.path.realpath(file)): f'a file of {input_path}'
+                         for file in input_path.glob(pattern)}
     beside = None if outputs.csv in (None, '', '-') else str(account_path(outputs.csv))
     for option, path in (('csv', outputs.csv), ('csv', beside), ('ensembles', outputs.ensembles),
                          ('runs-csv', outputs.runs_csv), ('report', outputs.report),
@@ -101,12 +101,12 @@ def check_outputs(outputs: Outputs, inputs: Sequence[str], *, config: str | None
             continue
         place = Path(os.path.realpath(path))
         fault = ('name a file' if path in ('', '-') else
-                 f'that is {taken[place]}; name another file' if place in taken else
+                 f'that is {reserved[place]}; name another file' if place in reserved else
                  'is a folder; name a file' if place.is_dir() else
                  f'there is no folder {place.parent}' if not place.parent.is_dir() else None)
         if fault:
             raise ValueError(f'--{option} {path}: {fault}')
-        taken[place] = f'the file of --{option}'
+        reserved[place] = f'the file of --{option}'
 
 
 @contextmanager

@@ -174,14 +174,14 @@ def rejudge(paths: Sequence[str], config: Config | None = None, assignments: Seq
 
     """
     settings_for(config or Config(), assignments)
-    found = []
+    rejudged = []
     for done, path in enumerate(paths):
         progress(f'{done} of {len(paths)} done, {path}')
         try:
-            found.append(rejudge_bag(path, config, assignments, jobs=jobs))
+            rejudged.append(rejudge_bag(path, config, assignments, jobs=jobs))
         except UNREADABLE as error:
-            found.append(Rejudged(path, UNJUDGED, error=explain_unreadable(error, path)))
-    return sorted(found, key=lambda each: each.rank)
+            rejudged.append(Rejudged(path, UNJUDGED, error=explain_unreadable(error, path)))
+    return sorted(rejudged, key=lambda bag: bag.rank)
 
 
 def rejudge_bag(path: str, config: Config | None = None, assignments: Sequence[str] = (), *,
@@ -198,8 +198,8 @@ def rejudge_bag(path: str, config: Config | None = None, assignments: Sequence[s
     reader = BagReader(path)
     report, notes = _read_report(reader)
     stored = {} if config else _stored_settings(reader, report)
-    kept, gone = leave_out_gone(stored)
-    settings = _settings(config or Config(), kept, assignments)
+    current, gone = leave_out_gone(stored)
+    settings = _settings(config or Config(), current, assignments)
     judged = judge_bags([path], settings, jobs=jobs)
     notes += [note.removeprefix(f'{path}: ') for note in judged.notes]
     return _compare(path, None if report is None else _read_former(report), judged.verdict,
@@ -248,7 +248,7 @@ def _read_former(report: Any) -> FormerVerdict:
         outcome = Outcome(report.get('outcome'))
     except ValueError:
         raise VerdictError(f'outcome = {report.get("outcome")!r}: must be one of '
-                           f'{", ".join(repr(each.value) for each in Outcome)}') from None
+                           f'{", ".join(repr(choice.value) for choice in Outcome)}') from None
     software, rule = report.get('software'), report.get('rule_version')
     if schema == f'{_SCHEMA}1':
         rule = _RULE_OF_SCHEMA_1
@@ -269,18 +269,19 @@ def _stored_settings(reader: BagReader, report: Mapping[str, Any] | None) -> dic
     record = reader.metadata().get(RECORD, {})
     stored = {name.removeprefix(_STORED): value for name, value in record.items()
               if name.startswith(_STORED)}
-    given = (report or {}).get('settings')
-    if not stored and isinstance(given, Mapping):
-        stored = {str(name): 'none' if value is None else value for name, value in given.items()}
+    report_settings = (report or {}).get('settings')
+    if not stored and isinstance(report_settings, Mapping):
+        stored = {str(name): 'none' if value is None else value
+                  for name, value in report_settings.items()}
     return stored
 
 
 def _settings(config: Config, stored: Mapping[str, Any], assignments: Sequence[str]) -> Settings:
     """Return the settings to judge with."""
     try:
-        given = {each.partition('=')[0].strip() for each in assignments}
+        overridden = {assignment.partition('=')[0].strip() for assignment in assignments}
         settings = settings_for(config, [*(f'{name}={value}' for name, value in stored.items()
-                                           if name not in given), *assignments])
+                                           if name not in overridden), *assignments])
     except SettingsError as error:
         raise SettingsError(f'its settings: {str(error).removeprefix("--set ")}; give them with '
                             '--config') from error
@@ -298,10 +299,10 @@ def _settings(config: Config, stored: Mapping[str, Any], assignments: Sequence[s
 
 def _find_changed(report: Mapping[str, Any] | None, settings: Settings) -> list[str]:
     """Return the settings of the report whose values differ now."""
-    given = (report or {}).get('settings')
-    if not isinstance(given, Mapping):
+    report_settings = (report or {}).get('settings')
+    if not isinstance(report_settings, Mapping):
         return []
     now = settings.to_mapping()
     # What a report leaves out of its settings has the value that changes nothing.
-    then = fill_in_added(given)
+    then = fill_in_added(report_settings)
     return [name for name, value in now.items() if name in then and then[name] != value]

@@ -58,7 +58,7 @@ class _OneThread:
 def _limit_threads() -> Any:
     """Limit linear algebra to one thread; return what restores it, None without threadpoolctl."""
     try:
-        # Only workers need it, and it takes some time to load.
+        # Only workers need threadpoolctl, and it takes some time to load.
         from threadpoolctl import threadpool_limits
     except ModuleNotFoundError:
         return None
@@ -79,7 +79,7 @@ def judge_there(job: Job, path: str, place: str, libraries: str) -> JudgedInput:
     path : str
         Name of the input in the verdict.
     place : str
-        Its absolute path.
+        Absolute path of the input.
     libraries : str
         `describe_libraries` of the process that asks; if they differ here, a note says so.
 
@@ -88,15 +88,15 @@ def judge_there(job: Job, path: str, place: str, libraries: str) -> JudgedInput:
         judged = job.survive(path, place)
     if judged.error is not None:
         return job.unread(path, f'{judged.error} (on {gethostname()})')
-    here = describe_libraries()
-    if libraries != here:
-        judged.notes.append(f'{path}: judged with {here} on {gethostname()}, but here are '
-                            f'{libraries}: last digits may differ')
+    local_libraries = describe_libraries()
+    if libraries != local_libraries:
+        judged.notes.append(f'{path}: judged with {local_libraries} on {gethostname()}, but here '
+                            f'are {libraries}: last digits may differ')
     return judged
 
 
 def describe_libraries() -> str:
     """Return the versions of the libraries on which the last bits of figures depend."""
-    # Takes some time to load, and only tasks elsewhere ask for it.
+    # The module takes some time to load, and only tasks elsewhere ask for versions.
     from importlib.metadata import version
     return ' and '.join(f'{name} {version(name)}' for name in ('numpy', 'scipy'))

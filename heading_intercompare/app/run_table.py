@@ -89,7 +89,7 @@ def assign_runs(table: RunTable, paths: Sequence[str]) -> tuple[list[Run], list[
             raise ValueError(f'source = {source!r} in the table of runs is '
                              f'{" and ".join(meant[source])}; write the path instead')
     return ([(start, stop, path) for start, stop, source in table for path in meant[source]],
-            sorted(source for source, found in meant.items() if not found))
+            sorted(source for source, matches in meant.items() if not matches))
 
 
 def parse_stamp(text: str | None) -> int:
@@ -127,10 +127,10 @@ def read_exclusion_table(path: str) -> str:
     # Rows of the setting end with a semicolon, and the reason holds any other sign.
     text = '; '.join(' '.join(', '.join(row).replace(';', ',').split()) for row in rows)
     try:
-        found = read_exclusions(text)
+        exclusions = read_exclusions(text)
     except ValueError as error:
         raise ValueError(f'{path}, {error}') from error
-    if not found:
+    if not exclusions:
         raise ValueError(f'{path}: has no row start,end,reason')
     return text
 

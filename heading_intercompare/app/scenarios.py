@@ -61,27 +61,27 @@ def list_scenarios() -> list[str]:
     return sorted({file.stem for folder in _folders() for file in folder.glob('*.yaml')})
 
 
-def _find(given: str) -> Path:
+def _find(scenario: str) -> Path:
     """Return the path of the file; it may not exist."""
-    path = Path(given)
-    if path.is_file() or path.name != given or path.suffix:
+    path = Path(scenario)
+    if path.is_file() or path.name != scenario or path.suffix:
         return path
-    shipped = [folder / f'{given}.yaml' for folder in _folders()]
-    found = next((file for file in shipped if file.is_file()), None)
-    if found is None:
+    shipped = [folder / f'{scenario}.yaml' for folder in _folders()]
+    shipped_path = next((file for file in shipped if file.is_file()), None)
+    if shipped_path is None:
         names = ', '.join(list_scenarios()) or 'of the package, which are not installed'
-        raise SettingsError(f'--scenario {given}: is neither a file nor one of the scenarios '
+        raise SettingsError(f'--scenario {scenario}: is neither a file nor one of the scenarios '
                             f'{names}')
-    return found
+    return shipped_path
 
 
-def read_scenario(given: str, seed: int | None = None) -> ScenarioFile:
+def read_scenario(path_or_name: str, seed: int | None = None) -> ScenarioFile:
     """
     Read a scenario.
 
     Parameters
     ----------
-    given : str
+    path_or_name : str
         Path of a YAML file, or the name of one that comes with the package ('demo').
     seed : int, optional
         Replaces the seed in the file.
@@ -94,7 +94,7 @@ def read_scenario(given: str, seed: int | None = None) -> ScenarioFile:
         If the scenario is wrong; one line with the file, what is wrong and what is allowed.
 
     """
-    path = _find(given)
+    path = _find(path_or_name)
     data = path.read_bytes()
     mapping = parse_yaml(data, path)
     if not isinstance(mapping, dict):

@@ -84,9 +84,9 @@ def complete_setting(prefix: str, **_: object) -> list[str]:
 
     """
     rules = {rule.name: rule for rule in list_settings(Settings)}
-    name, given, _rest = prefix.partition('=')
-    if not given:
-        return [f'{known}=' for known in rules if known.startswith(prefix)]
+    name, equals, _rest = prefix.partition('=')
+    if not equals:
+        return [f'{setting}=' for setting in rules if setting.startswith(prefix)]
     if name not in rules:
         return []
     values = list(rules[name].choices)

@@ -53,7 +53,8 @@ def run_node(module: str, node: str, config: str | None, *, namespace: str = '/'
     config : str or None
         ROS parameter file.
     namespace : str
-        Of the node and its topics, with a leading slash. The sections of the file hold there too.
+        Namespace of the node and its topics, with a leading slash. The sections of the file hold
+        there too.
     remap : mapping of str to str, optional
         Published topics with other names. The node gets them as `remapped` and rejects any that
         it does not publish.
@@ -84,25 +85,26 @@ def run_node(module: str, node: str, config: str | None, *, namespace: str = '/'
     check_namespace(namespace)
     # rcl's message for an unreadable file is long and unclear, and rcl ignores other text.
     file = load_config(config)
-    own = file.sections.get(module, {}) if namespace != '/' else {}
+    section = file.sections.get(module, {}) if namespace != '/' else {}
     kind = _find(module, node)
     parameters = {name: value for name, value in parameters.items() if value is not None}
-    given: dict[str, Any] = {'parameter_overrides': make_overrides({**own, **parameters})}
+    node_arguments: dict[str, Any] = {
+        'parameter_overrides': make_overrides({**section, **parameters})}
     if remap:
-        given['remapped'] = list(remap)
+        node_arguments['remapped'] = list(remap)
 
     def make(**kwargs: Any) -> Any:
-        made = kind(**given, **kwargs)
+        main_node = kind(**node_arguments, **kwargs)
         if watch is not None:
-            every(made, _WATCH_S, lambda: watch(made))
-        return made
+            every(main_node, _WATCH_S, lambda: watch(main_node))
+        return main_node
 
-    def make_beside(made: Any, **kwargs: Any) -> Any:
+    def make_beside(main_node: Any, **kwargs: Any) -> Any:
         assert beside is not None
         other_module, other_node, look = beside
-        other = _find(other_module, other_node)(**kwargs)
-        every(other, _BESIDE_S, lambda: look(made, other))
-        return other
+        beside_node = _find(other_module, other_node)(**kwargs)
+        every(beside_node, _BESIDE_S, lambda: look(main_node, beside_node))
+        return beside_node
 
     arguments = ['--params-file', config] if config else []
     if namespace != '/':

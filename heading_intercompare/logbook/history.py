@@ -71,18 +71,18 @@ class Trend:
     def words(self) -> str:
         """Return what the chart says, in a sentence."""
         name = {'mean': 'mean', 'sd': 'standard deviation'}[self.figure]
-        said = f'the {name} was {self.center_deg:.4f} deg in the baseline'
+        sentence = f'the {name} was {self.center_deg:.4f} deg in the baseline'
         if self.first_outside_ns is not None:
             more = f', {self.outside} of {self.watched} runs are outside' \
                 if self.outside > 1 else ''
-            said += f'; it left its limits at {utc(self.first_outside_ns)[:16]} UTC{more}'
+            sentence += f'; it left its limits at {utc(self.first_outside_ns)[:16]} UTC{more}'
         if self.differs_since_ns is not None:
-            said += (f'; it differs since {utc(self.differs_since_ns)[:16]} UTC, as the run of '
-                     f'{utc(self.noticed_ns)[:16]} UTC showed (chance of a false alarm by now '
-                     f'{100.0 * self.false_alarm_probability:.2g} %)')
+            sentence += (f'; it differs since {utc(self.differs_since_ns)[:16]} UTC, as the run '
+                         f'of {utc(self.noticed_ns)[:16]} UTC showed (chance of a false alarm by '
+                         f'now {100.0 * self.false_alarm_probability:.2g} %)')
         elif self.first_outside_ns is None:
-            said += ' and has stayed within its limits'
-        return said
+            sentence += ' and has stayed within its limits'
+        return sentence
 
 
 @dataclass(frozen=True, slots=True)
@@ -168,10 +168,11 @@ def tell_histories(rows: Iterable[RunRow], *, baseline: int = 20,
     groups: dict[tuple[str, str], dict[RunKey, RunRow]] = {}
     for row in rows:
         groups.setdefault((row.ship, row.settings_sha256), {})[row.key] = row
-    found = [_tell(ship, settings, sorted(group.values(), key=lambda r: (r.start_ns, r.end_ns)),
-                   baseline, runs_between)
-             for (ship, settings), group in groups.items()]
-    return sorted(found, key=lambda each: (each.points[-1].row.end_ns, each.ship))
+    histories = [_tell(ship, settings,
+                       sorted(group.values(), key=lambda r: (r.start_ns, r.end_ns)),
+                       baseline, runs_between)
+                 for (ship, settings), group in groups.items()]
+    return sorted(histories, key=lambda history: (history.points[-1].row.end_ns, history.ship))
 
 
 def is_charted(row: RunRow) -> bool:

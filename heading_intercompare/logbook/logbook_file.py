@@ -125,7 +125,7 @@ class Logbook:
         LogbookBusy
             If another process is writing all the time.
         LogbookError
-            If there is no such file, or it is no logbook, or one of a newer version.
+            If there is no such file, or the file is no logbook, or a logbook of a newer version.
 
         """
         where, values = ['1'], []
@@ -134,9 +134,9 @@ class Logbook:
                 where.append(condition)
                 values.append(value)
         with self._open(write=False) as connection:
-            found = connection.execute(
+            rows = connection.execute(
                 f'{_READ} WHERE {" AND ".join(where)} ORDER BY start_ns, end_ns, ship, id', values)
-            return [RunRow(*row) for row in found]
+            return [RunRow(*row) for row in rows]
 
     @contextmanager
     def _open(self, *, write: bool) -> Iterator[sqlite3.Connection]:

@@ -85,18 +85,18 @@ class ServiceChange:
             return f'cannot decide: the {name}; {runs} the service'
         level = f'{100.0 * self.confidence:g} %'
         if self.figure == 'mean':
-            said = (f'the mean changed by {self.change:+.4f} deg ({level}: {self.low:+.4f} to '
-                    f'{self.high:+.4f} deg; {runs})')
+            sentence = (f'the mean changed by {self.change:+.4f} deg ({level}: {self.low:+.4f} to '
+                        f'{self.high:+.4f} deg; {runs})')
         else:
-            said = (f'the standard deviation changed by the factor {self.change:.3f} ({level}: '
-                    f'{self.low:.3f} to {self.high:.3f}; {runs})')
-        said += ': it differs' if self.differs else ': no change is shown'
+            sentence = (f'the standard deviation changed by the factor {self.change:.3f} '
+                        f'({level}: {self.low:.3f} to {self.high:.3f}; {runs})')
+        sentence += ': it differs' if self.differs else ': no change is shown'
         if self.one_run:
-            said += ('; a side has one run, so a change that comes with every run looks like one '
-                     'of the service')
+            sentence += ('; a side has one run, so a change that comes with every run looks like '
+                         'one of the service')
         elif self.correlation is None:
-            said += '; the runs count as independent'
-        return said
+            sentence += '; the runs count as independent'
+        return sentence
 
 
 def compare_service(rows: Sequence[RunRow], at_ns: int, *,
@@ -116,7 +116,7 @@ def compare_service(rows: Sequence[RunRow], at_ns: int, *,
     Returns
     -------
     tuple of ServiceChange
-        Of the mean and of the standard deviation.
+        The change of the mean and that of the standard deviation.
 
     Notes
     -----
@@ -135,14 +135,14 @@ def compare_service(rows: Sequence[RunRow], at_ns: int, *,
              [row for row in rows if row.start_ns >= at_ns and is_charted(row)]]
     counts = len(sides[0]), len(sides[1])
     left_out = len(rows) - sum(counts)
-    found = []
+    changes = []
     for figure in ('mean', 'sd'):
         if not all(counts):
-            found.append(ServiceChange(figure, *counts, left_out, confidence=confidence))
+            changes.append(ServiceChange(figure, *counts, left_out, confidence=confidence))
             continue
         columns = [_columns(figure, side) for side in sides]
-        found.append(_compare(figure, columns, counts, left_out, confidence))
-    return tuple(found)
+        changes.append(_compare(figure, columns, counts, left_out, confidence))
+    return tuple(changes)
 
 
 def _columns(figure: str, rows: Sequence[RunRow]) -> tuple[Reals, Reals]:

@@ -63,10 +63,11 @@ class Compliance(Node):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('compliance', **OVERRIDES, **kwargs)
-        settings, taking, own = declare(
+        settings, taking, node_settings = declare(
             self, Settings, Taking, ComplianceNode, followed=('window_s', 'stale_s'))
-        self._settings, self._own = settings_of_tested(settings, own.sensor), place_files(own)
-        self.health = Health(self, called(self, own.sensor))
+        self._settings, self._own = (settings_of_tested(settings, node_settings.sensor),
+                                     place_files(node_settings))
+        self.health = Health(self, called(self, node_settings.sensor))
         self._compliance = PureCompliance(self._settings, source='live',
                                           keeper=lambda: open_spool(self.health))
         self.get_logger().info(least_duration_words(self._settings.risk))

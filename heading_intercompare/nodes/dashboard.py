@@ -47,7 +47,7 @@ class Dashboard(Node):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('dashboard', **OVERRIDES, **kwargs)
-        settings, taking, own = declare(self, SHOWN, Taking, DashboardNode)
+        settings, taking, node_settings = declare(self, SHOWN, Taking, DashboardNode)
         self.ended = False
         self.health = Health(self)
         limit_deg = (Limits.of(settings.norms, settings.model).count_limit_deg
@@ -55,16 +55,16 @@ class Dashboard(Node):
         self._graph = BridgeIntake(self, self.health, settings, taking, limit_deg)
         self._actions = OperatorActions(self)
         self._seen: tuple[BridgeView, float] = BridgeView(), time.monotonic()
-        self.page = PageServer(Controls(self._look, self._actions.ask), host=own.host,
-                               port=own.port, token=own.token)
-        self._say_where(own)
+        self.page = PageServer(Controls(self._look, self._actions.ask), host=node_settings.host,
+                               port=node_settings.port, token=node_settings.token)
+        self._say_where(node_settings)
         every(self, _VIEW_S, self._show)
 
     def _say_where(self, own: DashboardNode) -> None:
         """Print the address once, and a token that was made here; the log keeps no token."""
-        made = self.page.token is not None and own.token is None
+        token_made = self.page.token is not None and own.token is None
         sys.stdout.write(f'page: {self.page.url}'
-                         f'{f" token: {self.page.token}" if made else ""}\n')
+                         f'{f" token: {self.page.token}" if token_made else ""}\n')
         sys.stdout.flush()
 
     def _show(self) -> None:

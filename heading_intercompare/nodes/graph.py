@@ -111,7 +111,7 @@ def _plan_judging(settings: Settings, own: Mapping[str, Mapping[str, Any]],
     pairing_own = {**own.get('synchronizer', {}), 'subscribers': 1 + recorded}
     sensors = read_sensors(settings.sensors)
     planned = []
-    for sensor in [one.name for one in list_tested(sensors)] if sensors else ['']:
+    for sensor in [sensor.name for sensor in list_tested(sensors)] if sensors else ['']:
         named = {'sensor': sensor} if sensor else {}
         planned += [_Planned(Compliance, 'compliance', {**judging_own, **named}, sensor),
                     _Planned(Synchronizer, 'synchronizer', {**pairing_own, **named}, sensor)]
@@ -142,7 +142,7 @@ def _align_logs(sources: Sequence[Node]) -> None:
     """Start all logs at the earliest first stamp of any, so that they play in step."""
     logs = [s for s in sources if getattr(s, 'first_ns', None) is not None]
     for log in logs:
-        log.play_from(min(other.first_ns for other in logs))
+        log.play_from(min(other_log.first_ns for other_log in logs))
 
 
 @contextmanager
@@ -256,20 +256,20 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
     with (_context(private) as context, Stop() as stop,
           spin_nodes(context) as (judging, _), spin_nodes(context) as (executor, nodes)):
         def start(plan: Sequence[_Planned]) -> None:
-            for one in plan:
+            for planned in plan:
                 with say_security_errors():
-                    nodes.append(one.make(
-                        context=context, cli_args=one.arguments(namespace, remaps),
-                        parameter_overrides=make_overrides({**settings, **one.parameters})))
-                (judging if one.make in _JUDGES else executor).add_node(nodes[-1])
+                    nodes.append(planned.make(
+                        context=context, cli_args=planned.arguments(namespace, remaps),
+                        parameter_overrides=make_overrides({**settings, **planned.parameters})))
+                (judging if planned.make in _JUDGES else executor).add_node(nodes[-1])
         start(first)
         deciding, pages = nodes[:n_judging], nodes[n_judging:]
         judges = [node for node in deciding if isinstance(node, _JUDGES)]
         pairing = [node for node in deciding if node not in judges]
         compliances = [node for node in judges if isinstance(node, Compliance)]
-        for one in pages:
-            if isinstance(one, Dashboard):
-                served(one.page.url)
+        for page_node in pages:
+            if isinstance(page_node, Dashboard):
+                served(page_node.page.url)
         look = _Look(nodes[-1], show)
         # Beside another graph no bag is begun.
         while not (stop.requested or all(node.sole.clear for node in deciding)):
@@ -281,10 +281,10 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
         running = nodes[len(nodes) - len(sources):]
         for recorder in recorders:
             recorder.state_sources({source.name: source.settings for source in sources})
-        told: SimpleQueue[str] = SimpleQueue()
+        alarm_lines: SimpleQueue[str] = SimpleQueue()
         for node in nodes if tell is not None else ():
             if hasattr(node, 'alarms'):
-                node.alarms.panel.tell = told.put
+                node.alarms.panel.tell = alarm_lines.put
         _align_logs(running)
         settle_memory()
         with _spin_in_thread(judging) as judged:
@@ -294,8 +294,8 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
                 progress(sum(node.n_pairs for node in compliances))
                 look.pass_on()
                 # The judge has its own thread; only this one writes.
-                while tell is not None and not told.empty():
-                    tell(told.get())
+                while tell is not None and not alarm_lines.empty():
+                    tell(alarm_lines.get())
         look.pass_on('ending: taking the last pairs, closing the bag', at_once=True)
         for node in judges:
             judging.remove_node(node)

@@ -39,20 +39,21 @@ class MotionDriver(ReadingNode):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('motion_driver', **OVERRIDES, **kwargs)
-        analysis, settings, sending, taking, own = declare(
+        analysis, settings, sending, taking, node_settings = declare(
             self, PUBLISHED, DriverSettings, Sending, Taking, DriverNode, followed=('stale_s',))
         self._allow_silence(taking)
         self.done = self.ended = False
         self.health = Health(self)
         wake = self.create_guard_condition(self._pass_on)
         self._reading = Reading(settings, sending.max_rate_hz, wake.trigger)
-        self._motion = DriverMotion(self, self.health, analysis, settings, own, alone=True)
+        self._motion = DriverMotion(self, self.health, analysis, settings, node_settings,
+                                    alone=True)
         if self._reading.from_file:
             self._motion.open()
-            if own.origin_ns is not None:
-                self.play_from(own.origin_ns)
-        wanted = sending.subscribers if self._motion.publishers else 0
-        self._audience = Audience(self, self._motion.publishers, wanted, self.health)
+            if node_settings.origin_ns is not None:
+                self.play_from(node_settings.origin_ns)
+        subscribers = sending.subscribers if self._motion.publishers else 0
+        self._audience = Audience(self, self._motion.publishers, subscribers, self.health)
         self._flushed = self._ending = False
         self._newest_s, self._n_before = time.monotonic(), 0
         self._later = every(self, 0.01, self._pass_on)

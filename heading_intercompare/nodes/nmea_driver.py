@@ -54,22 +54,22 @@ class NmeaDriver(ReadingNode):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('nmea_driver', **OVERRIDES, **kwargs)
-        analysis, settings, sending, taking, own = declare(
+        analysis, settings, sending, taking, node_settings = declare(
             self, PUBLISHED, DriverSettings, Sending, Taking, DriverNode, followed=('stale_s',))
         self._allow_silence(taking)
         self.done = self.ended = self._flushed = self._ending = False
-        self._frame_id = own.frame_id or settings.topic.strip('/').replace('/', '_')
+        self._frame_id = node_settings.frame_id or settings.topic.strip('/').replace('/', '_')
         self._lost = LossPublisher(self, resolve_topic(self, settings.topic))
         self._decoder, self.health = NmeaDecoder(settings), Health(self)
         wake = self.create_guard_condition(self._pass_on)
         self._reading = Reading(settings, sending.max_rate_hz, wake.trigger)
-        self._motion = DriverMotion(self, self.health, analysis, settings, own)
+        self._motion = DriverMotion(self, self.health, analysis, settings, node_settings)
         self.alarms = SentenceAlarms(self, self.health, settings.talker)
         self._publisher = self.create_publisher(
             Imu, settings.topic, qos.HEADINGS_OUT,
             event_callbacks=self.health.of_publisher(settings.topic))
-        if self._reading.from_file and own.origin_ns is not None:
-            self.play_from(own.origin_ns)
+        if self._reading.from_file and node_settings.origin_ns is not None:
+            self.play_from(node_settings.origin_ns)
         self._audience = Audience(
             self, [self._publisher], sending.subscribers, self.health,
             judged=places.judging_topics(analysis),

@@ -79,8 +79,8 @@ class Recorder(Node):
         self.state_sources({})
         if copy:
             self._bag.attachment(*copy)
-        self._awaited = [one.intake.full_name for one in self._topics.values()
-                         if one.expected and not one.is_heading]
+        self._awaited = [recorded.intake.full_name for recorded in self._topics.values()
+                         if recorded.expected and not recorded.is_heading]
         self._judged = JudgedHeadings(self._topics)
         self._notes = Notes(self._bag.metadata)
         self._notes.add(self._own.note or '', time.time_ns())
@@ -104,17 +104,18 @@ class Recorder(Node):
             return
         rows: list[tuple[str, Message]] = []
         now_s = time.monotonic()
-        for topic, one in self._topics.items():
-            taken = one.intake.take()
-            if taken:
-                self._bag.add_topic(one.intake.full_name, one.intake.type_name, one.offered)
+        for topic, recorded in self._topics.items():
+            messages = recorded.intake.take()
+            if messages:
+                self._bag.add_topic(recorded.intake.full_name, recorded.intake.type_name,
+                                    recorded.offered)
                 if topic in (REPORT_TOPIC, SENSORS_REPORT_TOPIC):
-                    self._report = text_of(taken[-1][0])
-            for data, info in taken if topic == NOTE_TOPIC else ():
+                    self._report = text_of(messages[-1][0])
+            for data, info in messages if topic == NOTE_TOPIC else ():
                 for note in self._notes.add(text_of(data), info['received_timestamp']):
                     self.get_logger().info(f'note: {note.text}')
             rows += [(topic, message) for message in self._judged.take(
-                topic, taken, now_s, self.health.ending)]
+                topic, messages, now_s, self.health.ending)]
         self._write(rows)
         self._bag.tick(now_s)
         if (state := self._bag.fault + self._bag.remark) != self._state:
@@ -139,8 +140,8 @@ class Recorder(Node):
 
     def end(self) -> None:
         """Keep recording until the other nodes are gone or time is up, for the last verdict."""
-        for one in self._topics.values():
-            one.intake.bring_back()
+        for recorded in self._topics.values():
+            recorded.intake.bring_back()
         self._quiet_s, self._end_s = (time.monotonic() + s
                                       for s in (_QUIET_S, self._own.end_wait_s))
 

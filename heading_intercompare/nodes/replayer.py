@@ -63,14 +63,15 @@ class Replayer(Node):
     def __init__(self, *, remapped: Collection[str] = (),
                  clock_ns: Callable[[], int] = time.monotonic_ns, **kwargs: Any) -> None:
         super().__init__('replayer', **OVERRIDES, **kwargs)
-        settings, sending, own = declare(self, REPLAYED, Sending, ReplayerNode)
-        if own.bag is None:
+        settings, sending, node_settings = declare(self, REPLAYED, Sending, ReplayerNode)
+        if node_settings.bag is None:
             raise SettingsError('bag is required: an .mcap file or a rosbag2 folder')
         self.done = self.ended = self._begun = False
-        self.health, self._reader = Health(self), BagReader(own.bag, settings.bag_namespace)
+        self.health, self._reader = Health(self), BagReader(node_settings.bag,
+                                                            settings.bag_namespace)
         self._motion = beside.ReplayedMotion(self._reader, settings.motion)
         topics = [*(heard := places.judging_topics(settings)), MARKER_TOPIC, *self._motion.topics]
-        names = published_names(self, topics + ['/clock'] * own.clock, remapped)
+        names = published_names(self, topics + ['/clock'] * node_settings.clock, remapped)
         # This reads nothing yet, but rejects a topic that is not a heading.
         self._reader.headings(dict.fromkeys(heard, 'enu'))
         self._headings, self._mark_readers = {}, places.count_judges(settings)
@@ -80,23 +81,24 @@ class Replayer(Node):
                 find_heading_type(self._reader.topics[in_bag].type_name), topic, qos.HEADINGS_OUT,
                 event_callbacks=self.health.of_publisher(name))
         self._lost = beside.ReplayedLosses(self, self._reader, dict(zip(self._headings, names)),
-                                           whole=not own.start_s)
+                                           whole=not node_settings.start_s)
         self._replay = Replay(
-            self._reader, [*self._lost.topics, *self._motion.in_bag], rate=own.rate,
-            start_s=own.start_s, duration_s=own.duration_s, loop=own.loop,
-            paused=own.start_paused, clock_ns=clock_ns)
+            self._reader, [*self._lost.topics, *self._motion.in_bag], rate=node_settings.rate,
+            start_s=node_settings.start_s, duration_s=node_settings.duration_s,
+            loop=node_settings.loop, paused=node_settings.start_paused, clock_ns=clock_ns)
         self._motion.open(self, self.health)
         self._marker = self.create_publisher(DiagnosticArray, MARKER_TOPIC, qos.MARKER)
-        self._time = self.create_publisher(Clock, '/clock', qos.CLOCK) if own.clock else None
+        self._time = (self.create_publisher(Clock, '/clock', qos.CLOCK)
+                      if node_settings.clock else None)
         self._audience = Audience(self, [*self._headings.values()], sending.subscribers,
                                   self.health, places.further_subscribers(settings), judged=heard)
         self._allowance = Allowance(sending.max_rate_hz)
         self._flow = FlowControl(self._headings.values(), self.health)
-        # Before any heading: they act by stamp, and a late one would not.
+        # Before any heading: marks act by stamp, and a late mark would not.
         self.published, self._marks = 0, beside.publish_marks(self._reader, self._marker)
         self._heard_s: float | None = None
-        for name, wanted in _PAUSED_BY.items():
-            self.create_service(Trigger, f'~/{name}', partial(self._serve, wanted))
+        for name, paused in _PAUSED_BY.items():
+            self.create_service(Trigger, f'~/{name}', partial(self._serve, paused))
         if self._replay.over:
             self.get_logger().warning(f'nothing to replay: {self._replay.part} has no heading')
         self.health.add_refresher(self._note)

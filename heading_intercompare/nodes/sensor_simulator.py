@@ -73,7 +73,7 @@ class SensorSimulator(Node):
         self._publishers_of = {role: self.create_publisher(
             Imu, topic, qos.HEADINGS_OUT, event_callbacks=self.health.of_publisher(topic))
             for role, topic in topics.items()}
-        judged = places.judging_topics(settings)  # Nobody may hear one that they do not name.
+        judged = places.judging_topics(settings)  # Other topics may go unheard.
         self._audience = Audience(
             self, [self._publishers_of[role] for role in topics if topics[role] in judged],
             sending.subscribers, self.health, places.further_subscribers(settings), judged=judged)
@@ -123,9 +123,10 @@ class SensorSimulator(Node):
         self._motion.take(chunk.motion)
         for message in imu_messages(chunk.truth, self._frames['truth']):
             self._publishers_of['truth'].publish(message)
-        for role, (made, statuses) in chunk.sent.items():
-            messages = imu_messages(made.headings, self._frames[role], sigma_deg=made.sigma_deg,
-                                    turn_rate_deg_s=made.rate_deg_s)
+        for role, (readings, statuses) in chunk.sent.items():
+            messages = imu_messages(readings.headings, self._frames[role],
+                                    sigma_deg=readings.sigma_deg,
+                                    turn_rate_deg_s=readings.rate_deg_s)
             for message in messages:
                 self._publishers_of[role].publish(message)
             self._allowance.spend(len(messages))
@@ -135,8 +136,9 @@ class SensorSimulator(Node):
 
     def _report(self, role: str, status: AhrsStatus) -> None:
         """Report mode, progress and built-in tests of an AHRS; log its events."""
-        said = describe_condition(status)
-        self.health.note(role, LEVELS[said.level], said.words, log=False, **said.figures)
+        condition = describe_condition(status)
+        self.health.note(role, LEVELS[condition.level], condition.words, log=False,
+                         **condition.figures)
         if status.message:
             self.get_logger().info(f'{role}: {status.message}, {status.t_s:.1f} s of the trial')
 

@@ -66,17 +66,17 @@ class SensorsWatch(Node):
 
     def __init__(self, **kwargs: Any) -> None:
         super().__init__('sensors_watch', **OVERRIDES, **kwargs)
-        settings, taking, types, own = declare(self, Settings, Taking, HeadingTypes, SensorsNode,
-                                               followed=('stale_s',))
+        settings, taking, types, node_settings = declare(
+            self, Settings, Taking, HeadingTypes, SensorsNode, followed=('stale_s',))
         self.health = Health(self)
         self._comparison = SensorsComparison(settings, source='live', only_others=True)
         self._headings = SensorsIntake(self, self.health, taking, types, self._comparison)
-        self._journals = PairJournals(self, self.health, settings, own, self._comparison,
+        self._journals = PairJournals(self, self.health, settings, node_settings, self._comparison,
                                       self._headings.heard)
         self._motion = MotionIntake(self, self.health, taking, settings.motion, (self._journals,))
         self._now = NowPublisher(self, self.health, settings, self._comparison, taking.stale_s)
-        self._reporting = SensorsReporting(self, self.health, settings, own, self._comparison,
-                                           self._journals, self._headings)
+        self._reporting = SensorsReporting(self, self.health, settings, node_settings,
+                                           self._comparison, self._journals, self._headings)
         self.alarms = self._now
         self.sole = SoleNode(self, [SENSORS_REPORT_TOPIC], self.health)
         self._marks = MarkIntake(self.health, self._journals.marks)
@@ -89,7 +89,7 @@ class SensorsWatch(Node):
             self.create_service(Trigger, f'compliance/{name}_run',
                                 lambda _, response, kind=name: self._command(kind, response))
         self.create_service(Trigger, 'compliance/acknowledge', self._acknowledge)
-        self._awake, self._end_wait_s = AwakeClock(), own.end_wait_s
+        self._awake, self._end_wait_s = AwakeClock(), node_settings.end_wait_s
         self._end_s: float | None = None
         self._seen_s = self._headings_s = 0.0
         every(self, max(taking.drain_period_s, _DRAIN_S), self._drain)

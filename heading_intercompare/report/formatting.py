@@ -111,9 +111,9 @@ def bounds(low: float | None, up: float | None) -> str:
     half = None if low is None or up is None else 0.5 * (up - low)
     return f'{rounded(low, half)} to {rounded(up, half)}' if (low, up) != (None, None) else ABSENT
 
-def outcome(found: Outcome | None) -> str:
+def outcome(decision: Outcome | None) -> str:
     """Return the words of an outcome."""
-    return ABSENT if found is None else OUTCOME_WORDS[found]
+    return ABSENT if decision is None else OUTCOME_WORDS[decision]
 
 
 def value(thing: Any) -> str:

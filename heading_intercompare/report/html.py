@@ -87,7 +87,7 @@ def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = (),
     verdict : Verdict
         The verdict to show.
     sketches : sequence of SeriesSketch
-        One per input, for the figures; without any there are no figures.
+        One sketch per input, for the figures; without sketches there are no figures.
     progress : callable
         Called with the progress in words.
 
@@ -111,18 +111,19 @@ def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = (),
         guarded=rows_by_run(GUARDED, runs), uncertainty=describe_uncertainty(settings),
         budgets=[(run.run, budget_of(run, settings)) for run in verdict.runs], drawn=drawn,
         findings=describe_findings(verdict.runs),
-        notes=[(f'{utc(note.stamp_ns)} UTC', note.text, given.path)
-               for given in verdict.inputs for note in given.notes or ()],
+        notes=[(f'{utc(note.stamp_ns)} UTC', note.text, recording.path)
+               for recording in verdict.inputs for note in recording.notes or ()],
         settings=[(name, exact(thing)) for name, thing in settings.to_mapping().items()
                   if not name.startswith('trial.')],
-        taken_out=[(f'{utc(one.start_ns)} UTC', f'{utc(one.end_ns)} UTC', str(one.n), one.reason)
-                   for one in (verdict.taken_out.stretches if verdict.taken_out else ())])
+        taken_out=[(f'{utc(stretch.start_ns)} UTC', f'{utc(stretch.end_ns)} UTC', str(stretch.n),
+                    stretch.reason)
+                   for stretch in (verdict.taken_out.stretches if verdict.taken_out else ())])
 
 
 def _tell(progress: Callable[[str], None], sketch: int, sketches: int, done: int) -> None:
     """Say how many figures are drawn, `done` of them of the sketch of this number."""
-    each = len(NAMES)
-    progress(f'{(sketch - 1) * each + done} of {sketches * each} figures drawn')
+    n_figures = len(NAMES)
+    progress(f'{(sketch - 1) * n_figures + done} of {sketches * n_figures} figures drawn')
 
 
 def _compare_runs(verdict: Verdict) -> list[Table]:
@@ -135,17 +136,17 @@ def _compare_runs(verdict: Verdict) -> list[Table]:
 def _pick_figure(verdict: Verdict, sketches: Sequence[SeriesSketch],
                  drawn: Sequence[tuple[str, int, list[Drawn]]]) -> Drawn | None:
     """Return the differences in time of the run with the largest variance."""
-    there = [(sketch, figure) for sketch, (_, _, figures) in zip(sketches, drawn)
-             for figure in figures if figure.id.endswith('-differences') and figure.svg]
+    candidates = [(sketch, figure) for sketch, (_, _, figures) in zip(sketches, drawn)
+                  for figure in figures if figure.id.endswith('-differences') and figure.svg]
     worst = next((run for run in verdict.runs
                   if run.run == verdict.campaign.worst_variance_run), None)
     if worst is not None:
-        begun = [(sketch.time.start_ns, figure) for sketch, figure in there
+        begun = [(sketch.time.start_ns, figure) for sketch, figure in candidates
                  if sketch.source == worst.source and sketch.time.start_ns is not None
                  and sketch.time.start_ns <= worst.end_ns]
         if begun:
-            return max(begun, key=lambda one: one[0])[1]
-    return there[0][1] if there else None
+            return max(begun, key=lambda candidate: candidate[0])[1]
+    return candidates[0][1] if candidates else None
 
 
 def _rows_of_looks(looks: Sequence[LookVerdict]) -> list[tuple[str, str, str]]:

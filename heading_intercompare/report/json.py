@@ -46,22 +46,22 @@ def parse(text: str | bytes) -> Verdict:
     Raises
     ------
     VerdictError
-        If it is not JSON, or not a verdict; the message is one line.
+        If the text is not JSON, or not a verdict; the message is one line.
 
     """
-    found = parse_any(text)
-    if isinstance(found, SensorsVerdict):
+    verdict = parse_any(text)
+    if isinstance(verdict, SensorsVerdict):
         raise VerdictError('is a verdict on several sensors, not on one; take one of its '
                            'verdicts')
-    return found
+    return verdict
 
 
 def parse_any(text: str | bytes) -> Verdict | SensorsVerdict:
     """Return the verdict on one sensor, or on several, in a JSON text; errors as `parse`."""
     try:
-        given = json.loads(text)
-        kind = SensorsVerdict if is_of_sensors(given) else Verdict
-        return kind.from_dict(given)
+        document = json.loads(text)
+        kind = SensorsVerdict if is_of_sensors(document) else Verdict
+        return kind.from_dict(document)
     except VerdictError:
         raise
     except UnicodeDecodeError:

@@ -66,12 +66,12 @@ def print_page(text: str, path: str | Path,
                progress: Callable[[str], None] = lambda text: None) -> None:
     """Write a page of HTML that needs nothing from elsewhere as PDF; OSError if that fails."""
     with _told_to(progress):
-        made = weasyprint.HTML(string=text, url_fetcher=_refuse).write_pdf()
-    # Made first, so that a fault leaves no half-written file.
-    Path(path).write_bytes(made)
+        document = weasyprint.HTML(string=text, url_fetcher=_refuse).write_pdf()
+    # The document is made first, so that a fault leaves no half-written file.
+    Path(path).write_bytes(document)
 
 
-class _Told(logging.Handler):
+class _ProgressHandler(logging.Handler):
     """Says how much of the layout is done, from the steps that WeasyPrint logs."""
 
     def __init__(self, progress: Callable[[str], None]) -> None:
@@ -79,9 +79,9 @@ class _Told(logging.Handler):
         self._progress, self._share = progress, 0.0
 
     def emit(self, record: logging.LogRecord) -> None:
-        if (found := _STEP.match(record.getMessage())) is None:
+        if (match := _STEP.match(record.getMessage())) is None:
             return
-        step, page = int(found[1]), int(found[2] or 0)
+        step, page = int(match[1]), int(match[2] or 0)
         share = _BEFORE.get(step, 0.0)
         if step == _PAGES:
             share = min(share + _PER_PAGE * page, _BEFORE[_PAGES + 1])
@@ -92,7 +92,7 @@ class _Told(logging.Handler):
 
 @contextmanager
 def _told_to(progress: Callable[[str], None]) -> Iterator[None]:
-    logger, handler = logging.getLogger('weasyprint.progress'), _Told(progress)
+    logger, handler = logging.getLogger('weasyprint.progress'), _ProgressHandler(progress)
     before = logger.level
     logger.addHandler(handler)
     logger.setLevel(logging.INFO)

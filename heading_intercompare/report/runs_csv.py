@@ -32,8 +32,8 @@ Cell = str | int | float | None
 
 
 def _list_conditions(run: RunVerdict) -> str:
-    return ','.join(f'{one.condition}={one.effect}' for one in run.validity
-                    if one.effect in (DOUBTFUL, VOID))
+    return ','.join(f'{finding.condition}={finding.effect}' for finding in run.validity
+                    if finding.effect in (DOUBTFUL, VOID))
 
 
 def _finite(value: float | None) -> float | None:
@@ -101,10 +101,10 @@ def write_runs(verdict: Verdict | SensorsVerdict, path: str | Path) -> None:
 def _list_rows(verdict: Verdict) -> Iterator[list[Cell]]:
     for run in verdict.runs:
         yield [_COLUMNS[name](run) for name in COLUMNS]
-    for given in verdict.inputs:
-        if given.why_no_run:
+    for recording in verdict.inputs:
+        if recording.why_no_run:
             row: dict[str, Cell] = dict.fromkeys(COLUMNS, '')
-            yield [*(row | {'recording': given.path, 'reason': given.why_no_run}).values()]
+            yield [*(row | {'recording': recording.path, 'reason': recording.why_no_run}).values()]
 
 
 def _write(path: str | Path, names: Sequence[str], rows: Iterable[list[Cell]]) -> None:

@@ -76,9 +76,9 @@ def write_protocols(verdict: Verdict | SensorsVerdict, path: str | Path,
     if files[0].suffix.lower() == '.json':
         json.write(verdict, path)
         return files
-    for name, one in verdict.verdicts.items():
+    for name, sensor_verdict in verdict.verdicts.items():
         place = sensor_path(path, name)
-        write(one, place, (sketches or {}).get(name, ()),
+        write(sensor_verdict, place, (sketches or {}).get(name, ()),
               lambda text, name=name: progress(f'{name}: {text}'))  # type: ignore[misc]
         files.append(place)
     _write_overview(verdict, files[0], progress)
@@ -87,11 +87,11 @@ def write_protocols(verdict: Verdict | SensorsVerdict, path: str | Path,
 
 def _write_overview(verdict: SensorsVerdict, path: Path, progress: Callable[[str], None]) -> None:
     from .html import load_template
-    own = {name: sensor_path(path, name).name for name in verdict.verdicts}
+    protocols = {name: sensor_path(path, name).name for name in verdict.verdicts}
     text = load_template('sensors.html').render(
-        verdict=verdict, void=VOID, words=OUTCOME_WORDS, signs=SIGNS, protocols=own,
+        verdict=verdict, void=VOID, words=OUTCOME_WORDS, signs=SIGNS, protocols=protocols,
         trial=verdict.settings.trial,
-        sensors=[(one, split_words(one)) for one in verdict.sensors],
+        sensors=[(sensor, split_words(sensor)) for sensor in verdict.sensors],
         matrices=[(title.strip(), matrix_of(verdict, text)) for title, text in SHOWN],
         evidence=[(f'{pair.first} and {pair.second}', '; '.join(pair.findings))
                   for pair in verdict.pairs if pair.findings])

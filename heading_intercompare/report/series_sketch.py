@@ -129,9 +129,9 @@ class SeriesSketch:
         self.time.update(stamps, x)
         line = self._unwrap(rs)
         self.rs_time.update(stamps, line)
-        kept = find_excluded(stamps, read_exclusions(settings.exclusions)) < 0
-        self.n_taken_out += n - int(np.count_nonzero(kept))
-        self._take_kept(stamps[kept], x[kept], line[kept], settings)
+        included = find_excluded(stamps, read_exclusions(settings.exclusions)) < 0
+        self.n_taken_out += n - int(np.count_nonzero(included))
+        self._take_kept(stamps[included], x[included], line[included], settings)
 
     def _unwrap(self, rs_deg: Reals) -> Reals:
         """Return the RS headings without their jumps at north."""

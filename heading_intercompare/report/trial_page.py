@@ -42,14 +42,14 @@ def compose_trial_page(title: str, lines: Iterable[str], traces: Sequence[Trace]
     title : str
         Title of the trial.
     lines : iterable of str
-        What the command says of it.
+        What the command says of the trial.
     traces : sequence of Trace
         What each sensor showed.
     seeds : mapping of str to array_like of float, optional
         Columns `seed`, `true_mean_deg`, `mean_deg`, `low_deg` and `high_deg` of a repeated trial.
 
     """
-    said = ''.join(f'<p>{escape(line)}</p>\n' for line in lines)
+    paragraphs = ''.join(f'<p>{escape(line)}</p>\n' for line in lines)
     charts = ''.join(
         f'<h2>{escape(trace.name)}</h2>\n{"".join(draw_trace(trace, number))}\n'
         for number, trace in enumerate(traces))
@@ -57,4 +57,4 @@ def compose_trial_page(title: str, lines: Iterable[str], traces: Sequence[Trace]
         charts += f'<h2>Seeds</h2>\n{draw_seeds(seeds)}\n'
     return ('<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
             f'<title>{escape(title)}</title>\n<style>{_STYLE}</style>\n</head>\n<body>\n'
-            f'<h1>{escape(title)}</h1>\n{said}{charts}</body>\n</html>\n')
+            f'<h1>{escape(title)}</h1>\n{paragraphs}{charts}</body>\n</html>\n')

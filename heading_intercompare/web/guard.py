@@ -48,9 +48,9 @@ def is_loopback(host: str) -> bool:
         return False
 
 
-def check_token(given: str, token: str | None) -> bool:
+def check_token(entered: str, token: str | None) -> bool:
     """Tell whether a token is right, in the same time for every wrong one; None needs none."""
-    return token is None or hmac.compare_digest(given.encode(), token.encode())
+    return token is None or hmac.compare_digest(entered.encode(), token.encode())
 
 
 class Guard:

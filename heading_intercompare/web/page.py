@@ -151,9 +151,9 @@ class _Page:
                 self._button(text, partial(self._act, what, ''), f'k-{what}')
             self._note = ui.input('Note').classes('k-note')
             self._button('Keep note', self._keep_note, 'k-keep')
-            self._given = None
+            self._token_input = None
             if self._token is not None:
-                self._given = ui.input('Token', password=True).classes('k-token')
+                self._token_input = ui.input('Token', password=True).classes('k-token')
             for name in PALETTES:
                 button = self._button(name.capitalize(), None, f'k-{name}')
                 button.on('click', js_handler=f'() => window.choosePalette("{name}")')
@@ -182,10 +182,10 @@ class _Page:
         # The beat stands still with the view, so the browser sees that the page is not live.
         if age_s < _OLD_S:
             self._beat.set_text(str(self._ticks))
-        for key, said in tell(view).items():
-            if key in self._labels and self._shown.get(key) != said:
-                self._tone(self._labels[key], said)
-                self._shown[key] = said
+        for key, phrase in tell(view).items():
+            if key in self._labels and self._shown.get(key) != phrase:
+                self._tone(self._labels[key], phrase)
+                self._shown[key] = phrase
         self._lamp.classes(remove='box-none box-good box-doubt box-bad',
                            add=f'box-{view.lamp.tone}')
         if self._trend is not None and self._ticks % 5 == 1:
@@ -195,9 +195,9 @@ class _Page:
         self._show_nodes(node_words(view))
 
     @staticmethod
-    def _tone(label: Any, said: Said) -> None:
-        label.set_text(said.text)
-        label.classes(remove='none good doubt bad', add=said.tone.value)
+    def _tone(label: Any, phrase: Said) -> None:
+        label.set_text(phrase.text)
+        label.classes(remove='none good doubt bad', add=phrase.tone.value)
 
     def _show_sensors(self, sensors: list[tuple[str, Said]], vote: Said) -> None:
         if not sensors or (sensors, vote) == self._sensors:
@@ -206,10 +206,10 @@ class _Page:
         self._sensors = sensors, vote
         self._sensor_rows.clear()
         with self._sensor_rows:
-            for name, said in sensors:
+            for name, phrase in sensors:
                 with self._box('bar'):
                     ui.label(name).classes('mid k-sensor')
-                    self._tone(ui.label().classes('row'), said)
+                    self._tone(ui.label().classes('row'), phrase)
 
     def _show_alarms(self, alarms: list[tuple[str, Said]]) -> None:
         if alarms == self._alarms:
@@ -217,9 +217,9 @@ class _Page:
         self._alarms = alarms
         self._alarm_rows.clear()
         with self._alarm_rows:
-            for name, said in alarms:
+            for name, phrase in alarms:
                 with self._box('bar'):
-                    self._tone(ui.label().classes('row k-alarm'), said)
+                    self._tone(ui.label().classes('row k-alarm'), phrase)
                     if name:
                         self._button('Acknowledge', partial(self._act, 'acknowledge', name),
                                      'k-acknowledge-one')
@@ -232,8 +232,8 @@ class _Page:
         self._nodes = nodes
         self._node_rows.clear()
         with self._node_rows:
-            for said in nodes:
-                self._tone(ui.label().classes('row'), said)
+            for phrase in nodes:
+                self._tone(ui.label().classes('row'), phrase)
             if not nodes:
                 ui.label('no node is heard').classes('row')
 
@@ -246,8 +246,8 @@ class _Page:
 
     async def _act(self, what: str, text: str) -> bool:
         """Do an action, if the token is right, and show the answer; tell whether it was done."""
-        given = '' if self._given is None else self._given.value or ''
-        if not check_token(given, self._token):
+        token = '' if self._token_input is None else self._token_input.value or ''
+        if not check_token(token, self._token):
             await asyncio.sleep(_WRONG_S)
             self._answer.set_text('refused: the token is wrong; the program printed it at its '
                                   'start')

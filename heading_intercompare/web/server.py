@@ -56,18 +56,18 @@ def _bind(host: str, port: int) -> socket.socket:
     try:
         family, kind, number, _, address = socket.getaddrinfo(
             host, port, type=socket.SOCK_STREAM, flags=socket.AI_PASSIVE)[0]
-        found = socket.socket(family, kind, number)
+        listener = socket.socket(family, kind, number)
         try:
-            found.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-            found.bind(address)
+            listener.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+            listener.bind(address)
         except OSError:
-            found.close()
+            listener.close()
             raise
     except (OSError, OverflowError) as error:
         why = getattr(error, 'strerror', None) or str(error)
         raise SettingsError(f'the page cannot be served on {host}:{port}: {why}; choose another '
                             'address or port') from error
-    return found
+    return listener
 
 
 class PageServer:

@@ -29,7 +29,8 @@ def draw_trend(trend: TrendView) -> str:
 
     The picture is wide enough for the data and the limits, so neither is ever cut off.
     """
-    reach = [0.02] + [abs(value) for one in trend.columns for value in (one.low_deg, one.high_deg)]
+    reach = [0.02] + [abs(value) for column in trend.columns
+                      for value in (column.low_deg, column.high_deg)]
     limits: tuple[float, ...] = ()
     if trend.limit_deg is not None:
         limits = (trend.center_deg - trend.limit_deg, trend.center_deg + trend.limit_deg)
@@ -53,8 +54,9 @@ def draw_trend(trend: TrendView) -> str:
         parts.append(f'<text class="mark" x="{at:.1f}" y="{_HEIGHT - 6}" text-anchor="'
                      f'{"end" if minutes == 0 else "middle"}">{-minutes} min</text>')
     columns = []
-    for one in trend.columns:
-        x, top, bottom = right - scale * one.age_s, place(one.high_deg), place(one.low_deg)
+    for column in trend.columns:
+        x, top, bottom = (right - scale * column.age_s, place(column.high_deg),
+                          place(column.low_deg))
         columns.append(f'M{x - 0.8:.1f} {top - 0.8:.1f}h1.6V{bottom + 0.8:.1f}h-1.6z')
     parts.append(f'<path class="trace" d="{"".join(columns)}"/></svg>')
     return ''.join(parts)

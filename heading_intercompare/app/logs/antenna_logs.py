@@ -53,30 +53,31 @@ def import_antennas(paths: Sequence[str], driver: DriverSettings, rule: Antennas
         If a log has no position, or no two positions give a heading.
 
     """
-    found = [read_log_motion(path, driver) for path in paths]
-    for path, each in zip(paths, found):
-        if 'position' not in each.rows:
-            lacking = ', '.join(f'{n} {why}' for why, n in each.not_taken.items())
+    motions = [read_log_motion(path, driver) for path in paths]
+    for path, motion in zip(paths, motions):
+        if 'position' not in motion.rows:
+            lacking = ', '.join(f'{n} {why}' for why, n in motion.not_taken.items())
             raise DriverError(f'{path}: has no position: no GNS, GGA, RMC or GLL with a stamp'
                               + (f' (not taken: {lacking})' if lacking else ''))
-    baseline = find_baseline_headings(found[0].rows['position'], found[1].rows['position'], rule)
+    baseline = find_baseline_headings(motions[0].rows['position'], motions[1].rows['position'],
+                                      rule)
     name = ' and '.join(paths)
     if not len(baseline.headings):
-        why = ', '.join(f'{n} {each}' for each, n in baseline.rejected.items())
+        why = ', '.join(f'{n} {reason}' for reason, n in baseline.rejected.items())
         raise DriverError(f'{name}: no heading from the two antennas ({why}): are the times and '
                           'antennas.baseline_m right?')
-    files = [one for path in paths for one in LogFiles(path).paths]
-    sentences = ' - '.join(each.sentences['position'] for each in found)
+    files = [file for path in paths for file in LogFiles(path).paths]
+    sentences = ' - '.join(motion.sentences['position'] for motion in motions)
     return ImportedLog(name, baseline.headings, hash_files(files),
-                       sum(os.path.getsize(one) for one in files), sentences, baseline.rejected,
+                       sum(os.path.getsize(file) for file in files), sentences, baseline.rejected,
                        replace(driver), len(files), [describe_baseline(baseline)])
 
 
-def describe_baseline(found: BaselineHeadings) -> str:
+def describe_baseline(baseline: BaselineHeadings) -> str:
     """Return length, scatter and uncertainty of a baseline, in words."""
-    words = f'baseline of {found.length_m or 0.0:.2f} m'
-    if found.scatter_m is not None:
-        words += f', which scatters by {found.scatter_m:.3f} m'
-    if found.sigma_deg is not None:
-        words += f': standard uncertainty of a heading {found.sigma_deg:.2g} deg'
+    words = f'baseline of {baseline.length_m or 0.0:.2f} m'
+    if baseline.scatter_m is not None:
+        words += f', which scatters by {baseline.scatter_m:.3f} m'
+    if baseline.sigma_deg is not None:
+        words += f': standard uncertainty of a heading {baseline.sigma_deg:.2g} deg'
     return words

@@ -78,13 +78,14 @@ class ImportedLog:
     def origin(self) -> dict[str, Any]:
         """Return the provenance as a bag keeps it."""
         default = DriverSettings()
-        given = {name: getattr(self.driver, name) for name in _READING
-                 if getattr(self.driver, name) != getattr(default, name)}
+        driver_options = {name: getattr(self.driver, name) for name in _READING
+                          if getattr(self.driver, name) != getattr(default, name)}
         if self.files > 1:
-            given['files'] = self.files
+            driver_options['files'] = self.files
         return {'path': self.path, 'sha256': self.sha256, 'bytes': self.size,
                 'sentence': self.sentence, 'time': self.driver.time,
-                'stamp_format': self.driver.stamp_format, 'headings': len(self.headings), **given,
+                'stamp_format': self.driver.stamp_format, 'headings': len(self.headings),
+                **driver_options,
                 **{f'not_taken.{reason}': n for reason, n in self.not_taken.items()}}
 
     @property
@@ -156,6 +157,6 @@ def _no_heading(log: ImportedLog, role: str) -> str:
 def _name_options(text: str, role: str | None) -> str:
     """Replace names of settings between backticks by the options of the command line."""
     def option(match: re.Match[str]) -> str:
-        own = f'{role or "ts"}-' if match[1] in ROLE_SETTINGS else ''
-        return f'--{own}{match[1].replace("_", "-")}'
+        prefix = f'{role or "ts"}-' if match[1] in ROLE_SETTINGS else ''
+        return f'--{prefix}{match[1].replace("_", "-")}'
     return re.sub('`([a-z_]+)`', option, text)

@@ -51,7 +51,7 @@ class FoundMotion:
 
 
 def find_motion(paths: Mapping[str, str], drivers: Mapping[str, DriverSettings],
-                given: str | None = None) -> FoundMotion:
+                motion_log: str | None = None) -> FoundMotion:
     """
     Read the motion of the ship.
 
@@ -62,18 +62,18 @@ def find_motion(paths: Mapping[str, str], drivers: Mapping[str, DriverSettings],
         each taken from the last log that has them: that of the RS before that of the TS.
     drivers : mapping of str to DriverSettings
         How to read each log, and 'motion'.
-    given : str, optional
-        A log of its own; then the other two are not searched.
+    motion_log : str, optional
+        A log of the motion alone; then the logs of the sensors are not searched.
 
     Raises
     ------
     OSError
         If a log cannot be read.
     DriverError
-        If the log of its own has no motion.
+        If the log of the motion alone has no motion of the ship.
 
     """
-    sources: Sequence[tuple[str, str]] = [('motion', given)] if given is not None else [
+    sources: Sequence[tuple[str, str]] = [('motion', motion_log)] if motion_log is not None else [
         *reversed([*paths.items()])]
     chunks: list[Motion] = []
     used: list[str] = []
@@ -84,17 +84,17 @@ def find_motion(paths: Mapping[str, str], drivers: Mapping[str, DriverSettings],
         if path in seen:
             continue
         seen.add(path)
-        found = _of_streams(path) if has_streams(path) else read_log_motion(path, drivers[role])
-        if given is not None and not found.rows:
-            lacking = ', '.join(f'{n} {why}' for why, n in found.not_taken.items())
+        motion = _of_streams(path) if has_streams(path) else read_log_motion(path, drivers[role])
+        if motion_log is not None and not motion.rows:
+            lacking = ', '.join(f'{n} {why}' for why, n in motion.not_taken.items())
             raise DriverError(f'{path}: has no motion of the ship: no VTG, RMC, GNS, GGA, GLL or '
                               f'ROT with a stamp{f" (not taken: {lacking})" if lacking else ""}')
-        for what, rows in found.rows.items():
-            words = f'{_WORDS[what]} of {found.sentences[what]} in {path}'
+        for what, rows in motion.rows.items():
+            words = f'{_WORDS[what]} of {motion.sentences[what]} in {path}'
             if what in origin:
                 unused.append(words)
                 continue
-            origin[what] = f'{found.sentences[what]} {path}'
+            origin[what] = f'{motion.sentences[what]} {path}'
             chunks.append(rows)
             used.append(f'{words} ({len(rows)})')
     notes = [f'motion of the ship: {", ".join(used)}'

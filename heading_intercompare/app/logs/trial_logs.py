@@ -70,16 +70,16 @@ def find_logs(inputs: Sequence[str], drivers: Mapping[str, DriverSettings] | Non
     Raises
     ------
     OSError
-        If one is a log and another cannot be read.
+        If one input is a log and another cannot be read.
     ValueError
-        If one is a log and they are neither two different logs nor one log of both sensors.
+        If one input is a log and the inputs are neither two different logs nor one log of both.
 
     """
-    for given in inputs:
-        name, equals, path = given.partition('=')
-        if equals and os.path.exists(path) and not os.path.exists(given):
-            raise ValueError(f'{given}: NAME=LOG is for several sensors, and the setting sensors '
-                             f'has no {name}: give it a row for each of them')
+    for argument in inputs:
+        name, equals, path = argument.partition('=')
+        if equals and os.path.exists(path) and not os.path.exists(argument):
+            raise ValueError(f'{argument}: NAME=LOG is for several sensors, and the setting '
+                             f'sensors has no {name}: give it a row for each of them')
     streams = len(inputs) == 2 and not recordings
     logs = [path for path in inputs
             if has_one_sensor(path) or streams and has_streams(path)]
@@ -96,10 +96,10 @@ def find_logs(inputs: Sequence[str], drivers: Mapping[str, DriverSettings] | Non
     if len(inputs) == 1 and apart:
         return inputs[0], inputs[0]
     if len(inputs) != 2:
-        given = 'the log of one sensor' if len(inputs) == 1 else f'one of {len(inputs)} logs'
+        kind = 'the log of one sensor' if len(inputs) == 1 else f'one of {len(inputs)} logs'
         more = (f'; if it is of both, {_APART}' if len(inputs) == 1 else
                 '; give the files of one sensor as their folder, or as a pattern in quotes')
-        raise ValueError(f'{inputs[0]}: is {given}: {_USE}{more}')
+        raise ValueError(f'{inputs[0]}: is {kind}: {_USE}{more}')
     ts, rs = inputs
     if not apart and (ts == rs or (os.path.exists(ts) and os.path.exists(rs)
                                    and os.path.samefile(ts, rs))):
@@ -259,11 +259,11 @@ def _refuse_equal(logs: Mapping[str, ImportedLog], settings: Settings) -> None:
     """Raise ValueError if one log gives the same headings for two sensors."""
     names = [*logs]
     for at, name in enumerate(names):
-        for other in names[:at]:
-            if logs[name].path == logs[other].path and (
-                    logs[name].headings == logs[other].headings):
+        for earlier in names[:at]:
+            if logs[name].path == logs[earlier].path and (
+                    logs[name].headings == logs[earlier].headings):
                 several = settings.sensors is not None
-                shown = (other, name) if several else (other.upper(), name.upper())
+                shown = (earlier, name) if several else (earlier.upper(), name.upper())
                 raise ValueError(f'{logs[name].path}: gives the same headings as {shown[0]} and '
                                  f'as {shown[1]}: {_APART_IN_ROWS if several else _APART}')
 

@@ -134,17 +134,18 @@ def read_observation_table(path: str, target: Target | None = None, *, u_deg: fl
     if not rows:
         raise ReaderError(path, 'has a header and no observation')
     latitude, longitude = position or (math.nan, math.nan)
-    given = {name: np.array([row.numbers.get(name, math.nan) for row in rows])
-             for name in COLUMNS}
-    places = [np.where(np.isfinite(given[name]), given[name], default) for name, default in (
+    columns = {name: np.array([row.numbers.get(name, math.nan) for row in rows])
+               for name in COLUMNS}
+    places = [np.where(np.isfinite(columns[name]), columns[name], default) for name, default in (
         ('latitude_deg', latitude), ('longitude_deg', longitude))]
     stamps = np.array([row.stamp_ns for row in rows], np.int64)
     seen = target.find_bearings(stamps, *places)
-    own = np.where(np.isfinite(given['true_bearing_deg']), given['true_bearing_deg'],
-                   given['reciprocal_bearing_deg'] + 180.0)
-    bearing = np.where(np.isfinite(own), own, seen.bearing_deg)
+    stated_bearing = np.where(
+        np.isfinite(columns['true_bearing_deg']), columns['true_bearing_deg'],
+        columns['reciprocal_bearing_deg'] + 180.0)
+    bearing = np.where(np.isfinite(stated_bearing), stated_bearing, seen.bearing_deg)
     true, ts = np.empty((2, len(rows)))
-    by_target = ~np.isfinite(given['true_heading_deg']) & ~np.isfinite(own)
+    by_target = ~np.isfinite(columns['true_heading_deg']) & ~np.isfinite(stated_bearing)
     for i, row in enumerate(rows):
         try:
             true[i], ts[i] = _combine(row, float(bearing[i]))
@@ -155,12 +156,12 @@ def read_observation_table(path: str, target: Target | None = None, *, u_deg: fl
                 raise ValueError(_lacking_bearing(target))
         except ValueError as error:
             raise ReaderError(path, f'line {row.line}: {error}') from None
-    common = given['common_u_deg'][np.isfinite(given['common_u_deg'])]
+    common = columns['common_u_deg'][np.isfinite(columns['common_u_deg'])]
     observations = Observations(
         stamp_ns=stamps, true_deg=wrap360(true), ts_deg=ts,
         turn_deg_s=np.where(by_target, seen.turn_deg_s, 0.0),
-        u_deg=np.where(np.isfinite(given['u_deg']), given['u_deg'], u_deg),
-        time_u_s=np.where(np.isfinite(given['time_u_s']), given['time_u_s'], time_u_s))
+        u_deg=np.where(np.isfinite(columns['u_deg']), columns['u_deg'], u_deg),
+        time_u_s=np.where(np.isfinite(columns['time_u_s']), columns['time_u_s'], time_u_s))
     return ObservationTable(
         observations, tuple(row.note for row in rows),
         float(common.max()) if common.size else None,
@@ -172,7 +173,7 @@ def read_observation_table(path: str, target: Target | None = None, *, u_deg: fl
 
 def _read_rows(path: str) -> tuple[list[_Row], list[str], float | None]:
     """Return the rows, the names of the header, and the step of the TS as written."""
-    found, decimals = [], []
+    observed_rows, decimals = [], []
     try:
         with CsvRows(path, _WANTED) as rows:
             time = find_time_column(rows.names)
@@ -190,12 +191,12 @@ def _read_rows(path: str) -> tuple[list[_Row], list[str], float | None]:
                            for name in COLUMNS if named.get(name)}
                 decimals += [len(rows.plain(named[name]).partition('.')[2])
                              for name in ('ts_heading_deg', 'ts_bearing_deg') if named.get(name)]
-                found.append(_Row(rows.line, stamp_ns, numbers, named.get('side', '').lower(),
-                                  named.get('note', '')))
+                observed_rows.append(_Row(rows.line, stamp_ns, numbers,
+                                          named.get('side', '').lower(), named.get('note', '')))
             names = rows.names
     except BagError as error:
         raise ReaderError(path, error.problem) from None
-    return found, names, 10.0 ** -max(decimals) if decimals else None
+    return observed_rows, names, 10.0 ** -max(decimals) if decimals else None
 
 
 def _number(rows: CsvRows, path: str, name: str, cell: str) -> float:

@@ -55,7 +55,7 @@ def find_sun(stamp_ns: Integers, latitude_deg: Reals,
     (190.0, 35.5)
 
     """
-    found = np.empty((2, stamp_ns.size))
+    azimuth_altitude_rad = np.empty((2, stamp_ns.size))
     observer, sun = ephem.Observer(), ephem.Sun()
     observer.pressure = 0.0
     for i, at_ns in enumerate(stamp_ns.tolist()):
@@ -63,6 +63,6 @@ def find_sun(stamp_ns: Integers, latitude_deg: Reals,
         observer.lon = float(np.radians(longitude_deg[i]))
         observer.date = at_ns / _DAY_NS + _DAYS_TO_1970
         sun.compute(observer)
-        found[:, i] = float(sun.az), float(sun.alt)
-    azimuth_deg, altitude_deg = np.degrees(found)
+        azimuth_altitude_rad[:, i] = float(sun.az), float(sun.alt)
+    azimuth_deg, altitude_deg = np.degrees(azimuth_altitude_rad)
     return azimuth_deg, altitude_deg

@@ -126,34 +126,34 @@ class Target:
         n = stamp_ns.size
         bearing, turn, common = np.full(n, np.nan), np.zeros(n), 0.0
         below, words = np.zeros(n, bool), OWN_BEARINGS
-        known = np.isfinite(latitude_deg) & np.isfinite(longitude_deg)
+        located = np.isfinite(latitude_deg) & np.isfinite(longitude_deg)
         if self.kind == 'bearing':
             bearing[:], words = self.numbers[0], f'a true bearing of {self.numbers[0]:g} deg'
         elif self.kind == 'line':
             first, second, third, fourth = self.numbers
             front, rear = (first, second), (third, fourth)
             bearing[:], length_m = line_bearing(front, rear)
-            known = np.isfinite(longitude_deg)
-            bearing[known] = line_bearing(front, rear, longitude_deg[known])[0]
+            located = np.isfinite(longitude_deg)
+            bearing[located] = line_bearing(front, rear, longitude_deg[located])[0]
             common = float(bearing_uncertainty(self.point_u_m, length_m))
             words = f'a line of two points {length_m:.1f} m apart'
             words += f', {line_bearing(front, rear)[0]:.3f} deg at the first'
         elif self.kind == 'mark':
-            seen, distance_m = bearing_between(latitude_deg[known], longitude_deg[known],
+            seen, distance_m = bearing_between(latitude_deg[located], longitude_deg[located],
                                                *self.numbers)
-            bearing[known] = seen
+            bearing[located] = seen
             if distance_m.size:
                 common = float(bearing_uncertainty(self.point_u_m, distance_m.min()))
                 words = f'a mark at {distance_m.min():.0f} m or more'
         elif self.kind == 'sun':
             from .sun import find_sun
-            places = latitude_deg[known], longitude_deg[known]
-            azimuth, altitude = find_sun(stamp_ns[known], *places)
-            later = find_sun(stamp_ns[known] + _HALF_SPAN_NS, *places)[0]
-            earlier = find_sun(stamp_ns[known] - _HALF_SPAN_NS, *places)[0]
-            bearing[known], turn[known] = azimuth, wrap180(later - earlier) / (
+            places = latitude_deg[located], longitude_deg[located]
+            azimuth, altitude = find_sun(stamp_ns[located], *places)
+            later = find_sun(stamp_ns[located] + _HALF_SPAN_NS, *places)[0]
+            earlier = find_sun(stamp_ns[located] - _HALF_SPAN_NS, *places)[0]
+            bearing[located], turn[located] = azimuth, wrap180(later - earlier) / (
                 2e-9 * _HALF_SPAN_NS)
-            below[known] = altitude < _LOWEST_SUN_DEG
+            below[located] = altitude < _LOWEST_SUN_DEG
             words = 'the sun'
             if altitude.size:
                 words += f', {altitude.min():.1f} to {altitude.max():.1f} deg above the horizon'

@@ -195,8 +195,8 @@ def _simulate(simulation: Simulation, settings: Settings) -> SeedResult:
     verdict = analyze(Headings.concatenate(ts), Headings.concatenate(rs), settings,
                       motion=Motion.concatenate(moved))
     error_deg, claim_deg = np.concatenate(errors), np.concatenate(claims)
-    given = np.isfinite(error_deg)
-    error_deg, claim_deg = error_deg[given], claim_deg[given]
+    valid = np.isfinite(error_deg)
+    error_deg, claim_deg = error_deg[valid], claim_deg[valid]
     claimed = np.isfinite(claim_deg) & (claim_deg > 0.0)
     run = verdict.runs[0] if verdict.runs else None
     mean_deg = math.nan if run is None or run.mean_deg is None else run.mean_deg

@@ -49,19 +49,19 @@ class TrialTraces:
     def take(self, chunk: SimulatedChunk) -> None:
         """Take what was delivered in one span; call it with the spans in order."""
         for name, (readings, statuses) in chunk.sent.items():
-            one = self._gathered.setdefault(name, _Gathered())
-            one.take(readings, self._ship, self._duration_s)
+            gathered = self._gathered.setdefault(name, _Gathered())
+            gathered.take(readings, self._ship, self._duration_s)
             for status in statuses:
                 mode = (status.mode if status.validity == 'VALID'
                         else f'{status.mode}, {status.validity.lower()}')
-                if not one.modes or one.modes[-1][1] != mode:
-                    one.modes.append((status.t_s / 3600.0, mode))
+                if not gathered.modes or gathered.modes[-1][1] != mode:
+                    gathered.modes.append((status.t_s / 3600.0, mode))
 
     def traces(self) -> tuple[Trace, ...]:
         """Return the traces so far, the TS and the RS first."""
         t_h = (np.arange(COLUMNS) + 0.5) * self._duration_s / COLUMNS / 3600.0
-        return tuple(one.trace(name.upper() if name in ('ts', 'rs') else name, t_h)
-                     for name, one in self._gathered.items())
+        return tuple(gathered.trace(name.upper() if name in ('ts', 'rs') else name, t_h)
+                     for name, gathered in self._gathered.items())
 
 
 class _Gathered:
@@ -75,8 +75,8 @@ class _Gathered:
         """Take readings; those without a heading leave no trace."""
         self.n += len(readings)
         heading_deg = readings.headings.heading_deg
-        given = np.isfinite(heading_deg)
-        t_s, heading_deg = readings.t_s[given], heading_deg[given]
+        valid = np.isfinite(heading_deg)
+        t_s, heading_deg = readings.t_s[valid], heading_deg[valid]
         if not t_s.size:
             return
         true_deg = ship.heading_deg(t_s)
@@ -86,7 +86,7 @@ class _Gathered:
         true[column], heading[column] = true_deg, heading_deg
         np.fmin.at(low, column, error_deg)
         np.fmax.at(high, column, error_deg)
-        np.fmax.at(sigma, column, readings.sigma_deg[given])
+        np.fmax.at(sigma, column, readings.sigma_deg[valid])
 
     def trace(self, name: str, t_h: np.ndarray) -> Trace:
         """Return the trace of the sensor."""

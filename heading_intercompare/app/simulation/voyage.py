@@ -88,18 +88,18 @@ def read_voyage(settings: TrackSettings, folder: Path = Path()) -> Voyage:
     moved = os.fspath(folder / settings.motion_file) if settings.motion_file else ''
     stream, record = _read(path, settings.heading)
     if moved:
-        _, other = _read(moved, settings.heading, needs_heading=False)
-        record = replace(record, motion=other.motion, attitude=(
-            other.attitude if len(other.attitude) else record.attitude))
+        _, motion_record = _read(moved, settings.heading, needs_heading=False)
+        record = replace(record, motion=motion_record.motion, attitude=(
+            motion_record.attitude if len(motion_record.attitude) else record.attitude))
     try:
-        made = fit_track(record, settings)
+        fitted = fit_track(record, settings)
     except SettingsError as error:
         raise SettingsError(f'{path}: {error}') from error
     origin: dict[str, object] = {'file': path, 'heading': stream, 'sha256': _hash(path)}
     if moved:
         origin |= {'motion_file': moved, 'motion_sha256': _hash(moved)}
-    return Voyage(made.track, (f'track: {stream} of {path}, {made.track.duration_s:.1f} s',
-                               *made.words), origin)
+    return Voyage(fitted.track, (f'track: {stream} of {path}, {fitted.track.duration_s:.1f} s',
+                                 *fitted.words), origin)
 
 
 def _hash(path: str) -> str:
@@ -110,11 +110,11 @@ def _hash(path: str) -> str:
 def _files_of(path: str) -> list[str]:
     """Return the files of a file, a folder, or a pattern of names; OSError if there are none."""
     if os.path.isdir(path):
-        return sorted(os.fspath(one) for one in Path(path).rglob('*') if one.is_file())
-    found = [path] if os.path.exists(path) else sorted(glob.glob(path))
-    if not found:
+        return sorted(os.fspath(file) for file in Path(path).rglob('*') if file.is_file())
+    files = [path] if os.path.exists(path) else sorted(glob.glob(path))
+    if not files:
         os.stat(path)
-    return found
+    return files
 
 
 def _read(path: str, stream: str, needs_heading: bool = True) -> tuple[str, TrackRecord]:
@@ -132,14 +132,14 @@ def _read(path: str, stream: str, needs_heading: bool = True) -> tuple[str, Trac
             return '', TrackRecord(Headings.empty(), motion, attitude)
         name = recording.resolve(_choose(path, stream, list(recording.streams)))
         return name, TrackRecord(recording.streams[name], motion, attitude)
-    told = read_bag_motion(recording, MotionRule()).rows
+    bag_motion = read_bag_motion(recording, MotionRule()).rows
     if not needs_heading:
-        return '', TrackRecord(Headings.empty(), told)
+        return '', TrackRecord(Headings.empty(), bag_motion)
     name = _choose(path, stream, [topic for topic, info in recording.topics.items()
                                   if info.type_name in HEADING_TYPES], recording.namespace)
     headings = Headings.concatenate(
         chunk[name] for chunk in recording.headings({name: 'enu'}))
-    return name, TrackRecord(headings, told, attitude_of_bag(recording, name, 'enu'))
+    return name, TrackRecord(headings, bag_motion, attitude_of_bag(recording, name, 'enu'))
 
 
 def _read_log(path: str, sentence: str, needs_heading: bool) -> tuple[str, TrackRecord]:
@@ -158,10 +158,10 @@ def _choose(path: str, asked: str, present: list[str], namespace: str = '') -> s
     """Return the stream with the headings that count as true."""
     if not present:
         raise BagError('has no headings', path)
-    found = find_topic(present, asked or TRUTH_TOPIC, namespace) or find_topic(present, asked)
-    if found is None and not asked and len(present) == 1:
-        found = present[0]
-    if found is None:
+    topic = find_topic(present, asked or TRUTH_TOPIC, namespace) or find_topic(present, asked)
+    if topic is None and not asked and len(present) == 1:
+        topic = present[0]
+    if topic is None:
         problem = f'has no headings {asked!r}' if asked else 'has headings of several sensors'
         raise BagError(f'{problem}; it has {", ".join(present)}; choose with track.heading', path)
-    return found
+    return topic

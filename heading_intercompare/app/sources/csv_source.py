@@ -114,7 +114,7 @@ def judge_csv(path: str, name: str, settings: Settings,
     path : str
         The file; see `PairsCsv`.
     name : str
-        Its name in the verdict.
+        Name of the file in the verdict.
     settings : Settings
         Settings with the norms.
     runs : sequence of (start_ns, stop_ns), optional
@@ -131,7 +131,7 @@ def judge_csv(path: str, name: str, settings: Settings,
     OSError
         If the file cannot be read.
     BagError
-        If it, or its account, is wrong.
+        If the file, or its account, is wrong.
 
     """
     # A pipe can be read only once.
@@ -160,12 +160,12 @@ def judge_csv(path: str, name: str, settings: Settings,
     if why := judging.why_not_degrees:
         raise BagError(why, path)
     problems += [rows.cut] if rows.cut else []
-    ledger, kept = judging.ledger, None
+    ledger, judged_account = judging.ledger, None
     if account is not None:
         problems += _compare_pairing(account.settings, settings.to_mapping())
         if _has_runs_of(account, table, compliance.cuts):
             ledger = account.ledger
-            kept = replace(account, table=None if table is None else tuple(table))
+            judged_account = replace(account, table=None if table is None else tuple(table))
         else:
             problems.append('its runs are not those of its account: what was rejected, lost or '
                             'without partner is unknown')
@@ -178,24 +178,24 @@ def judge_csv(path: str, name: str, settings: Settings,
     described = _describe(name, digest, account)
     noted = (*notes, *problems)
     if account is None and rows.names == COLUMNS and not problems:
-        # Its own program wrote it.
+        # This program wrote the csv.
         problems.append(f'{account_path(path).name} is not beside it: what was rejected, lost or '
                         'without partner is unknown')
-    known = () if account is None else account.inputs[0].ledger_problems or ()
-    described = replace(described, ledger_problems=(*known, *problems) or None)
+    account_problems = () if account is None else account.inputs[0].ledger_problems or ()
+    described = replace(described, ledger_problems=(*account_problems, *problems) or None)
     return describe_two(
         compliance.results(ledger), compliance.take_earlier(ledger), described, noted, ledger,
-        settings, table=runs, account=kept, sketch=sketch)
+        settings, table=runs, account=judged_account, sketch=sketch)
 
 
 def _find_account(path: str, digest: str, open_pairs: Callable[[str], _Pairs],
                   progress: Callable[[str], None],
                   ) -> tuple[PairsAccount | None, list[str]]:
     """Return the account of a csv of this hash, and why the one beside it does not count."""
-    found = read_account(path)
-    if found is None:
+    record = read_account(path)
+    if record is None:
         return None, []
-    account, of = found
+    account, of = record
     if digest != of.csv_sha256:
         progress('comparing the pairs with their account')
         pairs_digest = PairsDigest()
@@ -238,7 +238,7 @@ class _Judging:
             self._decide(self._jumps.end())
             # A row has one stamp for both sensors.
             self.ledger.set_backs = {
-                stream: [replace(one, stream=stream) for one in self._jumps.set_backs]
+                stream: [replace(set_back, stream=stream) for set_back in self._jumps.set_backs]
                 for stream in ('ts', 'rs')}
         self._compliance.finish()
         for cut_ns in self._compliance.cuts:
@@ -277,15 +277,16 @@ def _has_runs_of(account: PairsAccount, table: Sequence[tuple[int, int]] | None,
 def _compare_pairing(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:
     """Return which settings of the pairing differ; the pairs remain as they were made."""
     names = [name for name in now if name.startswith('pairing.') or name == 'alignment.skew_s']
-    told = [f'{name} = {before[name]}, not {now[name]}' for name in names
-            if name in before and before[name] != now[name]]
-    return [f'its pairs were made with {", ".join(told)}'] if told else []
+    differences = [f'{name} = {before[name]}, not {now[name]}' for name in names
+                   if name in before and before[name] != now[name]]
+    return [f'its pairs were made with {", ".join(differences)}'] if differences else []
 
 
 def _describe(name: str, digest: str, account: PairsAccount | None) -> Input:
     if account is None:
         return Input(name, digest)
-    ts = next((one.ts_topic for one in account.inputs if one.ts_topic), None)
-    rs = next((one.rs_topic for one in account.inputs if one.rs_topic), None)
+    ts = next((recording.ts_topic for recording in account.inputs if recording.ts_topic), None)
+    rs = next((recording.rs_topic for recording in account.inputs if recording.rs_topic), None)
     return Input(name, digest, ts, rs, notes=account.inputs[0].notes,
-                 made_from={os.fspath(one.path): one.sha256 for one in account.inputs})
+                 made_from={os.fspath(recording.path): recording.sha256
+                            for recording in account.inputs})

@@ -157,15 +157,15 @@ class InputComparison:
         results : mapping of (str, str) to list of RunResult
             What `finish` returned.
         entries : sequence of Input
-            Its entries in the verdict on several sensors.
+            Entries of the input in the verdict on several sensors.
         entries_of_pair : callable
-            Returns its entries in the verdict on a pair of sensors.
+            Returns the entries of the input in the verdict on a pair of sensors.
         notes : sequence of str
             What the user should know, before what is said of pairs without a run.
         path : str
             The input.
         label : str
-            What its notes begin with.
+            What the notes on the input begin with.
 
         """
         notes, sensors = [*notes], {sensor.name: sensor for sensor in self.sensors}
@@ -179,12 +179,12 @@ class InputComparison:
                 notes.append(': '.join(filter(None, words)))
             if self.comparison.tested.get(names[0]) is not pair:
                 continue
-            own = [*entries_of_pair(*(sensors[name] for name in names))]
-            if own and why is not None:
-                own[0] = replace(own[0], no_run=why)
-            entries_of_tested[names[0]] = own
-            if own:
-                accounts[names[0]] = _make_account(own, settings, ledger, self.marks,
+            pair_entries = [*entries_of_pair(*(sensors[name] for name in names))]
+            if pair_entries and why is not None:
+                pair_entries[0] = replace(pair_entries[0], no_run=why)
+            entries_of_tested[names[0]] = pair_entries
+            if pair_entries:
+                accounts[names[0]] = _make_account(pair_entries, settings, ledger, self.marks,
                                                    self._table, self._motion)
         if entries and not any(results.values()):
             entries = [replace(entries[0], no_run='no pair of sensors has a run'), *entries[1:]]

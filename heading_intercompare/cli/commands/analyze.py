@@ -147,14 +147,14 @@ def add_antenna_arguments(parser: argparse.ArgumentParser) -> None:
 def drivers_for(arguments: argparse.Namespace,
                 roles: Sequence[str] = ROLES) -> dict[str, DriverSettings]:
     """Return how to read the log of each sensor and that of the motion; SettingsError if wrong."""
-    found = {}
+    drivers = {}
     for role in (*roles, 'motion'):
-        given = {name: getattr(arguments, name) for name in _SHARED_OPTIONS}
-        given.update((name, value) for name in (*_ROLE_OPTIONS, *_SHARED_OPTIONS)
-                     if (value := getattr(arguments, f'{role}_{name}', None)) is not None)
-        found[role] = from_mapping(DriverSettings, {
-            name: value for name, value in given.items() if value is not None})
-    return found
+        options = {name: getattr(arguments, name) for name in _SHARED_OPTIONS}
+        options.update((name, value) for name in (*_ROLE_OPTIONS, *_SHARED_OPTIONS)
+                       if (value := getattr(arguments, f'{role}_{name}', None)) is not None)
+        drivers[role] = from_mapping(DriverSettings, {
+            name: value for name, value in options.items() if value is not None})
+    return drivers
 
 
 def add_verdict_arguments(parser: argparse.ArgumentParser) -> None:
@@ -226,8 +226,8 @@ def run(arguments: argparse.Namespace) -> int:
     _check_options(arguments, settings, logs is not None)
     inputs = arguments.inputs if logs is None else [*logs.values()]
     outputs = _plan_outputs(arguments, settings)
-    for wanted in outputs.values():
-        check_outputs(wanted, [*inputs, *(arguments.rs_antennas or ())],
+    for sensor_outputs in outputs.values():
+        check_outputs(sensor_outputs, [*inputs, *(arguments.rs_antennas or ())],
                       config=arguments.config, runs=arguments.runs)
     book = _open_logbook(arguments.logbook)
     with (ExitStack() as files, Progress(_label(arguments), arguments.quiet) as progress,
@@ -235,7 +235,8 @@ def run(arguments: argparse.Namespace) -> int:
         tables = {sensor.name: [files.enter_context(table) for table in open_tables(
             outputs[sensor.name], settings_of_pair(settings, sensor, reference))]
             for sensor, reference in _list_tested(settings)}
-        takers = {name: [table.write for table in some] for name, some in tables.items() if some}
+        takers = {name: [table.write for table in writers]
+                  for name, writers in tables.items() if writers}
         if logs is not None:
             judged = judge_logs(
                 logs, settings, _name_drivers(drivers, logs), runs=arguments.runs or None,
@@ -245,8 +246,8 @@ def run(arguments: argparse.Namespace) -> int:
             judged = judge_bags(arguments.inputs, settings, runs=arguments.runs or None,
                                 takers=takers, sketched=bool(arguments.report),
                                 jobs=arguments.jobs, executor=executor, progress=progress.show)
-        for name, some in tables.items():
-            for table in some:
+        for name, writers in tables.items():
+            for table in writers:
                 table.add_account(judged.accounts.get(name))
     for note in judged.notes:
         tell(note)
@@ -316,9 +317,9 @@ def _write_rows(book: Logbook, judged: Judgement, ship: str) -> None:
         tell('--logbook: no row, because no sensor is the reference')
 
 
-def _find_ship(given: str | None, config: Config) -> str:
+def _find_ship(ship: str | None, config: Config) -> str:
     """Return the name of the ship from the command line or the parameter file."""
-    return str(given or config.sections.get('compliance', {}).get('ship') or '')
+    return str(ship or config.sections.get('compliance', {}).get('ship') or '')
 
 
 def _open_logbook(path: str | None) -> Logbook | None:

@@ -102,7 +102,8 @@ def run(arguments: argparse.Namespace) -> int:
 
         with name_file(arguments.html):
             write_page(histories, arguments.html, since_ns)
-    differs = (any(one.differs for found in changes for one in found) if service_ns is not None
+    differs = (any(change.differs for service_changes in changes for change in service_changes)
+               if service_ns is not None
                else any(h.differs for h in histories))
     return _DIFFERS_CODE if arguments.check and differs else 0
 
@@ -114,10 +115,10 @@ def _check_options(arguments: argparse.Namespace) -> None:
         raise ValueError(f'--one-in {arguments.one_in:g}: must be from 2 to 1000000')
     if arguments.json == arguments.csv == '-':
         raise ValueError('--json - and --csv -: only one can be on standard output')
-    given = {Path(os.path.realpath(path)) for path in arguments.logbooks}
+    logbooks = {Path(os.path.realpath(path)) for path in arguments.logbooks}
     for option in ('json', 'csv', 'html'):
         path = getattr(arguments, option)
-        if path is not None and path != '-' and Path(os.path.realpath(path)) in given:
+        if path is not None and path != '-' and Path(os.path.realpath(path)) in logbooks:
             raise ValueError(f'--{option} {path}: that is a LOGBOOK; name another file')
     if arguments.html is not None:
         if Path(arguments.html).suffix != '.html':
@@ -138,7 +139,7 @@ def _list(histories: Sequence[History], changes: Sequence[Sequence[ServiceChange
           since_ns: int | None) -> list[str]:
     """Return the lines on standard output: runs, newest last, then what the charts say."""
     lines = []
-    for history, found in zip(histories, changes):
+    for history, service_changes in zip(histories, changes):
         lines += [f'{history.ship or "(no ship)"}, settings {history.settings_sha256[:8]}: '
                   f'{len(history.points)} runs',
                   f'  {"start, UTC":16}  {"hours":>7}  {"n":>9}  {"mean/deg":>9}  {"sd/deg":>8}  '
@@ -147,21 +148,21 @@ def _list(histories: Sequence[History], changes: Sequence[Sequence[ServiceChange
         if history.why_no_chart is not None:
             lines.append(f'  no charts yet: {history.why_no_chart}')
         lines += [f'  {trend.words}' for trend in history.trends]
-        lines += [f'  service: {change.words}' for change in found]
+        lines += [f'  service: {change.words}' for change in service_changes]
     return lines
 
 
 def _describe(point: Point) -> str:
     row = point.row
     figures = ['-' if figure is None else f'{figure:.4f}' for figure in (row.mean_deg, row.sd_deg)]
-    said = row.outcome.upper()
+    outcome = row.outcome.upper()
     if row.validity_effect != 'holds':
-        said += f', {row.validity_effect.upper()}: {row.conditions}'
+        outcome += f', {row.validity_effect.upper()}: {row.conditions}'
     if point.outside:
-        said += f'; {" and ".join(point.outside)} outside the limits'
+        outcome += f'; {" and ".join(point.outside)} outside the limits'
     hours = (row.end_ns - row.start_ns) / 3.6e12
     return (f'{utc(row.start_ns)[:16]}  {hours:7.2f}  {row.n:9}  {figures[0]:>9}  '
-            f'{figures[1]:>8}  {said}')
+            f'{figures[1]:>8}  {outcome}')
 
 
 def _render(histories: Sequence[History], changes: Sequence[Sequence[ServiceChange]],
@@ -169,8 +170,8 @@ def _render(histories: Sequence[History], changes: Sequence[Sequence[ServiceChan
     """Return runs and charts as JSON."""
     plain: list[dict[str, Any]] = [
         {**make_plain(history), 'points': make_plain(history.list_since(since_ns)),
-         **({'service': make_plain(found)} if found else {})}
-        for history, found in zip(histories, changes)]
+         **({'service': make_plain(service_changes)} if service_changes else {})}
+        for history, service_changes in zip(histories, changes)]
     return json.dumps({'schema': SCHEMA, 'software': make_plain(Software()),
                        'one_in': arguments.one_in, 'histories': plain},
                       indent=1, ensure_ascii=False, allow_nan=False) + '\n'

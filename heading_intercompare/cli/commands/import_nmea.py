@@ -120,16 +120,16 @@ def _choose(arguments: argparse.Namespace, settings: Settings,
     """Return the path of each log, its topic, and how to read it, by the sensor's name or role."""
     drivers = drivers_for(arguments)
     antennas = arguments.rs_antennas
-    if antennas and (other := next(iter(arguments.logs), arguments.rs)):
-        raise ValueError(f'--rs-antennas {" ".join(antennas)}: {other} is another log of the RS '
+    if antennas and (log := next(iter(arguments.logs), arguments.rs)):
+        raise ValueError(f'--rs-antennas {" ".join(antennas)}: {log} is another log of the RS '
                          'or of several sensors; give --ts FILE and the two antennas alone')
     if not arguments.logs:
-        given = {'ts': arguments.ts, 'rs': antennas[0] if antennas else arguments.rs}
-        for role, path in given.items():
+        logs = {'ts': arguments.ts, 'rs': antennas[0] if antennas else arguments.rs}
+        for role, path in logs.items():
             if path is None:
                 raise ValueError(f'--{role}: is missing; give --ts FILE and --rs FILE, or '
                                  'NAME=LOG for each sensor of the setting sensors')
-        return given, {'ts': settings.ts_topic, 'rs': settings.rs_topic}, drivers
+        return logs, {'ts': settings.ts_topic, 'rs': settings.rs_topic}, drivers
     if named := next((role for role in ROLES if getattr(arguments, role) is not None), None):
         raise ValueError(f'--{named} {getattr(arguments, named)}: goes without NAME=LOG; give '
                          'one or the other')
@@ -137,7 +137,8 @@ def _choose(arguments: argparse.Namespace, settings: Settings,
     paths = name_logs(arguments.logs, settings)
     if paths is None:
         raise ValueError(f'{arguments.logs[0]}: must be NAME=LOG with a sensor of the setting '
-                         f'sensors: {", ".join(one.name for one in sensors) or "there are none"}')
+                         'sensors: '
+                         f'{", ".join(sensor.name for sensor in sensors) or "there are none"}')
     paths, drivers = plan_logs(paths, settings, {
         **dict.fromkeys(paths, drivers['ts']), 'motion': drivers['motion']})
     topics = {sensor.name: sensor.heading_topic for sensor in sensors}
@@ -181,13 +182,13 @@ def _encode_part(rows: Motion, what: str, lo: int, hi: int) -> np.ndarray:
     return encode_motion(rows[lo:hi], what, 'ship')
 
 
-def _write(path: str, streams: Sequence[_Stream], said: dict[str, object], notes: str) -> None:
+def _write(path: str, streams: Sequence[_Stream], record: dict[str, object], notes: str) -> None:
     """Write the streams merged by stamp, each in the order of its log."""
     edges = _edges([stream.log_ns for stream in streams if len(stream.log_ns)])
     with BagWriter(path) as bag:
         for stream in streams:
             bag.add_topic(stream.topic, stream.type_name)
-        bag.metadata(RECORD, said)
+        bag.metadata(RECORD, record)
         Notes(bag.metadata).add(notes, time.time_ns())
         for begin, end in zip(edges[:-1], edges[1:]):
             batches = []

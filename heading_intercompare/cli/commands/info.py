@@ -126,15 +126,15 @@ def _show_journal(arguments: argparse.Namespace) -> int:
         raise ValueError(f'--extract {arguments.extract}: {path} is a journal, which has no '
                          'attachments; leave it out')
     contents = read_journal(path)
-    origin, found = read_origin(contents, path), JournalReader(path)
-    state, kept = found.read(contents, Unjudged()), found.kept
+    origin, reader = read_origin(contents, path), JournalReader(path)
+    state, trial = reader.read(contents, Unjudged()), reader.kept
     lines = [f'journal: {path}', f'software: {RECORD} {origin.software}',
              f'begun: {utc(origin.began_ns)} UTC', f'bag: {origin.bag or "-"}',
-             f'span: {utc(kept.start_ns)} to {utc(kept.newest_ns)} UTC, {kept.n_pairs} pairs',
+             f'span: {utc(trial.start_ns)} to {utc(trial.newest_ns)} UTC, {trial.n_pairs} pairs',
              f'runs judged before: {0 if state is None else state.n_judged}',
              'marks:', *(f'  {utc(ns)} UTC  {kind}'
-                         for kind, ns in sorted(kept.marks, key=lambda mark: mark[1])),
-             'missing:', *(f'  {gap}' for gap in describe_gaps(kept, contents.torn)),
+                         for kind, ns in sorted(trial.marks, key=lambda mark: mark[1])),
+             'missing:', *(f'  {gap}' for gap in describe_gaps(trial, contents.torn)),
              'settings:', *(f'  {name}: {"none" if value is None else value}'
                             for name, value in origin.settings.items()),
              '', f'to judge it: heading-intercompare analyze {shlex.quote(str(path))}']
@@ -294,12 +294,12 @@ def _verdict(text: str) -> Iterator[str]:
 def _extract(attachments: Sequence[Attachment], folder: Path) -> Iterator[str]:
     """Write the attachments, never over an existing file; yield their paths."""
     folder.mkdir(parents=True, exist_ok=True)
-    taken: set[str] = set()
+    names: set[str] = set()
     for number, attachment in enumerate(attachments, 1):
         name = safe_name(attachment.name, number)
         # Each file of a bag may have an attachment of this name.
-        name = f'{number}_{name}' if name in taken else name
-        taken.add(name)
+        name = f'{number}_{name}' if name in names else name
+        names.add(name)
         place = folder / name
         with place.open('xb') as file:
             file.write(attachment.data)

@@ -105,23 +105,23 @@ def run(arguments: argparse.Namespace) -> int:
     stated = {name: value for name in Uncertainties.__dataclass_fields__
               if (value := getattr(arguments, name)) is not None}
     try:
-        found = observe(arguments.input, arguments.table, settings, target=target,
-                        driver=drivers_for(arguments, ('ts',))['ts'], position=position,
-                        stated=Uncertainties(**stated))
+        observed = observe(arguments.input, arguments.table, settings, target=target,
+                           driver=drivers_for(arguments, ('ts',))['ts'], position=position,
+                           stated=Uncertainties(**stated))
     except ModuleNotFoundError as error:
         if error.name != 'ephem':
             raise
         raise ValueError('--sun: no module ephem: install heading_intercompare[sun]') from error
     if arguments.json == '-':
-        sys.stdout.write(_render(found, settings))
+        sys.stdout.write(_render(observed, settings))
     else:
-        say('\n'.join(_list(found)), VERDICT_MARKS)
+        say('\n'.join(_list(observed)), VERDICT_MARKS)
         if arguments.json:
             with name_file(arguments.json):
-                Path(arguments.json).write_text(_render(found, settings), 'utf-8')
-    for name in found.table.ignored:
+                Path(arguments.json).write_text(_render(observed, settings), 'utf-8')
+    for name in observed.table.ignored:
         tell(f'{arguments.table}: column {name} is not read')
-    return code_of(found.error.outcome, 'holds') if arguments.check else 0
+    return code_of(observed.error.outcome, 'holds') if arguments.check else 0
 
 
 def _read_target(arguments: argparse.Namespace) -> Target:
@@ -148,19 +148,19 @@ def _read_target(arguments: argparse.Namespace) -> Target:
     return target
 
 
-def _list(found: Observed) -> Iterator[str]:
+def _list(observed: Observed) -> Iterator[str]:
     """Yield the lines on standard output."""
-    corrections, error = found.corrections, found.error
+    corrections, error = observed.corrections, observed.error
     yield (f'{"time, UTC":23}  {"computed/deg":>12}  {"TS/deg":>8}  {"C - O/deg":>9}  '
            f'{"u/deg":>7}')
     for i, row in enumerate(corrections.row.tolist()):
         marked = '?' if i in error.questionable else ' '
         yield (f'{utc(int(corrections.stamp_ns[i]))}  {corrections.true_deg[i]:12.3f}  '
                f'{corrections.ts_deg[i]:8.3f}  {corrections.c_minus_o_deg[i]:+9.3f}{marked} '
-               f'{corrections.u_deg[i]:7.3f}  {found.table.notes[row]}'.rstrip())
+               f'{corrections.u_deg[i]:7.3f}  {observed.table.notes[row]}'.rstrip())
     lacking = ', '.join(f'{n} {reason}' for reason, n in corrections.not_used.items())
     span_min = corrections.span_s / 60.0
-    yield (f'{error.n} observations over {span_min:.1f} min of {found.table.target}'
+    yield (f'{error.n} observations over {span_min:.1f} min of {observed.table.target}'
            + (f'; not used: {lacking}' if lacking else ''))
     if error.correction_deg is not None:
         side = 'much' if error.correction_deg < 0.0 else 'little'
@@ -168,7 +168,7 @@ def _list(found: Observed) -> Iterator[str]:
         yield (f'C - O, the correction to add  {error.correction_deg:+.3f} deg (the TS shows '
                f'{abs(error.correction_deg):.3f} deg too {side})')
     if error.std_deg is not None:
-        yield from _budget(found)
+        yield from _budget(observed)
     yield ''
     yield f'VERDICT: {explain_outcome(error)}'
     if words := explain_scatter(error):
@@ -178,35 +178,36 @@ def _list(found: Observed) -> Iterator[str]:
                'systematic error, unless norms.sigma_max_deg and risk.slowest_error_s state them.')
 
 
-def _budget(found: Observed) -> Iterator[str]:
+def _budget(observed: Observed) -> Iterator[str]:
     """Yield the lines of the uncertainty budget."""
-    error = found.error
+    error = observed.error
     yield f'standard deviation            {error.std_deg:.3f} deg'
     yield 'uncertainty of the mean, standard:'
-    for one in error.components:
-        freedom = '' if one.nu is None else f', {one.nu:.0f} degrees of freedom'
-        yield f'  {one.name:26}  {one.u_deg:.3f} deg  {one.words}{freedom}'
+    for component in error.components:
+        freedom = '' if component.nu is None else f', {component.nu:.0f} degrees of freedom'
+        yield f'  {component.name:26}  {component.u_deg:.3f} deg  {component.words}{freedom}'
     nu = 'many' if error.nu is None or error.nu > _MOST_NU else f'{error.nu:.1f}'
     yield f'  {"combined":26}  {error.u_deg:.3f} deg  {nu} effective degrees of freedom'
     yield (f'  {"expanded, 95 %":26}  {error.expanded_u_deg:.3f} deg  k = {error.k:.2f}, Student')
 
 
-def _render(found: Observed, settings: Settings) -> str:
+def _render(observed: Observed, settings: Settings) -> str:
     """Return the observations, their budget and the outcome as JSON."""
-    corrections, table = found.corrections, found.table
+    corrections, table = observed.corrections, observed.table
     rows: list[dict[str, Any]] = [
         {'stamp_ns': int(corrections.stamp_ns[i]), 'stamp_utc': utc(int(corrections.stamp_ns[i])),
          'computed_deg': float(corrections.true_deg[i]), 'ts_deg': float(corrections.ts_deg[i]),
          'c_minus_o_deg': float(corrections.c_minus_o_deg[i]),
          'u_deg': float(corrections.u_deg[i]), 'note': table.notes[row]}
         for i, row in enumerate(corrections.row.tolist())]
-    given = leave_out_added(settings.to_mapping())
+    stored_settings = leave_out_added(settings.to_mapping())
     return json.dumps({
         'schema': SCHEMA, 'software': make_plain(Software()),
-        'headline': explain_outcome(found.error), 'cannot_decide': explain_scatter(found.error),
-        **make_plain(found.error), 'target': table.target, 'observations': rows,
+        'headline': explain_outcome(observed.error),
+        'cannot_decide': explain_scatter(observed.error),
+        **make_plain(observed.error), 'target': table.target, 'observations': rows,
         'not_used': dict(corrections.not_used), 'span_s': corrections.span_s,
-        'ts_step_deg': corrections.step_deg, 'recording': found.recording,
-        'recording_sha256': found.recording_sha256, 'table_sha256': found.table_sha256,
-        'settings': given, 'settings_sha256': settings_sha256(given),
+        'ts_step_deg': corrections.step_deg, 'recording': observed.recording,
+        'recording_sha256': observed.recording_sha256, 'table_sha256': observed.table_sha256,
+        'settings': stored_settings, 'settings_sha256': settings_sha256(stored_settings),
     }, indent=1, ensure_ascii=False, allow_nan=False) + '\n'

@@ -64,38 +64,39 @@ def run(arguments: argparse.Namespace) -> int:
     config = load_config(arguments.config) if arguments.config else None
     check_outputs(Outputs(json=arguments.json), arguments.bags, config=arguments.config)
     with Progress(f'{len(arguments.bags)} bags', arguments.quiet) as progress:
-        found = rejudge(arguments.bags, config, arguments.set, progress=progress.show)
-    for note in _notes(found):
+        rejudged = rejudge(arguments.bags, config, arguments.set, progress=progress.show)
+    for note in _notes(rejudged):
         tell(note)
-    if all(each.status == UNJUDGED for each in found):
-        several = f'none of the {len(found)} bags can be judged: ' if len(found) > 1 else ''
-        raise ValueError(f'{several}{found[0].path}: {found[0].error}')
-    counts = Counter(each.status for each in found)
+    if all(bag.status == UNJUDGED for bag in rejudged):
+        several = f'none of the {len(rejudged)} bags can be judged: ' if len(rejudged) > 1 else ''
+        raise ValueError(f'{several}{rejudged[0].path}: {rejudged[0].error}')
+    counts = Counter(bag.status for bag in rejudged)
     if arguments.json == '-':
-        sys.stdout.write(_render(found))
+        sys.stdout.write(_render(rejudged))
     else:
-        say_lines([each.line for each in found], VERDICT_MARKS)
-        say_lines([f'of {len(found)}: ' + ', '.join(
+        say_lines([bag.line for bag in rejudged], VERDICT_MARKS)
+        say_lines([f'of {len(rejudged)}: ' + ', '.join(
             f'{counts[status]} {words}' for status, words in _WORDS.items())])
         if arguments.json:
             with name_file(arguments.json), open(
                     arguments.json, 'w', encoding='utf-8', errors='backslashreplace') as file:
-                file.write(_render(found))
+                file.write(_render(rejudged))
     if not arguments.check:
         return 0
-    return _CHANGED_CODE if counts[CHANGED] else 0 if counts[SAME] == len(found) else _UNKNOWN_CODE
+    return (_CHANGED_CODE if counts[CHANGED] else
+            0 if counts[SAME] == len(rejudged) else _UNKNOWN_CODE)
 
 
-def _notes(found: Sequence[Rejudged]) -> list[str]:
+def _notes(rejudged: Sequence[Rejudged]) -> list[str]:
     """Return the notes on single bags, and notes on many bags once."""
-    gone = Counter(text for each in found for text in each.settings_gone)
-    where = {text: each.path for each in found for text in each.settings_gone}
-    return [*(f'{each.path}: {note}' for each in found for note in each.notes),
+    gone = Counter(text for bag in rejudged for text in bag.settings_gone)
+    where = {text: bag.path for bag in rejudged for text in bag.settings_gone}
+    return [*(f'{bag.path}: {note}' for bag in rejudged for note in bag.notes),
             *(f'{where[text] if n == 1 else f"{n} bags"}: {text}' for text, n in gone.items())]
 
 
-def _render(found: Sequence[Rejudged]) -> str:
+def _render(rejudged: Sequence[Rejudged]) -> str:
     """Return the results as JSON text."""
     return json.dumps({'schema': SCHEMA, 'software': make_plain(Software()),
-                       'rule_version': RULE_VERSION, 'bags': make_plain(found)},
+                       'rule_version': RULE_VERSION, 'bags': make_plain(rejudged)},
                       indent=1, ensure_ascii=False, allow_nan=False) + '\n'

@@ -154,7 +154,7 @@ def _check(arguments: argparse.Namespace) -> None:
     if arguments.page and not arguments.page.endswith('.html'):
         raise ValueError(f'--page {arguments.page}: must end with .html')
     if arguments.page:
-        # Its libraries may not be installed, and a trial may take long.
+        # The libraries of a page may not be installed, and a trial may take long.
         check_form(arguments.page)
 
 
@@ -191,9 +191,9 @@ def _write_page(path: str, source: ScenarioFile, lines: Sequence[str], traces: S
 
 def _choose_track(source: ScenarioFile, arguments: argparse.Namespace) -> ScenarioFile:
     """Return the scenario with the voyage that the command line names."""
-    given = {'file': arguments.track and os.path.abspath(arguments.track),
-             'heading': arguments.track_heading}
-    named = {name: value for name, value in given.items() if value is not None}
+    options = {'file': arguments.track and os.path.abspath(arguments.track),
+               'heading': arguments.track_heading}
+    named = {name: value for name, value in options.items() if value is not None}
     if 'heading' in named and not (arguments.track or source.scenario.track.file):
         raise SettingsError('--track-heading: needs a voyage; give its file with --track')
     return source._replace(scenario=replace(
@@ -259,9 +259,9 @@ def _status_rows(role: str, statuses: Sequence[AhrsStatus], latency_s: float, st
                  first: int) -> Iterator[Rows]:
     """Yield statuses as messages, each stamped with its instant."""
     for number, status in enumerate(statuses, first):
-        said = describe_condition(status)
+        condition = describe_condition(status)
         ns = start_ns + round(status.t_s * 1e9)
-        message = encode_statuses(ns, [Status(f'sensor_simulator: {role}', LEVELS[said.level],
-                                              said.words, said.figures)])
+        message = encode_statuses(ns, [Status(f'sensor_simulator: {role}', LEVELS[condition.level],
+                                              condition.words, condition.figures)])
         yield Rows(DIAGNOSTICS, np.frombuffer(message, np.uint8).reshape(1, -1),
                    [ns + round(latency_s * 1e9)], None, number)

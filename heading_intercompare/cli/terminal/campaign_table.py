@@ -53,7 +53,8 @@ class _Line:
 
 def is_campaign(verdict: Verdict) -> bool:
     """Tell whether a verdict is on several recordings; the logs of two sensors are one."""
-    return len(verdict.inputs) > 1 and all(given.not_taken is None for given in verdict.inputs)
+    return len(verdict.inputs) > 1 and all(
+        recording.not_taken is None for recording in verdict.inputs)
 
 
 def campaign_lines(verdict: Verdict, columns: int | None = None) -> list[str]:
@@ -63,7 +64,7 @@ def campaign_lines(verdict: Verdict, columns: int | None = None) -> list[str]:
     Parameters
     ----------
     verdict : Verdict
-        Of several recordings.
+        The verdict on several recordings.
     columns : int, optional
         Width of the terminal; a longer line of the table ends with an ellipsis.
 
@@ -77,10 +78,10 @@ def campaign_lines(verdict: Verdict, columns: int | None = None) -> list[str]:
     runs: dict[str, list[RunVerdict]] = {}
     for run in verdict.runs:
         runs.setdefault(run.source, []).append(run)
-    names = _shorten_names([given.path for given in verdict.inputs])
-    lines = [_describe(name, given, runs.get(given.path, []))
-             for name, given in zip(names, verdict.inputs)]
-    rows = [_HEAD, *(line.cells for line in sorted(lines, key=lambda one: one.gravity))]
+    names = _shorten_names([recording.path for recording in verdict.inputs])
+    lines = [_describe(name, recording, runs.get(recording.path, []))
+             for name, recording in zip(names, verdict.inputs)]
+    rows = [_HEAD, *(line.cells for line in sorted(lines, key=lambda line: line.gravity))]
     table = [*_align(rows)]
     if columns is not None:
         table = [line if len(line) <= columns else f'{line[:columns - 1]}…' for line in table]
@@ -88,12 +89,12 @@ def campaign_lines(verdict: Verdict, columns: int | None = None) -> list[str]:
     return [*head_lines(verdict), '', *table, *([''] * bool(together)), *together]
 
 
-def _describe(name: str, given: Input, runs: Sequence[RunVerdict]) -> _Line:
+def _describe(name: str, recording: Input, runs: Sequence[RunVerdict]) -> _Line:
     if not runs:
-        elsewhere = given.same_as is not None or given.continues is not None
+        elsewhere = recording.same_as is not None or recording.continues is not None
         rank = _ELSEWHERE if elsewhere else _NOT_JUDGED
-        word = '-' if elsewhere else 'NOT JUDGED' if given.error else 'NO RUN'
-        return _Line((rank, 0.0, 0.0), (name, word, *'------', given.why_no_run or 'no run'))
+        word = '-' if elsewhere else 'NOT JUDGED' if recording.error else 'NO RUN'
+        return _Line((rank, 0.0, 0.0), (name, word, *'------', recording.why_no_run or 'no run'))
     worst = min(runs, key=_gravity)
     share = _share_of_norm(worst)
     word = OUTCOME_WORDS[worst.outcome]
@@ -134,10 +135,10 @@ def _list_doubts(runs: Iterable[RunVerdict]) -> Iterable[str]:
 def _shorten_names(paths: Sequence[str]) -> list[str]:
     """Return the last part of each path, or the paths if these parts are not unique."""
     names = [os.path.basename(path.rstrip(os.sep)) or path for path in paths]
-    found = names if len({*names}) == len({*paths}) else [*paths]
+    labels = names if len({*names}) == len({*paths}) else [*paths]
     half = _LONGEST_NAME // 2
     return [name if len(name) <= _LONGEST_NAME else f'{name[:half - 1]}…{name[-half:]}'
-            for name in found]
+            for name in labels]
 
 
 def _number(value: float | None, form: str) -> str:

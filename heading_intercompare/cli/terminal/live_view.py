@@ -103,9 +103,9 @@ class LiveView:
 def _state_of(view: BridgeView, phase: str) -> tuple[object, ...]:
     """Return what a person wants to know at once when it changes."""
     return (phase, view.lamp.word, view.lamp.given_ns, _NUMBER.sub('#', view.validity.words),
-            tuple((one.name, one.state) for one in view.alarms),
-            tuple((one.name, one.level, one.stale) for one in view.nodes),
+            tuple((alarm.name, alarm.state) for alarm in view.alarms),
+            tuple((node.name, node.level, node.stale) for node in view.nodes),
             view.ts.stale, view.rs.stale, view.run.number,
             None if view.sensors is None else (
                 _NUMBER.sub('#', view.sensors.vote),
-                tuple((one.now.stale, one.lamp.word) for one in view.sensors.rows)))
+                tuple((row.now.stale, row.lamp.word) for row in view.sensors.rows)))

@@ -139,7 +139,7 @@ class Screen:
 
     def _printed(self) -> list[str]:
         """Return what others have printed, in lines that stay."""
-        found = []
+        lines = []
         while self._tap is not None and self._tap.lines:
             text, style = self._tap.lines.popleft(), ''
             if (match := _LOGGED.match(text)) is not None:
@@ -148,8 +148,8 @@ class Screen:
                     continue
                 when = datetime.fromtimestamp(int(second), timezone.utc)
                 text, style = f'{when:%H:%M:%S} {level} {name}: {words}', _STYLES[level]
-            found.append(f'{self._style(text, style)}{_TO_THE_END}\r\n')
-        return found
+            lines.append(f'{self._style(text, style)}{_TO_THE_END}\r\n')
+        return lines
 
     def _render(self, line: Line, columns: int) -> str:
         """Return a line in its colours, cut to the width."""
@@ -163,7 +163,8 @@ class Screen:
     def _style(self, text: str, style: str, columns: int | None = None) -> str:
         from rich.text import Text
 
-        shown = Text(''.join(one if one.isprintable() else '\ufffd' for one in text), style)
+        shown = Text(''.join(character if character.isprintable() else '\ufffd'
+                             for character in text), style)
         if columns is not None:
             shown.truncate(columns, overflow='ellipsis')
         with self._console.capture() as written:

@@ -77,29 +77,29 @@ def lay_out(view: BridgeView, columns: int, rows: int, *, title: str = '', phase
         What runs, what it does at the moment, and what can be done; '' leaves a line out.
 
     """
-    said = tell(view)
+    texts = tell(view)
     room = max(20, columns - _LABEL - 1)
 
     def line(label: str, *places: str, bold: bool = False) -> Line:
-        found = [said[place] for place in places if said[place].text]
-        return Line(label, '; '.join(one.text for one in found), _gravest(found), bold)
+        phrases = [texts[place] for place in places if texts[place].text]
+        return Line(label, '; '.join(phrase.text for phrase in phrases), _gravest(phrases), bold)
     heading = [Line('', title, bold=True)] if title else []
-    verdict = [Line('verdict', said['lamp'].text, said['lamp'].tone, bold=True),
-               *(Line('', one.text) for one in (said['lamp_given'], said['lamp_headline'])
-                 if one.text),
+    verdict = [Line('verdict', texts['lamp'].text, texts['lamp'].tone, bold=True),
+               *(Line('', phrase.text) for phrase in (texts['lamp_given'], texts['lamp_headline'])
+                 if phrase.text),
                line('now', 'validity')]
     fixed = [*heading, *_list_sensors(view), *verdict, line('bag', 'bag')] if view.sensors else [
         *heading,
-        _numeral('TS', said['ts_heading'], said['ts_state']),
-        _numeral('RS', said['rs_heading'], said['rs_state']),
-        _numeral('TS - RS', said['difference'], said['difference_state']),
+        _numeral('TS', texts['ts_heading'], texts['ts_state']),
+        _numeral('RS', texts['rs_heading'], texts['rs_state']),
+        _numeral('TS - RS', texts['difference'], texts['difference_state']),
         line('turn', 'turn'),
         *([line('AHRS', 'mode')] if view.mode else []),
         *verdict,
-        Line('run', ' '.join(filter(None, [said['run'].text, _bar(view)]))),
+        Line('run', ' '.join(filter(None, [texts['run'].text, _bar(view)]))),
         line('missing', 'lacking'),
         line('window', 'window', 'norm'),
-        Line('trend', draw_trend(view.trend, room), said['trend'].tone),
+        Line('trend', draw_trend(view.trend, room), texts['trend'].tone),
         line('pairs', 'paired', 'ledger'),
         line('bag', 'bag'),
     ]
@@ -116,32 +116,34 @@ def _numeral(label: str, figure: Said, state: Said) -> Line:
     return Line(label, f'{figure.text:<9}{state.text}', state.tone, bold=True)
 
 
-def _gravest(said: Iterable[Said]) -> Tone:
+def _gravest(phrases: Iterable[Said]) -> Tone:
     order = (Tone.NONE, Tone.GOOD, Tone.DOUBT, Tone.BAD)
-    return max((one.tone for one in said), key=order.index, default=Tone.NONE)
+    return max((phrase.tone for phrase in phrases), key=order.index, default=Tone.NONE)
 
 
 def _list_sensors(view: BridgeView) -> list[Line]:
     """Return a line for each of several sensors, and the vote."""
     vote = vote_words(view)
-    return [*(Line(name, said.text, said.tone, bold=True) for name, said in sensor_words(view)),
+    return [*(Line(name, phrase.text, phrase.tone, bold=True)
+              for name, phrase in sensor_words(view)),
             Line('vote', vote.text, vote.tone)]
 
 
 def _list_alarms(view: BridgeView) -> list[Line]:
     """Return a line per alarm; the first one has the label."""
-    found = [one for _, one in alarm_words(view)] or [Said('none')]
-    return [Line('' if at else 'alarms', one.text, one.tone) for at, one in enumerate(found)]
+    alarms = [alarm for _, alarm in alarm_words(view)] or [Said('none')]
+    return [Line('' if at else 'alarms', alarm.text, alarm.tone)
+            for at, alarm in enumerate(alarms)]
 
 
 def _list_nodes(view: BridgeView) -> list[Line]:
     """Return the nodes in order in one line, and a line for each other one."""
-    found = [*zip(view.nodes, node_words(view))]
-    well = [node.name for node, _ in found if _is_well(node)]
-    lines = [said for node, said in found if not _is_well(node)]
+    nodes = [*zip(view.nodes, node_words(view))]
+    well = [node.name for node, _ in nodes if _is_well(node)]
+    lines = [phrase for node, phrase in nodes if not _is_well(node)]
     if well or not lines:
         lines.append(Said(f'{", ".join(well)}: OK' if well else 'none heard yet'))
-    return [Line('' if at else 'nodes', one.text, one.tone) for at, one in enumerate(lines)]
+    return [Line('' if at else 'nodes', line.text, line.tone) for at, line in enumerate(lines)]
 
 
 def _is_well(node: NodeView) -> bool:
@@ -207,27 +209,27 @@ def draw_sparkline(points: Sequence[tuple[float, float]], width: int) -> str:
 
 def _tell_sensors(view: BridgeView) -> list[str]:
     """Return the headings of several sensors, and the vote."""
-    heard = ', '.join(f'{name} {" ".join(said.text[:7].split())}'
-                      for name, said in sensor_words(view))
+    heard = ', '.join(f'{name} {" ".join(phrase.text[:7].split())}'
+                      for name, phrase in sensor_words(view))
     return [heard, vote_words(view).text]
 
 
 def one_line(view: BridgeView, now_ns: int, phase: str = '') -> str:
     """Return a view as one line of plain text, with the time of day."""
-    said = tell(view)
+    texts = tell(view)
     heard = view.ts.age_s is not None or view.rs.age_s is not None
-    given = f' ({said["lamp_given"].text})' if said['lamp_given'].text else ''
+    last_verdict = f' ({texts["lamp_given"].text})' if texts['lamp_given'].text else ''
     parts = [
         phase,
         *(_tell_sensors(view) if view.sensors else [
-            f'TS {said["ts_heading"].text}, RS {said["rs_heading"].text}, TS - RS '
-            f'{said["difference"].text}' if heard else 'neither TS nor RS heard yet']),
-        f'verdict {view.lamp.word}{given}' if view.judged else '',
+            f'TS {texts["ts_heading"].text}, RS {texts["rs_heading"].text}, TS - RS '
+            f'{texts["difference"].text}' if heard else 'neither TS nor RS heard yet']),
+        f'verdict {view.lamp.word}{last_verdict}' if view.judged else '',
         view.validity.words,
-        f'{said["run"].text}, {said["lacking"].text}' if view.run.number else '',
-        f'{said["window"].text}, {said["norm"].text}' if view.window.n else '',
-        '' if view.paired_share is None else said['paired'].text,
-        '' if view.bag.age_s is None else said['bag'].text,
-        *(one.text for _, one in alarm_words(view)),
-        *(one.text for node, one in zip(view.nodes, node_words(view)) if not _is_well(node))]
+        f'{texts["run"].text}, {texts["lacking"].text}' if view.run.number else '',
+        f'{texts["window"].text}, {texts["norm"].text}' if view.window.n else '',
+        '' if view.paired_share is None else texts['paired'].text,
+        '' if view.bag.age_s is None else texts['bag'].text,
+        *(alarm.text for _, alarm in alarm_words(view)),
+        *(phrase.text for node, phrase in zip(view.nodes, node_words(view)) if not _is_well(node))]
     return f'{utc(now_ns)[11:19]} {"; ".join(filter(None, parts))}'

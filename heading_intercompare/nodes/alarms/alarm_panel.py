@@ -144,10 +144,10 @@ class AlarmPanel:
             if now_ns is None:
                 now_ns = self._node.get_clock().now().nanoseconds
             self._publisher.publish(encode_statuses(now_ns, statuses))
-        there = [a for a in self._table.alarms if a.state is not AlarmState.NORMAL]
+        raised = [a for a in self._table.alarms if a.state is not AlarmState.NORMAL]
         self._health.note(
             'alarms', max((status.level for status in statuses), default=OK),
-            '; '.join(f'{a.rule.name}: {a.words} ({_in_words(a)})' for a in there) or 'no alarm',
+            '; '.join(f'{a.rule.name}: {a.words} ({_in_words(a)})' for a in raised) or 'no alarm',
             log=False, **{a.rule.name: a.state for a in self._table.alarms})
 
     def _describe(self, alarm: Alarm) -> Status:

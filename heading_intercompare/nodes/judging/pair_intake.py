@@ -115,12 +115,12 @@ class PairIntake(Intake):
 
     def take(self) -> _Taken:
         """Return the pairs of the followed synchronizer since the last call."""
-        now_s, found = time.monotonic(), []
+        now_s, pairs = time.monotonic(), []
         followed = self.last_sequence
-        taken = super().take()
+        messages = super().take()
         # The numbers of pairs that are held say nothing of those of the followed synchronizer.
         self.last_sequence = followed
-        for _, several in groupby(taken, key=lambda one: one[0][_NAME]):
+        for _, several in groupby(messages, key=lambda pair: pair[0][_NAME]):
             batch = list(several)
             name = header_frame(batch[0][0])
             # Pairs without a name are those of an earlier version.
@@ -128,7 +128,7 @@ class PairIntake(Intake):
             if name.isdecimal():
                 self._choice.hear(started_ns, now_s)
             if not name.isdecimal() or started_ns == self._choice.current:
-                found += self._accept(name, batch)
+                pairs += self._accept(name, batch)
             else:
                 self._hold(started_ns, batch)
         before, current = self._choice.current, self._choice.look(now_s)
@@ -137,14 +137,14 @@ class PairIntake(Intake):
             self._behind = True
             if self._named:
                 self.last_sequence = 0
-            found += self._accept(str(current), [*self._held.pop(current, deque())])
-        return found
+            pairs += self._accept(str(current), [*self._held.pop(current, deque())])
+        return pairs
 
     def _accept(self, name: str, batch: _Taken) -> _Taken:
         after = self._resuming.get(name)
         if after is not None:
             # A publisher sends its last messages again to a new subscription.
-            batch = [one for one in batch if one[1]['publication_sequence_number'] > after]
+            batch = [pair for pair in batch if pair[1]['publication_sequence_number'] > after]
         if batch:
             numbers = [info['publication_sequence_number'] for _, info in batch]
             numbering = self._numbers.setdefault(name, Numbering())
@@ -163,10 +163,10 @@ class PairIntake(Intake):
     def _leave_out(self, batch: _Taken) -> _Taken:
         """Leave out the pairs that the synchronizer before has published."""
         stamps = [header_stamp_ns(data) for data, _ in batch]
-        fresh = [one for one, stamp_ns in zip(batch, stamps) if stamp_ns > self._newest_ns]
+        fresh = [pair for pair, stamp_ns in zip(batch, stamps) if stamp_ns > self._newest_ns]
         if len(fresh) < len(batch):
-            known = {header_stamp_ns(data) for data in self._taken}
-            self.left_out += sum(stamp_ns <= self._newest_ns and stamp_ns not in known
+            taken_ns = {header_stamp_ns(data) for data in self._taken}
+            self.left_out += sum(stamp_ns <= self._newest_ns and stamp_ns not in taken_ns
                                  for stamp_ns in stamps)
         self._behind = not fresh
         return fresh

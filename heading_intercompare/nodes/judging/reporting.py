@@ -94,9 +94,9 @@ class Reporting:
         self._pairs, self._ledgers, self._journal = pairs, Incarnations(), journal
         self._taken = node.create_publisher(DiagnosticArray, LEDGER_TAKEN_TOPIC, qos.LEDGER_TAKEN)
         newest = LedgerMessage(Ledger(), False, 0)
-        for kept in journal.kept.ledgers.values():
-            self._ledgers.take(*kept)
-            newest = max(newest, kept, key=lambda one: one.started_ns)
+        for message in journal.kept.ledgers.values():
+            self._ledgers.take(*message)
+            newest = max(newest, message, key=lambda ledger: ledger.started_ns)
         self._taken.publish(encode_ledger(*newest))
         self._uncovered: deque[LedgerMessage] = deque()
         self._verdict = node.create_publisher(
@@ -242,17 +242,17 @@ class Reporting:
     def _announce(self, verdict: Verdict) -> None:
         """Publish the verdict."""
         early = self._compliance.early
-        said = []
+        findings = []
         if verdict.runs or early is None:
-            said.append((verdict_level(verdict.outcome, verdict.validity_effect),
-                         f'{len(verdict.runs)} runs: {verdict.headline}'))
+            findings.append((verdict_level(verdict.outcome, verdict.validity_effect),
+                             f'{len(verdict.runs)} runs: {verdict.headline}'))
         if early is not None:
-            said.append((OUTCOME_LEVELS[early.outcome], f'the run in progress, {early}'))
+            findings.append((OUTCOME_LEVELS[early.outcome], f'the run in progress, {early}'))
         # A good run in progress does not excuse an earlier finding.
-        self._health.note('verdict', max(level for level, _ in said),
-                          '; '.join(words for _, words in said), latch=True, log=False,
+        self._health.note('verdict', max(level for level, _ in findings),
+                          '; '.join(words for _, words in findings), latch=True, log=False,
                           runs=len(verdict.runs))
-        self._node.get_logger().info(f'verdict on {said[-1][1]}')
+        self._node.get_logger().info(f'verdict on {findings[-1][1]}')
         self._verdict.publish(encode_verdict(verdict, self._compliance.newest_ns or 0, early))
 
     def _write(self, text: str, kind: str = 'verdict') -> None:

@@ -85,8 +85,8 @@ def find_misspelt(given: Iterable[str], known: Iterable[str]) -> list[str]:
     known = [*known]
     near = {name: difflib.get_close_matches(name, known, 1, 0.75)
             for name in sorted({*given} - {*known})}
-    return [f'{name}:= has no effect; did you mean {found[0]}:=?'
-            for name, found in near.items() if found]
+    return [f'{name}:= has no effect; did you mean {matches[0]}:=?'
+            for name, matches in near.items() if matches]
 
 
 def read_switch(name: str, text: str) -> bool:
@@ -98,12 +98,12 @@ def read_switch(name: str, text: str) -> bool:
     name : str
         Name of the argument, for the message.
     text : str
-        Its value.
+        Value of the argument.
 
     Raises
     ------
     SettingsError
-        If it is neither.
+        If the text is neither.
 
     Examples
     --------
@@ -111,10 +111,10 @@ def read_switch(name: str, text: str) -> bool:
     (True, False)
 
     """
-    found = _SWITCHES.get(text.strip().lower())
-    if found is None:
+    switch = _SWITCHES.get(text.strip().lower())
+    if switch is None:
         raise SettingsError(f'{name}:={text}: must be true or false')
-    return found
+    return switch
 
 
 def read_number(name: str, text: str) -> float:
@@ -126,21 +126,21 @@ def read_number(name: str, text: str) -> float:
     name : str
         Name of the argument, for the message.
     text : str
-        Its value.
+        Value of the argument.
 
     Raises
     ------
     SettingsError
-        If it is none.
+        If the text is no such number.
 
     """
     try:
-        found = float(text)
+        number = float(text)
     except ValueError:
-        found = math.nan
-    if not 0.0 <= found < math.inf:
+        number = math.nan
+    if not 0.0 <= number < math.inf:
         raise SettingsError(f'{name}:={text}: must be a number of at least 0')
-    return found
+    return number
 
 
 def read_namespace(text: str) -> str:
@@ -163,11 +163,11 @@ def read_namespace(text: str) -> str:
     ('/ship1', '/fleet/ship1', '/')
 
     """
-    found = text.strip().strip('/')
-    if found and not _NAMESPACE.fullmatch(found):
+    namespace = text.strip().strip('/')
+    if namespace and not _NAMESPACE.fullmatch(namespace):
         raise SettingsError(f'namespace:={text}: must be names of letters, digits and _ that do '
                             'not begin with a digit, with a / between them')
-    return f'/{found}'
+    return f'/{namespace}'
 
 
 def common_arguments(executable: str, log_level: str, use_sim_time: bool,

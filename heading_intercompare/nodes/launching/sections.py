@@ -71,7 +71,7 @@ def check_sections(path: str, sections: Mapping[str, Mapping[str, Any]],
     path : str
         The parameter file, for the message.
     sections : mapping of str to mapping
-        Its sections, by the name of the node.
+        Sections of the file, by the name of the node.
     nodes : iterable of tuple of str and str
         Executable and name of each node.
 
@@ -82,19 +82,21 @@ def check_sections(path: str, sections: Mapping[str, Mapping[str, Any]],
 
     """
     for executable, name in nodes:
-        given = {key: value for key, value in sections.get(name, {}).items()
-                 if key not in OF_ROS}
-        names = {one: [rule.name for rule in list_settings(one)]
-                 for one in (Settings, *OWN_SETTINGS[executable])}
-        known = [each for of_class in names.values() for each in of_class]
+        parameters = {key: value for key, value in sections.get(name, {}).items()
+                      if key not in OF_ROS}
+        names = {settings_class: [rule.name for rule in list_settings(settings_class)]
+                 for settings_class in (Settings, *OWN_SETTINGS[executable])}
+        known_keys = [key for of_class in names.values() for key in of_class]
         try:
-            for key in given:
-                if key not in known:
-                    raise explain_unknown('parameter', key, known)
-            made = [from_mapping(one, {key: given[key] for key in given if key in of_class})
-                    for one, of_class in names.items()]
-            for one in made:
-                if isinstance(one, DriverSettings):
-                    _need_source(one)
+            for key in parameters:
+                if key not in known_keys:
+                    raise explain_unknown('parameter', key, known_keys)
+            node_settings = [
+                from_mapping(settings_class,
+                             {key: parameters[key] for key in parameters if key in of_class})
+                for settings_class, of_class in names.items()]
+            for settings in node_settings:
+                if isinstance(settings, DriverSettings):
+                    _need_source(settings)
         except SettingsError as error:
             raise SettingsError(f'{path}: section {name!r}: {error}') from error

@@ -91,9 +91,9 @@ class Arrivals(Unwatched):
 
 def take_all(subscription: Subscription) -> list[tuple[Any, Mapping[str, int]]]:
     """Return the messages that have arrived, raw or not, each with its info."""
-    taken = []
+    messages = []
     with subscription.handle:
-        while (one := subscription.handle.take_message(subscription.msg_type,
-                                                       subscription.raw)) is not None:
-            taken.append(one)
-    return taken
+        while (message := subscription.handle.take_message(subscription.msg_type,
+                                                           subscription.raw)) is not None:
+            messages.append(message)
+    return messages

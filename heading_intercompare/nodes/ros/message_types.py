@@ -37,18 +37,18 @@ TRUTH_TYPES = {'sensor_msgs/msg/Imu': Imu}
 
 def find_azimuth_types() -> dict[str, type]:
     """Return the types of azimuths whose packages are installed, by name."""
-    found: dict[str, type] = {}
+    azimuth_types: dict[str, type] = {}
     try:
         from compass_interfaces.msg import Azimuth
-        found['compass_interfaces/msg/Azimuth'] = Azimuth
+        azimuth_types['compass_interfaces/msg/Azimuth'] = Azimuth
     except ImportError:
         pass
     try:
         from compass_msgs.msg import Azimuth as EarlierAzimuth
-        found['compass_msgs/msg/Azimuth'] = EarlierAzimuth
+        azimuth_types['compass_msgs/msg/Azimuth'] = EarlierAzimuth
     except ImportError:
         pass
-    return found
+    return azimuth_types
 
 
 HEADING_TYPES = {

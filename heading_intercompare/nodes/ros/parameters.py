@@ -79,20 +79,22 @@ def declare(node: Node, *classes: type | Used,
         For a name that no class declares, or a value that is not allowed.
 
     """
-    given = {name: parameter.value for name, parameter in node.get_parameters_by_prefix('').items()
-             if name not in OF_ROS}
+    values = {name: parameter.value
+              for name, parameter in node.get_parameters_by_prefix('').items()
+              if name not in OF_ROS}
     rules = {used: {rule.name: rule for rule in list_settings(used.settings_class)}
-             for used in (one if isinstance(one, Used) else Used(one) for one in classes)}
-    known = [name for names in rules.values() for name in names]
-    for name in given:
-        if name not in known:
-            raise explain_unknown('parameter', name, known)
-    made = []
+             for used in (settings_class if isinstance(settings_class, Used)
+                          else Used(settings_class) for settings_class in classes)}
+    declared = [name for names in rules.values() for name in names]
+    for name in values:
+        if name not in declared:
+            raise explain_unknown('parameter', name, declared)
+    instances = []
     for used, names in rules.items():
         settings = from_mapping(used.settings_class,
-                                {n: v for n, v in given.items() if n in names})
+                                {n: v for n, v in values.items() if n in names})
         for name, value in to_mapping(settings).items():
-            if name in given:
+            if name in values:
                 node.undeclare_parameter(name)
             if not used.has(name):
                 continue
@@ -104,20 +106,20 @@ def declare(node: Node, *classes: type | Used,
                     additional_constraints=f'{rule.allowed}; '
                     f'{_FOLLOWED if name in followed else _READ_ONCE}',
                     dynamic_typing=True, **_find_range(rule)), ignore_override=True)
-        made.append(settings)
+        instances.append(settings)
     owners = {name: used.settings_class for used, names in rules.items()
               for name in names if name in followed}
     if owners:
         node.add_on_set_parameters_callback(partial(_check, owners))
-    return tuple(made)
+    return tuple(instances)
 
 
 def _check(owners: Mapping[str, type], parameters: Sequence[Parameter]) -> SetParametersResult:
     """Tell whether new values are allowed, in the words of a wrong setting."""
     try:
-        for one in parameters:
-            if one.name in owners:
-                from_mapping(owners[one.name], {one.name: one.value})
+        for parameter in parameters:
+            if parameter.name in owners:
+                from_mapping(owners[parameter.name], {parameter.name: parameter.value})
     except SettingsError as error:
         return SetParametersResult(successful=False, reason=str(error))
     return SetParametersResult(successful=True)
@@ -126,9 +128,9 @@ def _check(owners: Mapping[str, type], parameters: Sequence[Parameter]) -> SetPa
 def follow(node: Node, name: str, change: Callable[[Any], object]) -> None:
     """Call a function with the new value when a followed parameter of a node is changed."""
     def pass_on(parameters: Sequence[Parameter]) -> None:
-        for one in parameters:
-            if one.name == name:
-                change(one.value)
+        for parameter in parameters:
+            if parameter.name == name:
+                change(parameter.value)
     node.add_post_set_parameters_callback(pass_on)
 
 
@@ -158,8 +160,8 @@ def resolve_topic(node: Node, topic: str) -> str:
 
 def make_overrides(values: Mapping[str, Any]) -> list[Parameter]:
     """Return values, by dotted name, as `parameter_overrides` of a node; None is skipped."""
-    given = {name: value for name, value in values.items() if value is not None}
-    for name, value in given.items():
+    parameters = {name: value for name, value in values.items() if value is not None}
+    for name, value in parameters.items():
         if isinstance(value, str):
             utf8(value, name)
-    return [Parameter(name, value=value) for name, value in given.items()]
+    return [Parameter(name, value=value) for name, value in parameters.items()]

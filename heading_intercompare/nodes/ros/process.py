@@ -134,8 +134,8 @@ def end(executor: QuickExecutor, nodes: Sequence[Node], linger_s: float = 0.0,
 
 
 def _destroy(node: Node, nodes: Sequence[Node], code: int) -> None:
-    """Destroy a node; if that never returns, end with `code`, or with 1 if one has not ended."""
-    with leave_if_hung(_HUNG_S, code if all(one.ended for one in nodes) else 1):
+    """Destroy a node; if that never returns, end with `code`, or with 1 if any has not ended."""
+    with leave_if_hung(_HUNG_S, code if all(member.ended for member in nodes) else 1):
         node.destroy_node()
 
 

@@ -205,18 +205,18 @@ class QuickExecutor(SingleThreadedExecutor):
         subscriptions = []
         services, clients = [], []
         for node in self.get_nodes():
-            self._timers += [one for one in node.timers if self._hold(one.handle)]
-            self._guards += [one for one in node.guards if self._hold(one.handle)]
-            self._waitables += [one for one in node.waitables if self._hold(one)]
-            services += [one.handle for one in node.services if self._hold(one.handle)]
-            clients += [one.handle for one in node.clients if self._hold(one.handle)]
-            for one in node.subscriptions:
-                group = one.callback_group
+            self._timers += [timer for timer in node.timers if self._hold(timer.handle)]
+            self._guards += [guard for guard in node.guards if self._hold(guard.handle)]
+            self._waitables += [waitable for waitable in node.waitables if self._hold(waitable)]
+            services += [service.handle for service in node.services if self._hold(service.handle)]
+            clients += [client.handle for client in node.clients if self._hold(client.handle)]
+            for subscription in node.subscriptions:
+                group = subscription.callback_group
                 if isinstance(group, Arrivals):
-                    if self._hold(one.handle):
-                        self._arrivals.setdefault(group, []).append(one.handle)
-                elif not isinstance(group, Unwatched) and self._hold(one.handle):
-                    subscriptions.append(one.handle)
+                    if self._hold(subscription.handle):
+                        self._arrivals.setdefault(group, []).append(subscription.handle)
+                elif not isinstance(group, Unwatched) and self._hold(subscription.handle):
+                    subscriptions.append(subscription.handle)
         self._rare = {'subscription': subscriptions, 'service': services, 'client': clients}
         others = [waitable.get_num_entities() for waitable in self._waitables]
         self._hold(self._context.handle)

@@ -49,7 +49,7 @@ def published_names(node: Node, topics: Sequence[str],
     Parameters
     ----------
     node : Node
-        The node that publishes them.
+        The node that publishes the topics.
     topics : sequence of str
         Names before remapping.
     remapped : collection of str
@@ -63,19 +63,19 @@ def published_names(node: Node, topics: Sequence[str],
 
     """
     names = [resolve_topic(node, topic) for topic in topics]
-    taken = {name: name for name in _TAKEN}
+    topics_by_name = {name: name for name in _TAKEN}
     for topic, name in zip(topics, names):
-        if name in taken:
+        if name in topics_by_name:
             raise SettingsError(f'topic {topic!r} would be published as {name}, which is already '
-                                f'the name of {taken[name]!r}')
-        taken[name] = topic
-    wanted = [node.resolve_topic_name(topic, only_expand=True) for topic in remapped]
-    known = [node.resolve_topic_name(topic, only_expand=True) for topic in topics]
-    for topic, name in zip(remapped, wanted):
-        if name not in known:
+                                f'the name of {topics_by_name[name]!r}')
+        topics_by_name[name] = topic
+    renamed = [node.resolve_topic_name(topic, only_expand=True) for topic in remapped]
+    published = [node.resolve_topic_name(topic, only_expand=True) for topic in topics]
+    for topic, name in zip(remapped, renamed):
+        if name not in published:
             raise SettingsError(f'remap {topic!r}: is not replayed; must be one of '
                                 f'{", ".join(topics)}')
-        if wanted.count(name) > 1:
-            raise SettingsError(f'remap {topic!r}: is given {wanted.count(name)} times; must be '
+        if renamed.count(name) > 1:
+            raise SettingsError(f'remap {topic!r}: is given {renamed.count(name)} times; must be '
                                 'given once')
     return names

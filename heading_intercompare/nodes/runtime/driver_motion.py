@@ -65,7 +65,7 @@ class DriverMotion:
     def __init__(self, node: Node, health: Health, analysis: Settings, driver: DriverSettings,
                  own: DriverNode, *, alone: bool = False) -> None:
         self._wanted = own.motion and analysis.motion.compare
-        topics = [one.heading_topic for one in read_sensors(analysis.sensors)] or [
+        topics = [sensor.heading_topic for sensor in read_sensors(analysis.sensors)] or [
             analysis.ts_topic, analysis.rs_topic]
         before = 0 if alone or driver.topic not in topics else [*reversed(topics)].index(
             driver.topic)

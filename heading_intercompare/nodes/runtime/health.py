@@ -134,10 +134,10 @@ class Health:
             self._kinds.pop(part, None)
             return False
         kinds = set(_NUMBER.sub('#', message).split('; '))
-        known = self._kinds.setdefault(part, set())
-        new = not kinds <= known
-        if len(known) < _MOST_KINDS:
-            known |= kinds
+        former_kinds = self._kinds.setdefault(part, set())
+        new = not kinds <= former_kinds
+        if len(former_kinds) < _MOST_KINDS:
+            former_kinds |= kinds
             return new
         return False
 

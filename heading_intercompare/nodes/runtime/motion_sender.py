@@ -141,8 +141,8 @@ class MotionSender:
         topic = resolve_topic(self._node, self._topics[what])
         if not self._node.count_publishers(topic):
             return False
-        own = self._node.get_name(), self._node.get_namespace()
-        return any((info.node_name, info.node_namespace) != own
+        own_name = self._node.get_name(), self._node.get_namespace()
+        return any((info.node_name, info.node_namespace) != own_name
                    for info in self._node.get_publishers_info_by_topic(topic))
 
     def _add(self, what: str, rows: Motion) -> None:

@@ -130,7 +130,7 @@ class Audience:
             self._there = given_up or not self._words
             words = f'going on without; {self._words}' if given_up else self._words
             if self._there:
-                # Nor does the end wait for those that never came.
+                # Nor does the end wait for subscribers that never came.
                 self._words, self._wanted = '', 0 if missing else self._wanted
             self._health.note('audience', WARN if words and waited_s > _PATIENCE_S else OK,
                               words or 'all subscribers are there')
@@ -197,15 +197,15 @@ class Audience:
         if not missing:
             return ''
         topics = ' and '.join(missing)
-        wanted = {topic: self._wanted + self._further.get(topic, 0) for topic in missing}
-        if len({*wanted.values()}) > 1:
+        expected = {topic: self._wanted + self._further.get(topic, 0) for topic in missing}
+        if len({*expected.values()}) > 1:
             return 'waiting for subscribers of ' + ', '.join(
-                f'{topic} ({n} of {wanted[topic]})' for topic, n in missing.items())
-        most = max(wanted.values())
+                f'{topic} ({n} of {expected[topic]})' for topic, n in missing.items())
+        most = max(expected.values())
         if most == 1:
             return f'waiting for a subscriber of {topics}'
-        there = ' and '.join(map(str, missing.values()))
-        return f'waiting for {most} subscribers of {topics} ({there} there)'
+        counts = ' and '.join(map(str, missing.values()))
+        return f'waiting for {most} subscribers of {topics} ({counts} there)'
 
 
 class Allowance:

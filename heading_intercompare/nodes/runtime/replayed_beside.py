@@ -75,9 +75,9 @@ class ReplayedMotion:
     """
 
     def __init__(self, reader: BagReader, rule: MotionRule) -> None:
-        found = find_motion_topics(reader, rule) if rule.compare else {}
-        self._told = {name: told[0] for name, told in found.items()}
-        self.in_bag, named = [*found], motion_topics(rule)
+        topics = find_motion_topics(reader, rule) if rule.compare else {}
+        self._told = {name: contents[0] for name, contents in topics.items()}
+        self.in_bag, named = [*topics], motion_topics(rule)
         self.topics = [named[what] for what, _ in self._told.values()]
         self.publishers: dict[str, Publisher] = {}
 
@@ -147,11 +147,11 @@ class ReplayedLosses:
 
     def publish(self) -> None:
         """Publish the gaps among the numbers of the headings taken since the last call."""
-        taken, self._taken = self._taken, {}
-        for topic, rows in taken.items():
+        headings, self._taken = self._taken, {}
+        for topic, rows in headings.items():
             losses = self._numbering[topic].take(*zip(*rows))
-            found = {'lost.on_the_way': losses}
+            losses_by_cause = {'lost.on_the_way': losses}
             if self._whole and self._round == 1:
-                found['lost.before_start'] = self._numbering[topic].take_before()
-            if any(map(len, found.values())):
-                self._publishers[topic].publish(encode_losses(found))
+                losses_by_cause['lost.before_start'] = self._numbering[topic].take_before()
+            if any(map(len, losses_by_cause.values())):
+                self._publishers[topic].publish(encode_losses(losses_by_cause))

@@ -70,13 +70,13 @@ class Scalars:
             return
         self._next_s = now_s + 1.0 / self._rate_hz
         newest = pairs[-1:]
-        found = subtract(newest, self._settings.installation_offset_deg,
-                         self._settings.wrap_center_deg)
+        differences = subtract(newest, self._settings.installation_offset_deg,
+                               self._settings.wrap_center_deg)
         limit_deg2 = figures.get('limit_deg2')
         values = {
             'scalar/ts_heading_deg': wrap360(newest.ts_deg[0]),
             'scalar/rs_heading_deg': wrap360(newest.rs_deg[0]),
-            'scalar/difference_deg': found.x_deg[0] if len(found) else None,
+            'scalar/difference_deg': differences.x_deg[0] if len(differences) else None,
             'scalar/lag_s': newest.lag_ns[0] / 1e9,
             'scalar/mean_deg': figures.get('mean_deg'),
             'scalar/std_deg': figures.get('std_deg'),

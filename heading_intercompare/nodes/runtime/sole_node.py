@@ -120,13 +120,13 @@ class SoleNode:
         name, _, started = owner.rpartition(' ')
         if owner == self._health.owner or name not in self._others or not started.isdecimal():
             return
-        said = (f'{name}, started at {utc(int(started))} UTC, also publishes '
-                f'{self._others[name]}')
+        rival = (f'{name}, started at {utc(int(started))} UTC, also publishes '
+                 f'{self._others[name]}')
         if time.monotonic() < self._began_s + _STARTING_S and self._gives_way(int(started)):
-            raise SettingsError(f'{said}: end it, or start this graph in a namespace of its own, '
+            raise SettingsError(f'{rival}: end it, or start this graph in a namespace of its own, '
                                 'namespace:=/NAME (live: --namespace /NAME)')
         self._heard_s = time.monotonic()
-        self._health.note('graph', ERROR, f'{said}: end one of the two')
+        self._health.note('graph', ERROR, f'{rival}: end one of the two')
 
     def _gives_way(self, started_ns: int) -> bool:
         """Tell whether the other one was there first; clocks of two computers may differ."""

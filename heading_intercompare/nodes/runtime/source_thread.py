@@ -99,12 +99,12 @@ class Reading:
 
     def take(self) -> list[Received]:
         """Return the lines received since the last call."""
-        taken: list[Received] = []
+        lines: list[Received] = []
         try:
             while True:
-                taken += self._queue.get_nowait()
+                lines += self._queue.get_nowait()
         except Empty:
-            return taken
+            return lines
 
     def stop(self) -> None:
         """Stop reading and close the source."""

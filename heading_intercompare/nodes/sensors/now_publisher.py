@@ -81,10 +81,10 @@ class NowPublisher:
         self._comparison, self._stale_s = comparison, stale_s
         follow(node, 'stale_s', partial(setattr, self, '_stale_s'))
         self._mean_max_deg = settings.detectors.mean_max_deg
-        self._names = [one.name for one in comparison.sensors]
+        self._names = [sensor.name for sensor in comparison.sensors]
         reference = find_reference(comparison.sensors)
         self._reference = '' if reference is None else reference.name
-        # They come with every batch of pairs, and only the newest is wanted.
+        # Rolling figures come with every batch of pairs, and only the newest are shown.
         self._rolling: dict[str, Intake] = {}
         self._told: dict[str, tuple[Mapping[str, Any], float]] = {}
         self._figures = node.create_publisher(DiagnosticArray, FIGURES_TOPIC, qos.STATUS)
@@ -120,26 +120,26 @@ class NowPublisher:
         return vote
 
     def _list_tested(self) -> list[PairNow]:
-        now_s, found = time.monotonic(), []
+        now_s, pairs = time.monotonic(), []
         for name, intake in self._rolling.items():
             for data, _ in intake.take()[-1:]:
                 self._told[name] = _read(data), now_s
             values, came_s = self._told.get(name, ({}, now_s))
-            found.append(describe_now((name, self._reference),
+            pairs.append(describe_now((name, self._reference),
                                       values if now_s - came_s <= self._stale_s else {},
                                       self._mean_max_deg))
-        return found
+        return pairs
 
     def _list_others(self) -> list[PairNow]:
-        return [describe_now(names, one.compliance.rolling_figures(), self._mean_max_deg)
-                for names, one in self._comparison.others.items()]
+        return [describe_now(names, pair.compliance.rolling_figures(), self._mean_max_deg)
+                for names, pair in self._comparison.others.items()]
 
 
 def _read(data: bytes) -> Mapping[str, Any]:
     """Return the figures in a message; none if it is damaged."""
     try:
-        return {key: value for one in decode_statuses(data)[1]
-                for key, value in one.values.items()}
+        return {key: value for status in decode_statuses(data)[1]
+                for key, value in status.values.items()}
     except MessageError:
         return {}
 

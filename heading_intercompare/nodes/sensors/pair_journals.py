@@ -96,23 +96,25 @@ class PairJournals:
         # A sensor that is not there does not hold up the others for ever.
         self._latest_ns = self._behind_ns + round((rule.auto_s + rule.longest_wait_s) * 1e9)
         self._taken: _Taken | None = None
-        self._journals = {names: TrialJournal(node, one.compliance, own, health, '.'.join(names))
-                          for names, one in self._others.items()}
-        self.marks = {mark for one in self._journals.values() for mark in one.kept.marks}
-        self._known_ns = {names: {**one.kept.motion_ns} for names, one in self._journals.items()}
-        self._before = {names: {**one.kept.numbers} for names, one in self._journals.items()}
-        self._uncounted = {names for names, one in self._journals.items()
-                           if one.kept.n_pairs and not one.kept.ledgers}
+        self._journals = {names: TrialJournal(node, pair.compliance, own, health, '.'.join(names))
+                          for names, pair in self._others.items()}
+        self.marks = {mark for journal in self._journals.values() for mark in journal.kept.marks}
+        self._known_ns = {names: {**journal.kept.motion_ns}
+                          for names, journal in self._journals.items()}
+        self._before = {names: {**journal.kept.numbers}
+                        for names, journal in self._journals.items()}
+        self._uncounted = {names for names, journal in self._journals.items()
+                           if journal.kept.n_pairs and not journal.kept.ledgers}
         self._go_on()
-        for names, one in self._others.items():
-            one.keep_with(partial(self._keep, names))
-            known = self._journals[names].kept.marks
+        for names, pair in self._others.items():
+            pair.keep_with(partial(self._keep, names))
+            marks = self._journals[names].kept.marks
             for kind, stamp_ns in sorted(self.marks, key=lambda mark: mark[1]):
-                if (kind, stamp_ns) in known:
-                    one.pairer.ledger.cut_run(stamp_ns + 1)
+                if (kind, stamp_ns) in marks:
+                    pair.pairer.ledger.cut_run(stamp_ns + 1)
                 else:
                     self._journals[names].mark(kind, stamp_ns)
-                    one.mark(kind, stamp_ns)
+                    pair.mark(kind, stamp_ns)
 
     def _go_on(self) -> None:
         """Take the headings after the newest ledgers of the process before."""
@@ -134,9 +136,9 @@ class PairJournals:
             journal.book(journal.kept.before)
 
     def _is_ahead(self, names: Names) -> bool:
-        """Tell whether the newest ledger of another pair ends where the one before ended."""
-        kept = self._journals[names].kept
-        newest, before = _ends_of(names, kept.newest), _ends_of(names, kept.before)
+        """Tell whether the newest ledger of another pair ends where the ledger before ended."""
+        trial = self._journals[names].kept
+        newest, before = _ends_of(names, trial.newest), _ends_of(names, trial.before)
         return any(newest.get(name) != end == before.get(name)
                    for others, journal in self._journals.items()
                    for name, end in _ends_of(others, journal.kept.newest).items())
@@ -179,34 +181,34 @@ class PairJournals:
         """Return the ledger of a pair as it is now."""
         ledger, numbers = self._others[names].pairer.ledger, self._headings.numbers
         copy = Ledger.from_segments(ledger.segments, ledger.newest_ns, [
-            one for some in ledger.set_backs.values() for one in some])
+            set_back for set_backs in ledger.set_backs.values() for set_back in set_backs])
         return LedgerMessage(copy, False, self._started_ns, {
             stream: numbers[name] for name, stream in zip(names, ('ts', 'rs'))})
 
     def _is_past(self, names: Names, newest_ns: int) -> bool:
         """Tell whether no pair to come needs a reading that the ledgers count."""
         assert self._taken is not None
-        one, until_ns = self._others[names], self._taken.newest_ns + self._behind_ns
-        if (one.compliance.newest_ns or 0) >= until_ns:
+        pair, until_ns = self._others[names], self._taken.newest_ns + self._behind_ns
+        if (pair.compliance.newest_ns or 0) >= until_ns:
             return True
-        silent = one.pairer.ledger.paired == self._taken.ledgers[names].ledger.paired
-        return silent and not one.pairer.choosing and newest_ns >= until_ns
+        silent = pair.pairer.ledger.paired == self._taken.ledgers[names].ledger.paired
+        return silent and not pair.pairer.choosing and newest_ns >= until_ns
 
     def _sum(self, names: Names) -> Incarnations:
         """Return the ledgers of a pair of all processes, the last one as it is now."""
-        made = Incarnations()
-        for started_ns, kept in sorted(self._journals[names].kept.ledgers.items()):
+        incarnations = Incarnations()
+        for started_ns, message in sorted(self._journals[names].kept.ledgers.items()):
             if started_ns != self._started_ns:
-                made.take(*kept)
+                incarnations.take(*message)
         numbers = self._headings.numbers
-        made.take(self._others[names].pairer.ledger, False, self._started_ns, {
+        incarnations.take(self._others[names].pairer.ledger, False, self._started_ns, {
             stream: numbers[name] for name, stream in zip(names, ('ts', 'rs'))})
-        return made
+        return incarnations
 
     def results(self) -> dict[Names, list[RunResult]]:
         """Return the runs of each pair judged so far, with their shares of all ledgers."""
-        return {names: one.compliance.results(self._sum(names).total)
-                for names, one in self._others.items()}
+        return {names: pair.compliance.results(self._sum(names).total)
+                for names, pair in self._others.items()}
 
     def problems(self) -> dict[Names, list[str]]:
         """Return, in plain sentences, what each pair missed."""

@@ -81,9 +81,9 @@ def remap_rules(sensors: tuple[Sensor, ...], namespace: str,
     Parameters
     ----------
     sensors : tuple of Sensor
-        Those of the settings.
+        The sensors of the settings.
     namespace : str
-        Of the graph.
+        Namespace of the graph.
     motion : MotionRule, optional
         Names the topics of the motion of the ship, unless they are those of the defaults.
 
@@ -93,7 +93,7 @@ def remap_rules(sensors: tuple[Sensor, ...], namespace: str,
         Rules for topics only: a service of the same name stays where it is.
 
     """
-    topics = [*(one.heading_topic for one in sensors),
+    topics = [*(sensor.heading_topic for sensor in sensors),
               *motion_topics(motion or MotionRule()).values()]
     return {f'rostopic://{topic}': f'{namespace.rstrip("/")}/{topic}'
             for topic in (*topics, *SHARED_TOPICS) if topic[0] not in '/~'}
@@ -112,19 +112,19 @@ def count_motion_subscribers(sensors: tuple[Sensor, ...], recorded: bool) -> int
 
 def heading_topics(settings: Settings) -> list[str]:
     """Return the topics of the headings of all sensors, or of TS and RS."""
-    return ([one.heading_topic for one in read_sensors(settings.sensors)]
+    return ([sensor.heading_topic for sensor in read_sensors(settings.sensors)]
             or [settings.ts_topic, settings.rs_topic])
 
 
 def judging_topics(settings: Settings) -> dict[str, list[str]]:
-    """Return, for each topic of headings, what those publish that judge them."""
+    """Return, for each topic of headings, the topics of the nodes that judge the headings."""
     sensors = read_sensors(settings.sensors)
     if not sensors:
         return {topic: ['pairs'] for topic in heading_topics(settings)}
-    pairs = {one.heading_topic: [f'{one.name}/pairs'] for one in list_tested(sensors)}
+    pairs = {sensor.heading_topic: [f'{sensor.name}/pairs'] for sensor in list_tested(sensors)}
     every = [topic for topics in pairs.values() for topic in topics]
-    return {one.heading_topic: ['sensors/vote', *pairs.get(one.heading_topic, every)]
-            for one in sensors}
+    return {sensor.heading_topic: ['sensors/vote', *pairs.get(sensor.heading_topic, every)]
+            for sensor in sensors}
 
 
 def count_judges(settings: Settings) -> int:

@@ -54,10 +54,10 @@ class SensorsIntake:
     def __init__(self, node: Node, health: Health, taking: Taking, types: HeadingTypes,
                  comparison: SensorsComparison) -> None:
         self._comparison = comparison
-        streams = {one.name: (
-            one.heading_topic, one.convention,
-            types.rs_message_type if one.is_reference else types.ts_message_type)
-            for one in comparison.sensors}
+        streams = {sensor.name: (
+            sensor.heading_topic, sensor.convention,
+            types.rs_message_type if sensor.is_reference else types.ts_message_type)
+            for sensor in comparison.sensors}
         self.heard = HeadingsIntake(node, health, taking, streams, self._lose)
         self._watches = {name: StreamWatch(taking.stale_s) for name in streams}
         for watch in self._watches.values():
@@ -66,12 +66,12 @@ class SensorsIntake:
 
     def take(self, *, last: bool = False) -> dict[str, Headings]:
         """Return the readings since the last call, by sensor; `last` says that none follow."""
-        found = self.heard.take(last=last)
-        for name, some in found.items():
-            if len(some):
-                self._watches[name].take(some, self.heard.received_ns[name], time.monotonic())
-                self.newest_ns = max(self.newest_ns or 0, int(some.stamp_ns[-1]))
-        return found
+        headings = self.heard.take(last=last)
+        for name, readings in headings.items():
+            if len(readings):
+                self._watches[name].take(readings, self.heard.received_ns[name], time.monotonic())
+                self.newest_ns = max(self.newest_ns or 0, int(readings.stamp_ns[-1]))
+        return headings
 
     def _lose(self, name: str, lost_as: str, losses: Losses) -> None:
         self._comparison.lose(name, LedgerKey.of_told('ts', lost_as), losses)

@@ -53,14 +53,14 @@ def encode_sensors_figures(sensors: Mapping[str, Mapping[str, Any]], pairs: Sequ
         The newest stamp, nanoseconds.
 
     """
-    each = [Status(name, OK, 'figures, not a verdict', figures)
-            for name, figures in sensors.items()]
+    sensor_statuses = [Status(name, OK, 'figures, not a verdict', figures)
+                       for name, figures in sensors.items()]
     both = [Status(f'{pair.first} - {pair.second}', OK, 'figures, not a verdict', {
         'n': pair.n, 'newest_ns': pair.newest_ns, 'mean_deg': pair.mean_deg,
         'std_deg': pair.std_deg, 'lower_bound_deg2': pair.lower_bound_deg2,
         'limit_deg2': pair.limit_deg2, 'share': pair.share, 'differs': pair.differs})
         for pair in pairs]
-    return encode_statuses(ns, [*each, *both])
+    return encode_statuses(ns, [*sensor_statuses, *both])
 
 
 def encode_vote(now: Vote, judged: Vote | None, ns: int) -> bytes:
@@ -86,10 +86,10 @@ def encode_sensors_verdict(verdict: SensorsVerdict, ns: int) -> bytes:
                    verdict.headline, {'outcome': verdict.outcome,
                                       'validity': verdict.validity_effect,
                                       'pairs': len(verdict.pairs)})
-    each = [Status(one.name, OK if one.outcome is None else verdict_level(
-        one.outcome, one.validity_effect), one.headline, {
-            'outcome': one.outcome, 'validity': one.validity_effect,
-            'sigma_max_deg': one.sigma_max_deg,
-            'std_deg': None if one.variance is None else one.variance.std_deg})
-            for one in verdict.sensors]
-    return encode_statuses(ns, [whole, *each, _say_vote('vote', verdict.vote)])
+    sensor_statuses = [Status(sensor.name, OK if sensor.outcome is None else verdict_level(
+        sensor.outcome, sensor.validity_effect), sensor.headline, {
+            'outcome': sensor.outcome, 'validity': sensor.validity_effect,
+            'sigma_max_deg': sensor.sigma_max_deg,
+            'std_deg': None if sensor.variance is None else sensor.variance.std_deg})
+                       for sensor in verdict.sensors]
+    return encode_statuses(ns, [whole, *sensor_statuses, _say_vote('vote', verdict.vote)])

@@ -88,7 +88,7 @@ class SensorsReporting:
                  headings: SensorsIntake) -> None:
         self._node, self._health, self._settings, self._own = node, health, settings, own
         self._comparison, self._journals, self._headings = comparison, journals, headings
-        self._tested = [one.name for one in list_tested(comparison.sensors)]
+        self._tested = [sensor.name for sensor in list_tested(comparison.sensors)]
         self._reports: dict[str, Verdict] = {}
         self._finished = 0
         self._due_s: float | None = None
@@ -118,7 +118,7 @@ class SensorsReporting:
 
     def look(self) -> None:
         """Judge if a pair was judged and the others had time; call it once a second."""
-        finished = sum(one.compliance.finished_runs for one in self._comparison.others.values())
+        finished = sum(pair.compliance.finished_runs for pair in self._comparison.others.values())
         if finished != self._finished:
             self._finished = finished
             self._due_s = time.monotonic() + self._own.settle_s

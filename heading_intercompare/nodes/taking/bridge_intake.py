@@ -93,18 +93,19 @@ class BridgeIntake:
         bridge = self._bridge
         for name, profile in _OF_SENSORS if several else ():
             subscribe(node, DiagnosticArray, f'sensors/{name}', profile, health, decode_statuses,
-                      lambda told, name=name: bridge.take_sensors(name, *told, time.monotonic()))
+                      lambda message, name=name: bridge.take_sensors(
+                          name, *message, time.monotonic()))
         for topic, profile, act in () if several else (
                 ('compliance/rolling', qos.STATUS, bridge.take_rolling),
                 ('compliance/run', qos.STATUS, bridge.take_run),
                 ('compliance/verdict', qos.VERDICT, bridge.take_verdict)):
             subscribe(node, DiagnosticArray, topic, profile, health, decode_statuses,
-                      lambda told, take=act: take(*told, time.monotonic()))
+                      lambda message, take=act: take(*message, time.monotonic()))
         for topic, profile, act in (
                 (ALARMS_TOPIC, qos.ALARMS, bridge.take_alarms),
                 (DIAGNOSTICS_TOPIC, qos.HEADINGS_UNRELIABLE, bridge.take_health)):
             subscribe(node, DiagnosticArray, topic, profile, health, decode_statuses,
-                      lambda told, take=act: take(told[1], time.monotonic()))
+                      lambda message, take=act: take(message[1], time.monotonic()))
         if not several:
             subscribe(node, DiagnosticArray, 'pairs/ledger', qos.LEDGER, health, decode_ledger,
                       self._book)
@@ -122,12 +123,12 @@ class BridgeIntake:
     def _drain(self) -> None:
         now_s = time.monotonic()
         for stream, intake in self._intakes.items():
-            taken = intake.take()
+            messages = intake.take()
             headings, refused = read_headings(intake.type_name, self._conventions[stream],
-                                              [message for message, _ in taken])
+                                              [message for message, _ in messages])
             intake.refuse(refused)
-            if taken:
-                self._bridge.take_headings(stream, headings, taken[-1][1]['received_timestamp'],
+            if messages:
+                self._bridge.take_headings(stream, headings, messages[-1][1]['received_timestamp'],
                                            now_s)
         if self._pairs is None:
             return

@@ -84,18 +84,18 @@ class HeadingsIntake:
         """Return the readings since the last call, by stream; `last` says that none follow."""
         for intake in self.intakes.values() if last else ():
             intake.bring_back()
-        taken = {name: self._take(name, intake) for name, intake in self.intakes.items()}
+        headings = {name: self._take(name, intake) for name, intake in self.intakes.items()}
         for name, intake in self.intakes.items():
             self._lose(name, {'lost.on_the_way': intake.take_losses(),
                               'lost.before_start': intake.take_before()})
-        return taken
+        return headings
 
     def _take(self, name: str, intake: Intake) -> Headings:
-        taken = intake.take()
-        if taken:
-            self.received_ns[name] = taken[-1][1]['received_timestamp']
+        messages = intake.take()
+        if messages:
+            self.received_ns[name] = messages[-1][1]['received_timestamp']
         headings, refused = read_headings(intake.type_name, self._conventions[name],
-                                          [message for message, _ in taken])
+                                          [message for message, _ in messages])
         intake.refuse(refused)
         return headings
 

@@ -183,20 +183,20 @@ class Intake:
         self._notice_standstill()
         if self._waits or not self._reception.there:
             self.look()
-        taken = self._reception.take()
-        if taken:
-            numbers = [number_of(message) for message in taken]
+        messages = self._reception.take()
+        if messages:
+            numbers = [number_of(message) for message in messages]
             if self._stamped:
                 self._losses.append(self._numbering.take(
-                    numbers, [header_stamp_ns(message) for message, _ in taken]))
+                    numbers, [header_stamp_ns(message) for message, _ in messages]))
             elif self.counted:
                 self._numbering.take(numbers)
             self.last_sequence = numbers[-1]
-            self.received += len(taken)
-            info = taken[-1][1]
+            self.received += len(messages)
+            info = messages[-1][1]
             self._newest_s = time.monotonic()
             self._latency_s = (info['received_timestamp'] - info['source_timestamp']) / 1e9
-        return taken
+        return messages
 
     def resume_after(self, publisher: str, number: int) -> None:
         """Begin after a number that this publisher gave, if it keeps its newest messages."""
@@ -233,8 +233,8 @@ class Intake:
     @property
     def _fetchable(self) -> int:
         """Messages missing that the publishers may still have."""
-        kept = self._qos.durability == DurabilityPolicy.TRANSIENT_LOCAL
-        return self.lost if kept else 0
+        stored = self._qos.durability == DurabilityPolicy.TRANSIENT_LOCAL
+        return self.lost if stored else 0
 
     @property
     def numbers(self) -> StreamNumbers:
@@ -260,21 +260,21 @@ class Intake:
         gids = [bytes(info.endpoint_gid).hex() for info in infos]
         newest = gids[0] if len(gids) == 1 else ''
         self._publishers = self._publishers[0] or newest, newest
-        # Later ones came when this node already looked for them.
+        # Later publishers came when this node already looked for them.
         if time.monotonic() < self._begun_s + DISCOVERY_S:
             self._there_before.update(gids)
-        found = {info.topic_type for info in infos}
-        good = [name for name in self._types if name in found]
+        offered_types = {info.topic_type for info in infos}
+        good = [name for name in self._types if name in offered_types]
         came = not self._there_before.intersection(gids)
         self._change_qos(infos, came)
-        wanted = [name for name in good if self.type_name in (None, name)]
-        if self.open and wanted and not self._reception.there:
-            self.type_name = wanted[0]
+        suitable = [name for name in good if self.type_name in (None, name)]
+        if self.open and suitable and not self._reception.there:
+            self.type_name = suitable[0]
             self._opened_ns = self._opened_ns or time.time_ns()
-            kept = self._qos is self._kept
-            self._reception.open(self._types[wanted[0]], self._qos, self._after[1] * kept,
-                                 self._since_ns * kept)
-        strange = sorted(found - {self.type_name} - set(() if self.type_name else good))
+            stored = self._qos is self._kept
+            self._reception.open(self._types[suitable[0]], self._qos, self._after[1] * stored,
+                                 self._since_ns * stored)
+        strange = sorted(offered_types - {self.type_name} - set(() if self.type_name else good))
         if strange:
             return (f'{self._topic} has the type {", ".join(strange)}; must be '
                     f'{self.type_name or " or ".join(self._types)}')
@@ -349,7 +349,7 @@ class Intake:
             return
         self._qos = best
         if waited and best is self._kept and came:
-            # It brings all, in order.
+            # Publishers that keep their messages send them all, in order.
             self._reception.set_aside()
         elif self._reception.there and (waited or best is self._kept):
             self._reception.hand_over(best, seamless=waited)
@@ -381,8 +381,8 @@ class Intake:
                           latency_s=self._latency_s)
         lost, refused = (count.take(total, now_s) for count, total in zip(
             self._recent, (self.lost, self.refused)))
-        said = [lost and f'{lost} messages lost on the way',
-                refused and f'{refused} messages refused: {self._why_refused}']
-        self._health.note(f'{self._topic} lost', WARN if any(said) else OK,
-                          '; '.join(filter(None, said)) or 'nothing lost lately',
+        troubles = [lost and f'{lost} messages lost on the way',
+                    refused and f'{refused} messages refused: {self._why_refused}']
+        self._health.note(f'{self._topic} lost', WARN if any(troubles) else OK,
+                          '; '.join(filter(None, troubles)) or 'nothing lost lately',
                           lost=self.lost, refused=self.refused or None)

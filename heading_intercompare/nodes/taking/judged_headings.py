@@ -58,21 +58,21 @@ class JudgedHeadings:
         self._topics = topics
         self._comes_s = _COMES_ALONE_S if is_alone() else _COMES_S
         self._since_s: dict[str, float] = {}
-        self._begun = {topic for topic, one in topics.items() if not one.spans}
+        self._begun = {topic for topic, recorded in topics.items() if not recorded.spans}
         self._held: dict[str, list[Message]] = {}
         self.left_out: Counter[str] = Counter()
 
     def take(self, topic: str, messages: Sequence[Message], now_s: float,
              ending: bool) -> list[Message]:
         """
-        Take the next headings of a topic; messages of another one pass.
+        Take the next headings of a topic; messages of a topic without headings pass.
 
         Parameters
         ----------
         topic : str
             Name of the topic.
         messages : sequence of Message
-            In the order in which they came.
+            The messages in the order in which they came.
         now_s : float
             Steady time, seconds.
         ending : bool
@@ -93,7 +93,8 @@ class JudgedHeadings:
         if topic not in self._begun:
             first = self._topics[topic].first_judged
             since_s = self._since_s.setdefault(topic, now_s)
-            graph = any(one.intake.publishers for one in self._topics.values() if one.is_ledger)
+            graph = any(recorded.intake.publishers for recorded in self._topics.values()
+                        if recorded.is_ledger)
             if first is None and now_s < since_s + (_BEGINS_S if graph else self._comes_s):
                 return []
             self._begun.add(topic)
@@ -104,23 +105,23 @@ class JudgedHeadings:
 
     def release(self) -> list[tuple[str, Message]]:
         """Return the headings kept at the end, with their topics, up to the last one judged."""
-        kept = []
+        headings = []
         for topic, held in self._held.items():
-            one = self._topics[topic]
-            first = 0 if topic in self._begun else one.first_judged or 0
-            kept += [(topic, message) for message in self._keep(topic, held, first,
-                                                                one.last_judged)]
+            recorded = self._topics[topic]
+            first = 0 if topic in self._begun else recorded.first_judged or 0
+            headings += [(topic, message) for message in self._keep(topic, held, first,
+                                                                    recorded.last_judged)]
         self._held = {}
-        return kept
+        return headings
 
     def _keep(self, topic: str, messages: Sequence[Message], first: int,
               last: int | None) -> list[Message]:
-        kept = [message for message in messages if first <= number_of(message) and (
+        judged = [message for message in messages if first <= number_of(message) and (
             last is None or number_of(message) <= last)]
-        self.left_out[self._topics[topic].intake.full_name] += len(messages) - len(kept)
-        return kept
+        self.left_out[self._topics[topic].intake.full_name] += len(messages) - len(judged)
+        return judged
 
     def may_come(self) -> bool:
         """Tell whether a heading that was judged is still under way."""
-        return any(one.intake.last_sequence < (one.last_judged or 0)
-                   for one in self._topics.values())
+        return any(recorded.intake.last_sequence < (recorded.last_judged or 0)
+                   for recorded in self._topics.values())

@@ -109,9 +109,9 @@ class MotionIntake:
                 taker.take_motion(rows)
 
     def _take(self, what: str, intake: Intake) -> Motion:
-        taken = intake.take()
-        if not taken:
+        messages = intake.take()
+        if not messages:
             return Motion.empty()
-        rows, refused = read_told(intake.type_name or '', what, [data for data, _ in taken])
+        rows, refused = read_told(intake.type_name or '', what, [data for data, _ in messages])
         intake.refuse(refused)
         return rows

@@ -80,8 +80,9 @@ class Predecessor:
         if self._told:
             return True
         now_s = time.monotonic()
-        found = self._node.get_subscriptions_info_by_topic(self._pairs)
-        self._asked_s = min(self._asked_s, now_s) if all(map(is_named, found)) else math.inf
+        subscriptions = self._node.get_subscriptions_info_by_topic(self._pairs)
+        self._asked_s = (min(self._asked_s, now_s) if all(map(is_named, subscriptions))
+                         else math.inf)
         return (now_s > self._asked_s + self._found_s
                 and not self._node.count_publishers(LEDGER_TAKEN_TOPIC))
 

@@ -58,11 +58,11 @@ def subscribe(node: Node, kind: type, topic: str, profile: QoSProfile, health: H
     def take(data: bytes) -> None:
         nonlocal refused
         try:
-            found = read(data)
+            message = read(data)
         except MessageError as error:
             refused += 1
             health.note(topic, WARN, f'{refused} messages refused: {error}', latch=True)
         else:
-            act(found)
+            act(message)
     node.create_subscription(kind, topic, take, profile, raw=True,
                              event_callbacks=health.of_subscription(topic))

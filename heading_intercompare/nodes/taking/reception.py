@@ -149,21 +149,21 @@ class Reception:
 
     def take(self) -> list[Message]:
         """Return the messages since the last call."""
-        taken, self._left = self._left, []
+        messages, self._left = self._left, []
         if self._current is not None:
             came = take_all(self._current)
-            taken += self._once([*self._take_older(came), *came])
+            messages += self._once([*self._take_older(came), *came])
         if self._successor is not None:
             again = take_all(self._successor)
             self._joint = self._joint or (number_of(again[0]) if again else 0)
             caught_up = bool(again) and number_of(again[-1]) >= self.newest and not (
                 self._seamless and self._joint > self.newest + 1)
-            taken += self._once(again)
+            messages += self._once(again)
             if caught_up:
-                # What the first one still holds comes to the second one, too.
+                # What the first subscription still holds comes to the second one, too.
                 self._node.destroy_subscription(self._current)
                 self._current, self._successor = self._successor, None
-        return taken
+        return messages
 
     def _take_older(self, came: Sequence[Message]) -> list[Message]:
         """Return what was set aside and sent before the first messages that came since."""

@@ -123,8 +123,8 @@ class Recorded(NamedTuple):
 
 
 def _offer(profile: QoSProfile) -> Qos:
-    kept = profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
-    return Qos(depth=profile.depth, durability='transient_local' if kept else 'volatile')
+    stored = profile.durability == DurabilityPolicy.TRANSIENT_LOCAL
+    return Qos(depth=profile.depth, durability='transient_local' if stored else 'volatile')
 
 
 def _keep(taken: QoSProfile) -> dict[str, QoSProfile]:
@@ -191,12 +191,13 @@ class _Pairs(Intake):
     def _is_time(self, now_s: float) -> bool:
         """Tell whether the headings are heard as far as they are there."""
         absent = now_s >= self._found_s
-        if not all(one.subscribed or (absent and not one.publishers) for one in self._headings):
+        if not all(intake.subscribed or (absent and not intake.publishers)
+                   for intake in self._headings):
             self._since_s = None
             return False
         self._since_s = self._since_s or now_s
         return now_s >= self._since_s + self._known_s or all(
-            one.received for one in self._headings)
+            intake.received for intake in self._headings)
 
 
 class _Ledgers(Intake):
@@ -209,10 +210,10 @@ class _Ledgers(Intake):
 
     def take(self) -> list[tuple[bytes, Mapping[str, int]]]:
         """Return the messages to record."""
-        taken = super().take()
-        if taken:
-            self.headings.take(taken[-1][0])
-        return taken
+        messages = super().take()
+        if messages:
+            self.headings.take(messages[-1][0])
+        return messages
 
 
 def make_intakes(node: Node, settings: Settings, taking: Taking, types: HeadingTypes,
@@ -220,12 +221,13 @@ def make_intakes(node: Node, settings: Settings, taking: Taking, types: HeadingT
     """
     Return the topics by name.
 
-    Those of the graph, the true heading if there is one, notes, and the diagnostics if wanted.
+    The topics of the graph, the true heading if any, notes, and the diagnostics if wanted.
     """
     sensors = read_sensors(settings.sensors)
-    headings = [one.heading_topic for one in sensors] or [settings.ts_topic, settings.rs_topic]
-    # Those of two sensors, or of each tested one.
-    places = [f'{one.name}/' for one in list_tested(sensors)] if sensors else ['']
+    headings = [sensor.heading_topic for sensor in sensors] or [settings.ts_topic,
+                                                                settings.rs_topic]
+    # The place of the nodes of two sensors, or the places of those of each tested sensor.
+    places = [f'{sensor.name}/' for sensor in list_tested(sensors)] if sensors else ['']
     rows = [
         *((topic, HEADING_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, True) for topic in headings),
         (MARKER_TOPIC, STATUS_TYPES, qos.MARKER, qos.MARKER, True),
@@ -238,49 +240,49 @@ def make_intakes(node: Node, settings: Settings, taking: Taking, types: HeadingT
         rows += [('sensors/verdict', STATUS_TYPES, qos.VERDICT, qos.VERDICT, True),
                  (SENSORS_REPORT_TOPIC, TEXT_TYPES, qos.REPORT, qos.REPORT, True)]
     if resolve_topic(node, TRUTH_TOPIC) not in [resolve_topic(node, topic) for topic in headings]:
-        # First: nobody waits for it, but its subscription must be there when the headings start.
+        # First: nobody waits for the truth, but its subscription must precede the headings.
         rows.insert(0, (TRUTH_TOPIC, TRUTH_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, False))
     rows += [(lost_topic(resolve_topic(node, topic)), STATUS_TYPES, qos.LOST, qos.LOST, False)
              for topic in headings]
     reference = find_reference(sensors)
-    known = {**dict.fromkeys(headings, types.ts_message_type), (
+    known_types = {**dict.fromkeys(headings, types.ts_message_type), (
         reference.heading_topic if reference else settings.rs_topic): types.rs_message_type}
     motion = motion_topics(settings.motion) if settings.motion.compare else {}
     recorded = {topic: Recorded(_offer(qos.HEADINGS_OUT), make_motion_intake(
         node, health, what, topic, taking), False) for what, topic in motion.items()}
-    found = recorded | {topic: Recorded(_offer(offered), Intake(
-        node, topic, types, taken, health, first_wait_s=taking.first_wait_s, sole=False,
-        needed=expected, known_type=known.get(topic), **_keep(taken)), expected,
+    topics = recorded | {topic: Recorded(_offer(offered), Intake(
+        node, topic, types, profile, health, first_wait_s=taking.first_wait_s, sole=False,
+        needed=expected, known_type=known_types.get(topic), **_keep(profile)), expected,
         is_heading=topic in headings)
-        for topic, types, taken, offered, expected in rows}
-    heard = [found[topic].intake for topic in headings]
-    tested = [one.heading_topic for one in list_tested(sensors)]
+        for topic, types, profile, offered, expected in rows}
+    heard = [topics[topic].intake for topic in headings]
+    tested = [sensor.heading_topic for sensor in list_tested(sensors)]
     for at, place in enumerate(places):
-        found[f'{place}pairs'] = Recorded(_offer(qos.PAIRS_TAKEN), _Pairs(
+        topics[f'{place}pairs'] = Recorded(_offer(qos.PAIRS_TAKEN), _Pairs(
             node, f'{place}pairs', health, taking.first_wait_s, heard), True)
         ledgers = _Ledgers(node, health, taking.first_wait_s, f'{place}pairs/ledger')
-        found[f'{place}pairs/ledger'] = Recorded(_offer(qos.LEDGER), ledgers, True,
-                                                   is_ledger=True)
+        topics[f'{place}pairs/ledger'] = Recorded(_offer(qos.LEDGER), ledgers, True,
+                                                  is_ledger=True)
         counted = [tested[at], reference.heading_topic] if reference is not None else headings
         for stream, topic in zip(('ts', 'rs'), counted):
-            found[topic] = found[topic]._replace(
+            topics[topic] = topics[topic]._replace(
                 count_published=partial(ledgers.headings.count, stream),
-                spans=(*found[topic].spans, partial(ledgers.headings.find_span, stream)))
-    found[ALARMS_TOPIC] = Recorded(_offer(qos.ALARMS), _Alarms(node, health), False)
+                spans=(*topics[topic].spans, partial(ledgers.headings.find_span, stream)))
+    topics[ALARMS_TOPIC] = Recorded(_offer(qos.ALARMS), _Alarms(node, health), False)
     if states.kept:
-        found[DIAGNOSTICS_TOPIC] = Recorded(_offer(qos.STATUS), _Diagnostics(node, health, states),
-                                            False)
-    return found
+        topics[DIAGNOSTICS_TOPIC] = Recorded(
+            _offer(qos.STATUS), _Diagnostics(node, health, states), False)
+    return topics
 
 
 def count_messages(topics: Mapping[str, Recorded], not_written: Mapping[str, int],
                    left_out: Mapping[str, int]) -> dict[str, Counts]:
     """Return the counts of messages received and lost, by full name of their topic."""
-    return {one.intake.full_name: Counts(
-        one.intake.received - left_out.get(one.intake.full_name, 0), one.lost,
-        not_written.get(one.intake.full_name, 0), one.missed_at_first)
-        for one in topics.values()
-        if one.expected or (one.intake.received and one.intake.counted)}
+    return {recorded.intake.full_name: Counts(
+        recorded.intake.received - left_out.get(recorded.intake.full_name, 0), recorded.lost,
+        not_written.get(recorded.intake.full_name, 0), recorded.missed_at_first)
+        for recorded in topics.values()
+        if recorded.expected or (recorded.intake.received and recorded.intake.counted)}
 
 
 def text_of(data: bytes) -> str:

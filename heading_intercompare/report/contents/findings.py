@@ -343,7 +343,7 @@ LEFT_TO_JSON = {
 
 def describe_findings(runs: Sequence[RunVerdict]) -> list[Described]:
     """Return the sections that say something about the runs, with their figures."""
-    found = []
+    sections = []
     for finding in FINDINGS:
         blocks = [(run.run, dict(flatten(getattr(run, finding.block)))) for run in runs
                   if getattr(run, finding.block) is not None]
@@ -358,9 +358,9 @@ def describe_findings(runs: Sequence[RunVerdict]) -> list[Described]:
             tables += [(f'Run {run.run}: deviation card', card) for run in runs
                        if (card := make_deviation_card(run.heading_dependence)) is not None]
         if tables:
-            found.append(Described(finding.title, finding.meaning,
-                                   _conclude(finding, runs), tables))
-    return found
+            sections.append(Described(finding.title, finding.meaning,
+                                      _conclude(finding, runs), tables))
+    return sections
 
 
 def rows_of_block(figures: Sequence[Figure],
@@ -371,18 +371,18 @@ def rows_of_block(figures: Sequence[Figure],
     Parameters
     ----------
     figures : sequence of Figure
-        Of one section of the findings.
+        Figures of one section of the findings.
     blocks : sequence of (int, mapping)
         Number of the run, and its figures by their dotted names.
 
     """
     tables = []
     for first in range(0, len(blocks), _COLUMNS):
-        some = blocks[first:first + _COLUMNS]
-        rows = [[figure.words, figure.unit, *(_cell(figure, block) for _, block in some)]
+        columns = blocks[first:first + _COLUMNS]
+        rows = [[figure.words, figure.unit, *(_cell(figure, block) for _, block in columns)]
                 for figure in figures]
         if rows := [row for row in rows if {*row[2:]} != {ABSENT}]:
-            tables.append(Table(['', 'unit', *(f'run {run}' for run, _ in some)], rows))
+            tables.append(Table(['', 'unit', *(f'run {run}' for run, _ in columns)], rows))
     return tables
 
 
@@ -394,7 +394,8 @@ def _text(thing: Any, u: Any = None) -> str:
     if isinstance(thing, bool) or thing is None or thing == '':
         return value(thing)
     if isinstance(thing, (list, tuple)):
-        return ', '.join(_text(one, each) for one, each in zip_longest(thing, u or ())) or ABSENT
+        return ', '.join(_text(element, element_u)
+                         for element, element_u in zip_longest(thing, u or ())) or ABSENT
     if isinstance(thing, str):
         return _WORDS.get(thing, value(thing))
     return with_uncertainty(thing, u) if isinstance(thing, float) else number(thing)
@@ -406,7 +407,7 @@ def _head(figure: Figure) -> str:
 
 def _columns(figures: Sequence[Figure], block: Mapping[str, Any]) -> list[list[str]]:
     """Return a row for each item of the lists; without any, none."""
-    lists = [[_text(one, u) for one, u in zip_longest(
+    lists = [[_text(element, u) for element, u in zip_longest(
         block.get(figure.key) or (), block.get(figure.u_key) or ())] for figure in figures]
     return [list(row) for row in zip(*lists)]
 
@@ -421,6 +422,7 @@ def _place_side_by_side(names: Sequence[tuple[str, str]], block: Mapping[str, An
 def _conclude(finding: Finding, runs: Sequence[RunVerdict]) -> list[str]:
     """Return what the assumptions of GK say on the figures, a sentence per run."""
     states = {'met': 'met', 'violated': 'VIOLATED', 'not_testable': 'not testable'}
-    return [f'Run {run.run}: assumption ({one.id}) is {states.get(one.state, one.state)}: '
-            f'{one.evidence}'
-            for run in runs for one in run.assumptions if one.id in finding.assumptions]
+    return [f'Run {run.run}: assumption ({assumption.id}) is '
+            f'{states.get(assumption.state, assumption.state)}: {assumption.evidence}'
+            for run in runs for assumption in run.assumptions
+            if assumption.id in finding.assumptions]

@@ -110,7 +110,7 @@ def _measured(runs: Sequence[RunVerdict]) -> str:
     counted = [run for run in runs if run.variance_deg2 is not None]
     if not counted:
         return 'nothing: too few differences'
-    run = max(counted, key=lambda one: one.variance_deg2 or 0.0)
+    run = max(counted, key=lambda run: run.variance_deg2 or 0.0)
     guarded = run.guarded
     words = [f'mean difference {with_uncertainty(run.mean_deg, guarded.bias_u_deg)} deg',
              f'standard deviation {number(run.std_deg, 3)} deg']
@@ -141,15 +141,16 @@ def _validity(verdict: Verdict) -> str:
             if finding.effect in (VOID, DOUBTFUL):
                 places.setdefault((finding.effect, finding.condition), []).append(
                     (run.run, finding.words))
-    said = [f'{finding.effect.upper()}: {finding.words}'
-            for finding in verdict.campaign.validity or () if finding.effect in (VOID, DOUBTFUL)]
+    conditions = [f'{finding.effect.upper()}: {finding.words}'
+                  for finding in verdict.campaign.validity or ()
+                  if finding.effect in (VOID, DOUBTFUL)]
     for (effect, _), where in places.items():
         first, words = where[0]
         more = f' and {len(where) - 1} more' if len(where) > 1 else ''
-        said.append(f'{effect.upper()}: {words}'
-                    + (f' (run {first}{more})' if len(runs) > 1 else ''))
-    if said:
-        return '; '.join(said)
+        conditions.append(f'{effect.upper()}: {words}'
+                          + (f' (run {first}{more})' if len(runs) > 1 else ''))
+    if conditions:
+        return '; '.join(conditions)
     violated = sorted({a.id for run in runs for a in run.assumptions if a.state == VIOLATED})
     if violated:
         listed = ', '.join(f'({key})' for key in violated)
@@ -169,7 +170,7 @@ def _coverage(verdict: Verdict) -> Coverage | None:
     if not verdict.runs:
         return None
     if verdict.campaign.rule != 'sensor':
-        return min((run.coverage for run in verdict.runs), key=lambda one: one.span_s)
+        return min((run.coverage for run in verdict.runs), key=lambda coverage: coverage.span_s)
     if shared is None:
         return None
     return coverage_of(shared.span_s, risk, apart_s=None if shared.between_upper_bound_deg2 is None

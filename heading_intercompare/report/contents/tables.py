@@ -305,8 +305,8 @@ def rows_of(rows: Sequence[Row[Thing]], thing: Thing) -> list[tuple[str, str, st
 
 def rows_by_run(rows: Sequence[Row[Thing]], runs: Sequence[tuple[int, Thing]]) -> list[Table]:
     """Return tables with one row per figure and one column per run, a few runs in each."""
-    return [Table(['', 'unit', *(f'run {number}' for number, _ in some)],
-                  [[row.name, row.unit, *(row.cell(thing) for _, thing in some)]
+    return [Table(['', 'unit', *(f'run {number}' for number, _ in columns)],
+                  [[row.name, row.unit, *(row.cell(thing) for _, thing in columns)]
                    for row in rows])
-            for some in (runs[first:first + _COLUMNS]
-                         for first in range(0, len(runs), _COLUMNS))]
+            for columns in (runs[first:first + _COLUMNS]
+                            for first in range(0, len(runs), _COLUMNS))]

@@ -97,16 +97,16 @@ def _bounds_of(run: RunVerdict) -> str:
 
 
 def _timing(run: RunVerdict) -> str:
-    found = run.skew.estimate
-    if found.skew_s is None or found.u_s is None:
+    skew = run.skew.estimate
+    if skew.skew_s is None or skew.u_s is None:
         return 'the skew of the stamps is not known'
-    return (f'skew {rounded(found.skew_s, found.u_s)} s, standard uncertainty '
-            f'{_two(found.u_s)} s; rate of turn {number(found.rate_std_deg_s, 2)} deg/s')
+    return (f'skew {rounded(skew.skew_s, skew.u_s)} s, standard uncertainty '
+            f'{_two(skew.u_s)} s; rate of turn {number(skew.rate_std_deg_s, 2)} deg/s')
 
 
 def _added_by_skew(run: RunVerdict) -> float | None:
     """Return what the skew adds to the variance: skew times rate of turn, squared."""
-    found = run.skew.estimate
-    if found.skew_s is None or found.u_s is None or found.rate_std_deg_s is None:
+    skew = run.skew.estimate
+    if skew.skew_s is None or skew.u_s is None or skew.rate_std_deg_s is None:
         return None
-    return (found.skew_s ** 2 + found.u_s ** 2) * found.rate_std_deg_s ** 2
+    return (skew.skew_s ** 2 + skew.u_s ** 2) * skew.rate_std_deg_s ** 2

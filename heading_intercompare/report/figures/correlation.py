@@ -55,10 +55,10 @@ def draw_autocorrelation(about: Subject) -> Iterator[Drawing | LeftOut]:
     for k, level in enumerate(levels):
         at = np.arange(1 if k == 0 else LAGS // JOINED + 1, len(level.covariance_deg2))
         # As many lags to the octave as a figure can show.
-        kept = np.unique(np.rint(np.geomspace(at[0], at[-1], _LAGS_DRAWN)).astype(np.int64)
-                         ) if len(at) > 1 else at
-        lags = np.concatenate((lags, kept * float(level.joined) * step_s))
-        r = np.concatenate((r, level.covariance_deg2[kept] / whole))
+        drawn_lags = np.unique(np.rint(np.geomspace(at[0], at[-1], _LAGS_DRAWN)).astype(np.int64)
+                               ) if len(at) > 1 else at
+        lags = np.concatenate((lags, drawn_lags * float(level.joined) * step_s))
+        r = np.concatenate((r, level.covariance_deg2[drawn_lags] / whole))
     n_eff = min((run.correlation.n_effective_variance for run in about.runs), default=0.0)
     bound = 1.96 / math.sqrt(n_eff) if n_eff > 4.0 else None
     taus = [tau for run in about.runs if (tau := run.correlation.tau_1_s)]

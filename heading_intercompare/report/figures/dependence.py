@@ -40,9 +40,9 @@ def _harmonics(coefficients: tuple[float, ...], heading_deg: Reals) -> Reals:
     """Return A + B sin + C cos + D sin 2 + E cos 2 of headings."""
     psi = np.radians(heading_deg)
     a, b, c, d, e = coefficients
-    found: Reals = (a + b * np.sin(psi) + c * np.cos(psi) + d * np.sin(2.0 * psi)
-                    + e * np.cos(2.0 * psi))
-    return found
+    deviation_deg: Reals = (a + b * np.sin(psi) + c * np.cos(psi) + d * np.sin(2.0 * psi)
+                            + e * np.cos(2.0 * psi))
+    return deviation_deg
 
 
 def draw_against_heading(about: Subject) -> Iterator[Drawing | LeftOut]:

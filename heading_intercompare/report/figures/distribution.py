@@ -109,12 +109,12 @@ def draw_quantiles(about: Subject) -> Iterator[Drawing | LeftOut]:
     filled = np.flatnonzero(histogram.counts)
     counts, edges = histogram.counts[filled], histogram.edges_deg()
     # The middle of each bin stands for the middle of its values.
-    found = (np.cumsum(counts) - 0.5 * counts) / n
+    observed_share = (np.cumsum(counts) - 0.5 * counts) / n
     size = 0.5 * (edges[filled] + edges[filled + 1])
     rising = np.flatnonzero(np.diff(share, prepend=-1.0) > 0.0)
-    expected = np.interp(found, share[rising], fine[rising])
+    expected = np.interp(observed_share, share[rising], fine[rising])
     # The ends show every bin, the middle a few.
-    rank = np.arange(len(found))
+    rank = np.arange(len(observed_share))
     keep = (rank < _POINTS // 4) | (rank >= len(rank) - _POINTS // 4) | (
         rank % max(1, len(rank) * 2 // _POINTS) == 0)
     both = np.concatenate((expected, size))

@@ -82,8 +82,8 @@ def collect(sketch: SeriesSketch, verdict: Verdict, name: str | None = None,
     about = Subject.of(sketch, verdict)
     if about is None:
         return
-    for each, family in _FAMILIES.items():
-        if name in (None, each):
+    for family_name, family in _FAMILIES.items():
+        if name in (None, family_name):
             yield from family(about)
 
 
@@ -97,7 +97,7 @@ def draw_figures(sketch: SeriesSketch, verdict: Verdict, prefix: str,
     sketch, verdict
         As for `collect`.
     prefix : str
-        Letters and digits with which the ids begin; no other record of the page has it.
+        Letters and digits with which the ids begin; each record of the page has its own prefix.
     progress : callable
         Called after each figure with how many of `NAMES` are done.
 
@@ -105,10 +105,10 @@ def draw_figures(sketch: SeriesSketch, verdict: Verdict, prefix: str,
     # Only now: matplotlib is optional and takes long to load.
     from .style import to_svg
     drawn = []
-    for one in collect(sketch, verdict):
-        name = f'{prefix}-{one.name}'
-        drawn.append(Drawn(name, one.title, f'Left out: {one.reason}.', '')
-                     if isinstance(one, LeftOut) else
-                     Drawn(name, one.title, one.caption, to_svg(one, name)))
-        progress(NAMES.index(one.name) + 1)
+    for drawing in collect(sketch, verdict):
+        name = f'{prefix}-{drawing.name}'
+        drawn.append(Drawn(name, drawing.title, f'Left out: {drawing.reason}.', '')
+                     if isinstance(drawing, LeftOut) else
+                     Drawn(name, drawing.title, drawing.caption, to_svg(drawing, name)))
+        progress(NAMES.index(drawing.name) + 1)
     return drawn

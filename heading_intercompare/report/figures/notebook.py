@@ -34,16 +34,17 @@ class Figures(list[Any]):
 
     def __init__(self, drawings: Sequence[Drawing], left_out: Sequence[LeftOut] = ()) -> None:
         from .style import to_figure
-        super().__init__(to_figure(one) for one in drawings)
+        super().__init__(to_figure(drawing) for drawing in drawings)
         self._drawings, self._left_out = drawings, left_out
 
     def _repr_html_(self) -> str:
         """Return the figures as SVG, and what is left out with the reason."""
         from .style import to_svg
-        shown = [f'<figure>{to_svg(one, f"{one.name}{k}")}<figcaption>{escape(one.caption)}'
-                 '</figcaption></figure>' for k, one in enumerate(self._drawings)]
-        shown += [f'<p>{escape(one.title)}. Left out: {escape(one.reason)}.</p>'
-                  for one in self._left_out]
+        shown = [f'<figure>{to_svg(drawing, f"{drawing.name}{k}")}<figcaption>'
+                 f'{escape(drawing.caption)}</figcaption></figure>'
+                 for k, drawing in enumerate(self._drawings)]
+        shown += [f'<p>{escape(omission.title)}. Left out: {escape(omission.reason)}.</p>'
+                  for omission in self._left_out]
         return ''.join(shown)
 
 
@@ -68,7 +69,7 @@ class Plotter:
         Parameters
         ----------
         verdict : Verdict
-            Its figures are drawn.
+            The verdict whose figures are drawn.
         name : str, optional
             One of `NAMES`; default all.
 
@@ -90,9 +91,10 @@ class Plotter:
         except ImportError as error:
             raise ValueError("plot: figures need matplotlib: pip install 'heading_intercompare"
                              f"[report]' [{error}]") from error
-        found = [one for sketch in self.sketches for one in collect(sketch, verdict, name)]
-        drawings = [one for one in found if isinstance(one, Drawing)]
-        left_out = [one for one in found if isinstance(one, LeftOut)]
+        candidates = [candidate for sketch in self.sketches
+                      for candidate in collect(sketch, verdict, name)]
+        drawings = [drawing for drawing in candidates if isinstance(drawing, Drawing)]
+        left_out = [omission for omission in candidates if isinstance(omission, LeftOut)]
         if not drawings:
             why = left_out[0].reason if left_out else 'there is no difference to draw'
             raise ValueError(f'plot({"" if name is None else repr(name)}): {why}')

@@ -70,10 +70,11 @@ def _span(axes: Any, about: Subject) -> None:
     """Let the axis of time run over the whole record, and mark where runs start."""
     first, last = days(about.start_ns), days(about.sketch.newest_ns or about.start_ns)
     axes.set_xlim(first, max(last, first + 1e-5))
-    shown = [one for one in read_exclusions(about.settings.exclusions)
-             if one.start_ns <= (about.sketch.newest_ns or 0) and one.end_ns > about.start_ns]
-    for k, one in enumerate(shown):
-        axes.axvspan(days(one.start_ns), days(one.end_ns), **TAKEN_OUT,
+    shown = [exclusion for exclusion in read_exclusions(about.settings.exclusions)
+             if exclusion.start_ns <= (about.sketch.newest_ns or 0)
+             and exclusion.end_ns > about.start_ns]
+    for k, exclusion in enumerate(shown):
+        axes.axvspan(days(exclusion.start_ns), days(exclusion.end_ns), **TAKEN_OUT,
                      label=None if k else 'taken out by hand')
     if len(about.runs) > 1:
         for k, run in enumerate(about.runs):
@@ -172,31 +173,31 @@ def _grow(about: Subject, run: RunVerdict) -> tuple[Integers, Integers, Reals]:
     bins, width_ns = envelope.bins, envelope.width_ns
     end_ns = about.start_ns + (np.arange(len(bins.n)) + 1) * width_ns
     # The stabilisation period is no part of the run that is judged.
-    wanted = (end_ns - width_ns >= run.end_ns - _analysed_ns(run)) & (
+    in_run = (end_ns - width_ns >= run.end_ns - _analysed_ns(run)) & (
         end_ns - width_ns <= run.end_ns) & (bins.n > 0)
-    wanted &= find_excluded(end_ns - width_ns // 2, read_exclusions(about.settings.exclusions)) < 0
-    n, mean, m2 = bins.n[wanted], bins.mean_deg[wanted], bins.m2_deg2[wanted]
+    in_run &= find_excluded(end_ns - width_ns // 2, read_exclusions(about.settings.exclusions)) < 0
+    n, mean, m2 = bins.n[in_run], bins.mean_deg[in_run], bins.m2_deg2[in_run]
     if not len(n):
         return end_ns[:0], n, mean
     reference = mean[0]
     total, shifted = np.cumsum(n), np.cumsum(n * (mean - reference))
     squares = np.cumsum(m2 + n * (mean - reference) ** 2) - shifted ** 2 / total
-    return (np.minimum(end_ns[wanted], run.end_ns), total,
+    return (np.minimum(end_ns[in_run], run.end_ns), total,
             squares / np.maximum(total - 1, 1))
 
 
 def _analysed_ns(run: RunVerdict) -> int:
     """Return the length of the part of a run that is analysed."""
-    kept = run.n / max(1, run.n + run.n_stabilization)
-    return round((run.end_ns - run.start_ns) * kept)
+    share = run.n / max(1, run.n + run.n_stabilization)
+    return round((run.end_ns - run.start_ns) * share)
 
 
 def draw_running_variance(about: Subject) -> Iterator[Drawing | LeftOut]:
     """Yield the figure of the variance from the start of each run on, with bounds and looks."""
     title = about.title('variance as the run went on', sum(r.n for r in about.runs))
     grown = [(run, *_grow(about, run)) for run in about.runs]
-    grown = [one for one in grown if len(one[2]) > 2 and one[0].guarded.nu
-             and one[3][-1] > 0.0]
+    grown = [curve for curve in grown if len(curve[2]) > 2 and curve[0].guarded.nu
+             and curve[3][-1] > 0.0]
     if not grown:
         yield LeftOut('running_variance', title, 'no run has enough differences for bounds')
         return
@@ -212,10 +213,10 @@ def draw_running_variance(about: Subject) -> Iterator[Drawing | LeftOut]:
             # Early bounds are those of fewer, equally correlated differences.
             nu = np.maximum((run.guarded.nu or 1.0) * n / n[-1], 1.0)
             low, up = interval_factors(nu, 0.9)
-            known = nu > _LEAST_NU
-            levels.extend((variance * low)[known].tolist() + (variance * up)[known].tolist())
-            axes.fill_between(t[known], (variance * low)[known], (variance * up)[known], **RANGE,
-                              label=None if k else 'interval of 90 % at that time')
+            bounded = nu > _LEAST_NU
+            levels.extend((variance * low)[bounded].tolist() + (variance * up)[bounded].tolist())
+            axes.fill_between(t[bounded], (variance * low)[bounded], (variance * up)[bounded],
+                              **RANGE, label=None if k else 'interval of 90 % at that time')
             axes.plot(t, variance, **SERIES, label=None if k else 'variance so far')
             bounds = [b for b in (run.guarded.lower_bound_deg2, run.guarded.upper_bound_deg2)
                       if b is not None and math.isfinite(b) and b > 0.0]

@@ -167,11 +167,11 @@ def _tidy(written: bytes, name: str, title: str) -> str:
                 parent.remove(child)
     for element in root.iter():
         element.tag = element.tag.partition('}')[2]
-        given = {key.replace(f'{{{_XLINK}}}', 'xlink:'): value
-                 for key, value in element.attrib.items()}
+        attributes = {key.replace(f'{{{_XLINK}}}', 'xlink:'): value
+                      for key, value in element.attrib.items()}
         element.attrib.clear()
         element.attrib.update({key: _tidy_value(key, value, name)
-                               for key, value in given.items()})
+                               for key, value in attributes.items()})
     titled = ElementTree.Element('title', {'id': f'{name}-title'})
     titled.text = title
     root.insert(0, titled)

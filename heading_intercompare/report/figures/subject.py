@@ -118,10 +118,10 @@ class Subject:
 
     def _parts(self) -> list[tuple[float, float, float]]:
         """Return share, mean and standard deviation of each run that has them."""
-        found = [(float(r.n), r.mean_deg, r.std_deg) for r in self.runs
-                 if r.n and r.mean_deg is not None and r.std_deg]
-        whole = sum(n for n, _, _ in found)
-        return [(n / whole, mean, std) for n, mean, std in found]
+        moments = [(float(r.n), r.mean_deg, r.std_deg) for r in self.runs
+                   if r.n and r.mean_deg is not None and r.std_deg]
+        whole = sum(n for n, _, _ in moments)
+        return [(n / whole, mean, std) for n, mean, std in moments]
 
     def _ratio(self) -> float:
         limits = Limits.of(self.settings.norms, self.settings.model)
@@ -132,9 +132,10 @@ class Subject:
         parts, ratio = self._parts(), self._ratio()
         if not parts:
             return None
-        found: Reals = np.sum([share / std * density(self.settings.model, ratio, (x_deg - mean)
-                                                     / std) for share, mean, std in parts], axis=0)
-        return found
+        density_per_deg: Reals = np.sum([
+            share / std * density(self.settings.model, ratio, (x_deg - mean) / std)
+            for share, mean, std in parts], axis=0)
+        return density_per_deg
 
     def model_share(self, x_deg: Reals) -> Reals | None:
         """Return the share of the differences that the model puts below each value."""

@@ -78,10 +78,10 @@ class _Plane:
 
     def at(self, t_days: Reals) -> tuple[Reals, Reals]:
         """Return the positions at some times, days since 1970."""
-        known = days(self.stamp_ns)
-        inside = (t_days >= known[0]) & (t_days <= known[-1])
-        return (np.interp(t_days[inside], known, self.east),
-                np.interp(t_days[inside], known, self.north))
+        track_days = days(self.stamp_ns)
+        inside = (t_days >= track_days[0]) & (t_days <= track_days[-1])
+        return (np.interp(t_days[inside], track_days, self.east),
+                np.interp(t_days[inside], track_days, self.north))
 
 
 def _legs_of(run: RunVerdict) -> Iterator[tuple[int, int]]:

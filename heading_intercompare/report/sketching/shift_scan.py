@@ -82,15 +82,15 @@ class ShiftScan:
 
     def _compare(self, at: Integers, stamps: Integers, x: Reals, rs: Reals) -> None:
         """Add the differences `at`, each at all shifts, unless a gap is within their range."""
-        wanted = stamps[at][:, None] + self._shifts_ns
-        right = np.searchsorted(stamps, wanted)
-        known = (wanted[:, 0] >= stamps[0]) & (right[:, -1] < len(stamps))
-        at, wanted, right = at[known], wanted[known], np.maximum(right[known], 1)
+        shifted_ns = stamps[at][:, None] + self._shifts_ns
+        right = np.searchsorted(stamps, shifted_ns)
+        covered = (shifted_ns[:, 0] >= stamps[0]) & (right[:, -1] < len(stamps))
+        at, shifted_ns, right = at[covered], shifted_ns[covered], np.maximum(right[covered], 1)
         left_ns, right_ns = stamps[right - 1], stamps[right]
         whole = np.all(right_ns - left_ns <= self._max_gap_ns, axis=1)
-        at, wanted, right = at[whole], wanted[whole], right[whole]
+        at, shifted_ns, right = at[whole], shifted_ns[whole], right[whole]
         left_ns, right_ns = left_ns[whole], right_ns[whole]
-        share = (wanted - left_ns) / np.maximum(right_ns - left_ns, 1)
+        share = (shifted_ns - left_ns) / np.maximum(right_ns - left_ns, 1)
         moved = rs[right - 1] + share * (rs[right] - rs[right - 1])
         d = (x[at] - (self._reference_deg or 0.0) + rs[at])[:, None] - moved
         self.n += len(at)

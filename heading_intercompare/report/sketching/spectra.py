@@ -185,5 +185,5 @@ class Spectra:
 
     def levels(self) -> list[Level]:
         """Return the levels from the full rate down; none for fewer than 64 samples."""
-        found = (sums.level(JOINED ** at) for at, sums in enumerate(self._levels))
-        return [level for level in found if level is not None]
+        levels = (sums.level(JOINED ** at) for at, sums in enumerate(self._levels))
+        return [level for level in levels if level is not None]

@@ -110,14 +110,15 @@ class Turning:
         """Return the measured rate at some times since the first difference; nan in gaps."""
         if len(self._rates) < 2 or self._origin_ns is None:
             return np.full(len(t_s), np.nan)
-        known = (self._rates.stamp_ns - self._origin_ns) / 1e9
-        after = np.searchsorted(known, t_s).clip(1, len(known) - 1)
-        inside = (t_s >= known[0]) & (t_s <= known[-1]) & (
-            known[after] - known[after - 1] <= _LONGEST_GAP_S)
-        found: Reals = np.where(inside, np.interp(t_s, known, self._rates.rate_deg_s), np.nan)
+        rate_t_s = (self._rates.stamp_ns - self._origin_ns) / 1e9
+        after = np.searchsorted(rate_t_s, t_s).clip(1, len(rate_t_s) - 1)
+        inside = (t_s >= rate_t_s[0]) & (t_s <= rate_t_s[-1]) & (
+            rate_t_s[after] - rate_t_s[after - 1] <= _LONGEST_GAP_S)
+        rate_deg_s: Reals = np.where(
+            inside, np.interp(t_s, rate_t_s, self._rates.rate_deg_s), np.nan)
         # Later differences need no earlier rates.
-        self._rates = self._rates[known >= t_s[-1] - 2.0 * _LONGEST_S]
-        return found
+        self._rates = self._rates[rate_t_s >= t_s[-1] - 2.0 * _LONGEST_S]
+        return rate_deg_s
 
     def _double(self) -> None:
         """Double the width of the bins about zero."""

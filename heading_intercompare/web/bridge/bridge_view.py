@@ -120,7 +120,7 @@ class BridgeView:
 
 
 @dataclass(slots=True)
-class _Told:
+class _LastMessage:
     """The last message of one kind: its statuses by name, stamp, and time of receipt."""
 
     statuses: tuple[Status, ...] = ()
@@ -129,7 +129,7 @@ class _Told:
 
     def values(self, name: str) -> Mapping[str, str]:
         """Return the values of a status; none if it is absent."""
-        return next((one.values for one in self.statuses if one.name == name), {})
+        return next((status.values for status in self.statuses if status.name == name), {})
 
 
 @dataclass(slots=True)
@@ -173,13 +173,13 @@ class Bridge:
         self._pair_ns: int | None = None
         self._pair_s: float | None = None
         self._ledger: LedgerMessage | None = None
-        self._rolling, self._run, self._verdict = _Told(), _Told(), _Told()
+        self._rolling, self._run, self._verdict = _LastMessage(), _LastMessage(), _LastMessage()
         self._alarms: dict[str, Status] = {}
         self._nodes: dict[str, _Node] = {}
         self._heard_s: float | None = None
         sensors = read_sensors(settings.sensors)
         self._panel = SensorsPanel(sensors, stale_s) if sensors else None
-        self._places = {'', *(one.name for one in sensors)}
+        self._places = {'', *(sensor.name for sensor in sensors)}
 
     def take_sensors(self, topic: str, stamp_ns: int, statuses: Sequence[Status],
                      now_s: float) -> None:
@@ -205,12 +205,12 @@ class Bridge:
         """Take pairs in the order of their stamps."""
         if not len(pairs):
             return
-        found = subtract(pairs, self._settings.installation_offset_deg,
-                         self._settings.wrap_center_deg)
+        differences = subtract(pairs, self._settings.installation_offset_deg,
+                               self._settings.wrap_center_deg)
         self._heard_s = self._pair_s = now_s
-        self._x_deg = float(found.x_deg[-1])
-        self._pair_ns = int(found.stamp_ns[-1])
-        self._trend.take(found.stamp_ns, found.x_deg)
+        self._x_deg = float(differences.x_deg[-1])
+        self._pair_ns = int(differences.stamp_ns[-1])
+        self._trend.take(differences.stamp_ns, differences.x_deg)
 
     def take_rolling(self, stamp_ns: int, statuses: Sequence[Status], now_s: float) -> None:
         """Take `compliance/rolling`."""
@@ -227,11 +227,11 @@ class Bridge:
     def take_alarms(self, statuses: Sequence[Status], now_s: float) -> None:
         """Take `compliance/alarms`, which holds all alarms of one node."""
         self._heard_s = now_s
-        for one in statuses:
-            if one.values.get('state', 'normal') == 'normal':
-                self._alarms.pop(one.name, None)
-            elif one.name in self._alarms or len(self._alarms) < _MOST_ALARMS:
-                self._alarms[one.name] = one
+        for status in statuses:
+            if status.values.get('state', 'normal') == 'normal':
+                self._alarms.pop(status.name, None)
+            elif status.name in self._alarms or len(self._alarms) < _MOST_ALARMS:
+                self._alarms[status.name] = status
 
     def take_ledger(self, ledger: LedgerMessage, now_s: float) -> None:
         """Take `pairs/ledger`."""
@@ -239,25 +239,25 @@ class Bridge:
 
     def take_health(self, statuses: Sequence[Status], now_s: float) -> None:
         """Take a message of /diagnostics; that of another graph or package is left out."""
-        for one in statuses:
-            full_name, colon, part = one.name.partition(': ')
+        for status in statuses:
+            full_name, colon, part = status.name.partition(': ')
             owner, name = f'/{full_name}', f'/{full_name}'.removeprefix(self._owners)
-            if not colon or one.owner.partition(' ')[0] != owner or name == owner or (
+            if not colon or status.owner.partition(' ')[0] != owner or name == owner or (
                     name.rpartition('/')[0] not in self._places):
                 continue
             if name not in self._nodes and len(self._nodes) >= _MOST_NODES:
                 continue
             node = self._nodes.get(name)
-            if node is None or node.owner != one.owner:
-                # It was started again: nothing of the former one holds.
-                node = self._nodes[name] = _Node(one.owner, now_s)
+            if node is None or node.owner != status.owner:
+                # The node was started again: nothing of the former node holds.
+                node = self._nodes[name] = _Node(status.owner, now_s)
             node.came_s = self._heard_s = now_s
             if part in node.parts or len(node.parts) < _MOST_PARTS:
-                node.parts[part] = one
+                node.parts[part] = status
 
-    def _tell(self, stamp_ns: int, statuses: Sequence[Status], now_s: float) -> _Told:
+    def _tell(self, stamp_ns: int, statuses: Sequence[Status], now_s: float) -> _LastMessage:
         self._heard_s = now_s
-        return _Told(tuple(statuses), stamp_ns, now_s)
+        return _LastMessage(tuple(statuses), stamp_ns, now_s)
 
     def view(self, now_s: float) -> BridgeView:
         """Return what to show at a time of the steady clock, seconds."""
@@ -267,7 +267,7 @@ class Bridge:
         ts, rs = (self._streams[name].view(now_s) for name in ('ts', 'rs'))
         pair_age_s = None if self._pair_s is None else now_s - self._pair_s
         # A pair waits for the readings on both sides of it.
-        slow_s = max(4.0 / one.rate_hz if one.rate_hz else 0.0 for one in (ts, rs))
+        slow_s = max(4.0 / sensor.rate_hz if sensor.rate_hz else 0.0 for sensor in (ts, rs))
         stale = pair_age_s is None or pair_age_s > max(self._stale_s, slow_s)
         window, run = self._view_window(now_s), self._view_run(now_s)
         judged = not self._is_silent('compliance', now_s)
@@ -294,7 +294,7 @@ class Bridge:
         """Return what to show of a graph of several sensors."""
         sensors, alarms = panel.view(now_s), self._view_alarms()
         judged = not self._is_silent('sensors_watch', now_s)
-        grave = [one.name for one in alarms if one.active and one.priority == 'warning']
+        grave = [alarm.name for alarm in alarms if alarm.active and alarm.priority == 'warning']
         if grave:
             validity = ValidityView(f'not all sensors are sound now: {", ".join(grave)}', Tone.BAD)
         elif not judged:
@@ -316,7 +316,7 @@ class Bridge:
         for name in [name for name, node in self._nodes.items()
                      if now_s - node.came_s > _FORGET_S]:
             del self._nodes[name]
-            self._alarms = {alarm: one for alarm, one in self._alarms.items()
+            self._alarms = {alarm: status for alarm, status in self._alarms.items()
                             if alarm.partition(': ')[0] != name}
 
     def _part(self, node: str, part: str) -> Status | None:
@@ -325,10 +325,10 @@ class Bridge:
     def _is_silent(self, node: str, now_s: float) -> bool:
         return node not in self._nodes or now_s - self._nodes[node].came_s > self._stale_s
 
-    def _age_of(self, told: _Told, now_s: float) -> tuple[float | None, bool]:
-        if told.came_s is None:
+    def _age_of(self, message: _LastMessage, now_s: float) -> tuple[float | None, bool]:
+        if message.came_s is None:
             return None, True
-        age_s = now_s - told.came_s
+        age_s = now_s - message.came_s
         return age_s, age_s > self._stale_s
 
     def _view_window(self, now_s: float) -> WindowView:
@@ -365,8 +365,8 @@ class Bridge:
 
     def _view_validity(self, alarms: Sequence[AlarmView], judged: bool,
                        stale: bool) -> ValidityView:
-        active = [one for one in alarms if one.active]
-        grave = [one.name for one in active if one.priority == 'warning']
+        active = [alarm for alarm in alarms if alarm.active]
+        grave = [alarm.name for alarm in active if alarm.priority == 'warning']
         if grave:
             return ValidityView(f'no comparison now: {", ".join(grave)}', Tone.BAD)
         if not judged:
@@ -380,20 +380,21 @@ class Bridge:
         if stale:
             return ValidityView('no comparison now: no pairs come', Tone.BAD)
         if active:
-            names = ', '.join(one.name for one in active)
+            names = ', '.join(alarm.name for alarm in active)
             return ValidityView(f'some readings are bad: {names}', Tone.DOUBT)
         return ValidityView('nothing speaks against the comparison now', Tone.NONE)
 
     def _view_alarms(self) -> tuple[AlarmView, ...]:
-        found = [AlarmView(one.name, one.values.get('priority', ''), one.values['state'],
-                           shorten(one.message, _LONGEST), integer(one.values.get('raised_ns')))
-                 for one in self._alarms.values()]
-        return tuple(sorted(found, key=lambda one: (
-            one.acknowledged, not one.active, one.priority != 'warning', one.name)))
+        alarms = [AlarmView(status.name, status.values.get('priority', ''), status.values['state'],
+                            shorten(status.message, _LONGEST),
+                            integer(status.values.get('raised_ns')))
+                  for status in self._alarms.values()]
+        return tuple(sorted(alarms, key=lambda alarm: (
+            alarm.acknowledged, not alarm.active, alarm.priority != 'warning', alarm.name)))
 
     def _view_node(self, name: str, now_s: float) -> NodeView:
         node = self._nodes[name]
-        worst = max(node.parts.values(), key=lambda one: one.level)
+        worst = max(node.parts.values(), key=lambda status: status.level)
         words = 'running' if worst.level == OK else \
             f'{worst.name.partition(": ")[2]}: {worst.message}'
         return NodeView(name, max(OK, min(worst.level, ERROR)), shorten(words, _LONGEST),
@@ -402,10 +403,10 @@ class Bridge:
     def _view_mode(self, now_s: float) -> str | None:
         """Return the mode of the first AHRS that tells one."""
         for name, node in self._nodes.items():
-            for part, one in node.parts.items():
-                if 'mode' in one.values and 'validity' in one.values:
+            for part, status in node.parts.items():
+                if 'mode' in status.values and 'validity' in status.values:
                     silent = ', not heard' if self._is_silent(name, now_s) else ''
-                    return f'{part.upper()}: {shorten(one.message, _LONGEST)}{silent}'
+                    return f'{part.upper()}: {shorten(status.message, _LONGEST)}{silent}'
         return None
 
     def _view_bag(self, now_s: float) -> BagView:

@@ -119,15 +119,15 @@ class SensorsPanel:
 
     def take_figures(self, statuses: Sequence[Status], now_s: float) -> None:
         """Take `sensors/figures`."""
-        self._figures, self._came_s = {one.name: one.values for one in statuses}, now_s
+        self._figures, self._came_s = {status.name: status.values for status in statuses}, now_s
 
     def take_vote(self, statuses: Sequence[Status]) -> None:
         """Take `sensors/vote`."""
-        self._vote = next((one for one in statuses if one.name == 'now'), None)
+        self._vote = next((status for status in statuses if status.name == 'now'), None)
 
     def take_verdict(self, stamp_ns: int, statuses: Sequence[Status]) -> None:
         """Take `sensors/verdict`."""
-        self._verdict, self._verdict_ns = {one.name: one for one in statuses}, stamp_ns
+        self._verdict, self._verdict_ns = {status.name: status for status in statuses}, stamp_ns
 
     @property
     def lamp(self) -> LampView:
@@ -149,8 +149,8 @@ class SensorsPanel:
         named = () if vote is None or stale else vote.values.get('wrong', '').split()
         tone = Tone.NONE if vote is None else (Tone.NONE, Tone.DOUBT, Tone.BAD)[min(vote.level, 2)]
         return SensorsView(
-            rows=tuple(self._view_row(one, age_s or 0.0, stale, one.name in named)
-                       for one in self._sensors),
+            rows=tuple(self._view_row(sensor, age_s or 0.0, stale, sensor.name in named)
+                       for sensor in self._sensors),
             vote='' if vote is None else shorten(vote.message, _LONGEST),
             vote_tone=Tone.DOUBT if stale else tone, age_s=age_s, stale=stale)
 
@@ -172,16 +172,17 @@ class SensorsPanel:
 
     def _find_pair(self, name: str) -> tuple[str, float | None, float | None, float | None]:
         """Return the figures against the reference; without one, against the nearest sensor."""
-        found = []
-        for one in self._sensors:
-            for pair, sign in ((f'{name} - {one.name}', 1.0), (f'{one.name} - {name}', -1.0)):
+        rows = []
+        for sensor in self._sensors:
+            for pair, sign in ((f'{name} - {sensor.name}', 1.0),
+                               (f'{sensor.name} - {name}', -1.0)):
                 values = self._figures.get(pair)
-                if values is None or self._reference not in ('', one.name):
+                if values is None or self._reference not in ('', sensor.name):
                     continue
                 mean_deg, std_deg, share = (
                     real(values.get(key)) for key in ('mean_deg', 'std_deg', 'share'))
                 if std_deg is not None:
-                    found.append((one.name, None if mean_deg is None else sign * mean_deg, std_deg,
-                                  share))
-        return min(found, key=lambda one: one[3] if one[3] is not None else one[2],
+                    rows.append((sensor.name, None if mean_deg is None else sign * mean_deg,
+                                 std_deg, share))
+        return min(rows, key=lambda row: row[3] if row[3] is not None else row[2],
                    default=('', None, None, None))

@@ -40,9 +40,9 @@ def light_lamp(statuses: Sequence[Status], stamp_ns: int, next_look_ns: int | No
     Parameters
     ----------
     statuses : sequence of Status
-        Of that message; none if none has come.
+        Statuses of that message; none if no message has come.
     stamp_ns : int
-        Its stamp, nanoseconds.
+        Stamp of that message, nanoseconds.
     next_look_ns, ends_ns : int or None
         When the next look is due, and when the clock ends the run.
 
@@ -53,12 +53,12 @@ def light_lamp(statuses: Sequence[Status], stamp_ns: int, next_look_ns: int | No
         It is good only if nothing speaks against the comparison.
 
     """
-    named = {one.name: one for one in statuses}
-    found = [lamp for lamp in (_judge_look(named.get('run in progress'), stamp_ns),
+    named = {status.name: status for status in statuses}
+    lamps = [lamp for lamp in (_judge_look(named.get('run in progress'), stamp_ns),
                                _judge_runs(named, stamp_ns)) if lamp is not None]
-    if not found:
+    if not lamps:
         return LampView(what=coming_words(next_look_ns, ends_ns) or 'at the end of the run')
-    return max(found, key=lambda lamp: _GRAVITY.index(lamp.tone))
+    return max(lamps, key=lambda lamp: _GRAVITY.index(lamp.tone))
 
 
 def coming_words(next_look_ns: int | None, ends_ns: int | None) -> str:

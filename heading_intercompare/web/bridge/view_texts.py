@@ -50,7 +50,7 @@ def tell(view: BridgeView) -> dict[str, Said]:
     says what the last one was and how old it is.
     """
     window, run, bag, lamp = view.window, view.run, view.bag, view.lamp
-    given = '' if lamp.given_ns is None else f'{utc(lamp.given_ns)[:16]} UTC, '
+    verdict_time = '' if lamp.given_ns is None else f'{utc(lamp.given_ns)[:16]} UTC, '
     coming = coming_words(run.next_look_ns, run.ends_ns)
     more = f', {coming}' if coming else ''
     return {
@@ -61,7 +61,8 @@ def tell(view: BridgeView) -> dict[str, Said]:
         'turn': Said('rate of turn not known' if view.turn_deg_min is None else
                      f'rate of turn {abs(view.turn_deg_min):.1f}°/min {_side(view.turn_deg_min)}'),
         'lamp': Said(f'{_SIGNS[lamp.tone]} {lamp.word}', lamp.tone),
-        'lamp_given': Said(f'last verdict: {given}{lamp.what}' if given else lamp.what),
+        'lamp_given': Said(f'last verdict: {verdict_time}{lamp.what}' if verdict_time else
+                           lamp.what),
         'lamp_headline': Said(lamp.headline),
         'validity': Said(f'{_SIGNS[view.validity.tone]} {view.validity.words}',
                          view.validity.tone),
@@ -91,34 +92,36 @@ def tell(view: BridgeView) -> dict[str, Said]:
 
 
 def alarm_words(view: BridgeView) -> list[tuple[str, Said]]:
-    """Return the alarms: the name to acknowledge, '' if it is acknowledged, and the words."""
-    return [('' if one.acknowledged else one.name, Said(
-        f'{one.priority.upper()}: {one.name}: {one.words} ({"active" if one.active else "over"}, '
-        f'{"acknowledged" if one.acknowledged else "not acknowledged"}, {clock(one.raised_ns)})',
-        Tone.BAD if one.active and one.priority == 'warning' else Tone.DOUBT))
-        for one in view.alarms]
+    """Return the alarms: the name to acknowledge, '' of an acknowledged alarm, and the words."""
+    return [('' if alarm.acknowledged else alarm.name, Said(
+        f'{alarm.priority.upper()}: {alarm.name}: {alarm.words} '
+        f'({"active" if alarm.active else "over"}, '
+        f'{"acknowledged" if alarm.acknowledged else "not acknowledged"}, '
+        f'{clock(alarm.raised_ns)})',
+        Tone.BAD if alarm.active and alarm.priority == 'warning' else Tone.DOUBT))
+        for alarm in view.alarms]
 
 
 def sensor_words(view: BridgeView) -> list[tuple[str, Said]]:
     """Return the name and the words of each of several sensors."""
     rows = view.sensors.rows if view.sensors else ()
-    return [(one.name, _describe_sensor(one)) for one in rows]
+    return [(row.name, _describe_sensor(row)) for row in rows]
 
 
-def _describe_sensor(one: SensorRow) -> Said:
-    state = _sensor(one.now)
-    if one.reference:
+def _describe_sensor(row: SensorRow) -> Said:
+    state = _sensor(row.now)
+    if row.reference:
         figures = 'the reference'
-    elif one.std_deg is None:
+    elif row.std_deg is None:
         figures = 'too few differences yet'
     else:
-        share = '' if one.share is None else f' = {one.share:.2f} of what both norms explain'
-        figures = (f'from {one.against}: mean {_deg(one.mean_deg, "+")}, '
-                   f'sd {_deg(one.std_deg)}{share}')
-    verdict = '' if one.reference else f'{_SIGNS[one.lamp.tone]} {one.lamp.word}'
-    words = [f'{_heading(one.now).text:<7} {state.text}', figures, verdict,
-             'the vote names it now' if one.named else '']
-    tones = [state.tone, one.lamp.tone, Tone.BAD if one.named else Tone.NONE]
+        share = '' if row.share is None else f' = {row.share:.2f} of what both norms explain'
+        figures = (f'from {row.against}: mean {_deg(row.mean_deg, "+")}, '
+                   f'sd {_deg(row.std_deg)}{share}')
+    verdict = '' if row.reference else f'{_SIGNS[row.lamp.tone]} {row.lamp.word}'
+    words = [f'{_heading(row.now).text:<7} {state.text}', figures, verdict,
+             'the vote names it now' if row.named else '']
+    tones = [state.tone, row.lamp.tone, Tone.BAD if row.named else Tone.NONE]
     order = (Tone.NONE, Tone.GOOD, Tone.DOUBT, Tone.BAD)
     return Said('; '.join(filter(None, words)), max(tones, key=order.index))
 
@@ -134,17 +137,17 @@ def vote_words(view: BridgeView) -> Said:
 
 def node_words(view: BridgeView) -> list[Said]:
     """Return a line per node."""
-    return [_node_line(one) for one in view.nodes]
+    return [_node_line(node) for node in view.nodes]
 
 
-def _node_line(one: NodeView) -> Said:
-    if one.stale:
-        return Said(f'{one.name}: STALE, heard {age_words(round(one.age_s))} ago', Tone.BAD)
-    return Said(f'{one.name}: {_LEVELS[one.level]}, {one.words}', _TONES[one.level])
+def _node_line(node: NodeView) -> Said:
+    if node.stale:
+        return Said(f'{node.name}: STALE, heard {age_words(round(node.age_s))} ago', Tone.BAD)
+    return Said(f'{node.name}: {_LEVELS[node.level]}, {node.words}', _TONES[node.level])
 
 
-def _heading(one: SensorView) -> Said:
-    return Said('– –' if one.heading_deg is None else _compass(one.heading_deg))
+def _heading(sensor: SensorView) -> Said:
+    return Said('– –' if sensor.heading_deg is None else _compass(sensor.heading_deg))
 
 
 def _compass(heading_deg: float) -> str:
@@ -160,17 +163,17 @@ def _big_difference(x_deg: float | None) -> str:
     return f'{x_deg:+.{digits}f}°'
 
 
-def _sensor(one: SensorView) -> Said:
-    if one.age_s is None:
+def _sensor(sensor: SensorView) -> Said:
+    if sensor.age_s is None:
         return Said('not heard yet')
-    last = '' if one.last_deg is None else f'last {_compass(one.last_deg)}, '
-    if one.stale:
-        return Said(f'STALE: {last}{age_words(one.age_s)} ago', Tone.BAD)
-    rate = 'rate not known' if one.rate_hz is None else f'{one.rate_hz:.1f} Hz'
-    offset = '' if one.offset_s is None else f', stamp {_offset(one.offset_s)}'
-    flagged = 'FLAGGED INVALID, ' if one.flagged else ''
-    return Said(f'{flagged}age {age_words(one.age_s)}, {rate}{offset}',
-                Tone.DOUBT if one.flagged else Tone.NONE)
+    last = '' if sensor.last_deg is None else f'last {_compass(sensor.last_deg)}, '
+    if sensor.stale:
+        return Said(f'STALE: {last}{age_words(sensor.age_s)} ago', Tone.BAD)
+    rate = 'rate not known' if sensor.rate_hz is None else f'{sensor.rate_hz:.1f} Hz'
+    offset = '' if sensor.offset_s is None else f', stamp {_offset(sensor.offset_s)}'
+    flagged = 'FLAGGED INVALID, ' if sensor.flagged else ''
+    return Said(f'{flagged}age {age_words(sensor.age_s)}, {rate}{offset}',
+                Tone.DOUBT if sensor.flagged else Tone.NONE)
 
 
 def _offset(offset_s: float) -> str:

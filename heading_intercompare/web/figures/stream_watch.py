@@ -134,11 +134,11 @@ class StreamWatch:
         age_s, rate_hz = now_s - self._came_s, self._rate_hz()
         late_s = 0.0 if rate_hz is None else _MISSED / rate_hz
         stale = age_s > max(self._stale_s, late_s)
-        known = not (stale or self._flagged)
+        usable = not (stale or self._flagged)
         return SensorView(
-            heading_deg=self._last_deg if known else None, last_deg=self._last_deg, age_s=age_s,
+            heading_deg=self._last_deg if usable else None, last_deg=self._last_deg, age_s=age_s,
             rate_hz=None if stale else rate_hz, offset_s=self._offset_s,
-            turn_deg_min=self._turn_deg_min() if known else None, stale=stale,
+            turn_deg_min=self._turn_deg_min() if usable else None, stale=stale,
             flagged=self._flagged)
 
     def _rate_hz(self) -> float | None:

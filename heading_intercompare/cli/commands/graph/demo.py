@@ -76,7 +76,7 @@ def run(arguments: argparse.Namespace) -> int:
     page = read_web(arguments, {})
     several = arguments.sensors
     scenario = read_scenario('four_sensors' if several else 'demo').scenario
-    given = _SENSORS if several else NORMS
+    parameters = _SENSORS if several else NORMS
     if arguments.duration is not None or several:
         scenario = replace(scenario, duration_s=arguments.duration or _SENSORS_S)
     if not 0.0 < arguments.speed < math.inf:
@@ -95,17 +95,17 @@ def run(arguments: argparse.Namespace) -> int:
         live = intercompare(
             [Source(SensorSimulator, 'sensor_simulator',
                     {**scenario.to_mapping(), 'speed': arguments.speed, 'stamps': 'scenario'})],
-            given, output=bag, report_dir=str(out / 'live'), private=True, page=page,
+            parameters, output=bag, report_dir=str(out / 'live'), private=True, page=page,
             served=addresses.append,
             progress=lambda n: progress.show(f'{n:,}{expected} pairs'))
     tell(f'2. replayed: {bag} -> {nodes}')
     with Progress('replayed', arguments.quiet) as progress:
         replayed = intercompare(
             [Source(Replayer, 'replayer', {'bag': bag, 'rate': 1.0})],
-            given, report_dir=str(out / 'replayed'), private=True,
+            parameters, report_dir=str(out / 'replayed'), private=True,
             progress=lambda n: progress.show(f'{n:,} pairs'))
     tell(f'3. offline: analyze {bag}\n')
-    settings, report = Settings.from_mapping(given), out / 'report.html'
+    settings, report = Settings.from_mapping(parameters), out / 'report.html'
     with Progress(bag, arguments.quiet) as progress:
         judged = judge_bags([bag], settings, sketched=True, progress=progress.show)
     offline = judged.verdict
@@ -138,20 +138,21 @@ def _write_protocol(path: Path, draw: Callable[[], object]) -> str:
     return str(path.resolve())
 
 
-def _differences(one: Verdict | SensorsVerdict, other: Verdict | SensorsVerdict) -> Iterator[str]:
-    if isinstance(one, SensorsVerdict) and isinstance(other, SensorsVerdict):
-        return find_sensor_differences(one, other)
-    assert isinstance(one, Verdict) and isinstance(other, Verdict)
-    return find_differences(one, other)
+def _differences(verdict: Verdict | SensorsVerdict,
+                 offline: Verdict | SensorsVerdict) -> Iterator[str]:
+    if isinstance(verdict, SensorsVerdict) and isinstance(offline, SensorsVerdict):
+        return find_sensor_differences(verdict, offline)
+    assert isinstance(verdict, Verdict) and isinstance(offline, Verdict)
+    return find_differences(verdict, offline)
 
 
 def _compare(others: Mapping[str, Verdict | SensorsVerdict],
              offline: Verdict | SensorsVerdict) -> int:
     """Say whether the verdicts agree; 0 if they do."""
-    found = [f'{name} and offline differ in {difference}' for name, other in others.items()
-             for difference in _differences(other, offline)]
-    if found:
-        say_lines([*found[:20], 'live, replayed and offline verdicts DO NOT AGREE'])
+    differences = [f'{name} and offline differ in {difference}' for name, verdict in others.items()
+                   for difference in _differences(verdict, offline)]
+    if differences:
+        say_lines([*differences[:20], 'live, replayed and offline verdicts DO NOT AGREE'])
         return 1
     pairs = (sum(pair.n for pair in offline.pairs) if isinstance(offline, SensorsVerdict)
              else sum(run.n_input for run in offline.runs))

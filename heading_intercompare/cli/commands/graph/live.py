@@ -70,8 +70,8 @@ def run(arguments: argparse.Namespace) -> int:
     check_norms(settings)
     sensors = read_sensors(settings.sensors)
     usual = _describe_drivers(settings)
-    drivers = {name: {**given, **config.sections[name]}
-               for name, given in usual.items() if name in config.sections}
+    drivers = {name: {**defaults, **config.sections[name]}
+               for name, defaults in usual.items() if name in config.sections}
     for name, driver in drivers.items():
         _check_source(driver, arguments.config, name, f'{driver["topic"]} is heard as a topic')
     moved = config.sections.get('motion_driver')
@@ -84,12 +84,12 @@ def run(arguments: argparse.Namespace) -> int:
     if notes := read_notes(arguments):
         recorder['note'] = notes
     page = read_web(arguments, config.sections.get('dashboard', {}))
-    own = {**config.sections.get('compliance', {})}
+    compliance = {**config.sections.get('compliance', {})}
     output = arguments.output or recorder.get('output')
-    own.setdefault('journal', f'{output or "heading"}.journal')
+    compliance.setdefault('journal', f'{output or "heading"}.journal')
     rule = from_mapping(ComplianceNode, {
-        name: value for name, value in own.items() if name == 'resume_within_s'})
-    before = _find_former(own['journal'], settings, rule.resume_within_s)
+        name: value for name, value in compliance.items() if name == 'resume_within_s'})
+    before = _find_former(compliance['journal'], settings, rule.resume_within_s)
     if before is not None:
         recorder['continues'] = os.path.basename(before)
     if output is None:
@@ -106,7 +106,7 @@ def run(arguments: argparse.Namespace) -> int:
     if not arguments.quiet:
         if not sensors:
             tell(least_duration_words(settings.risk))
-        if heard := [given['topic'] for name, given in usual.items() if name not in drivers]:
+        if heard := [defaults['topic'] for name, defaults in usual.items() if name not in drivers]:
             tell(f'listening to {" and ".join(heard)}; Ctrl-C ends the trial')
     with LiveView(f'heading-intercompare live: {output}', 'Ctrl-C ends the trial',
                   arguments.quiet) as shown:
@@ -115,7 +115,7 @@ def run(arguments: argparse.Namespace) -> int:
              *([Source(MotionDriver, 'motion_driver', moved)] if moved is not None else [])],
             {k: v for k, v in settings.to_mapping().items() if v is not None},
             output=output, report_dir=config.sections.get('compliance', {}).get('report_dir'),
-            own={**config.sections, 'compliance': own, 'recorder': recorder},
+            own={**config.sections, 'compliance': compliance, 'recorder': recorder},
             namespace=arguments.namespace, page=page,
             show=None if arguments.quiet else shown.show,
             tell=None if arguments.quiet else shown.tell)
@@ -135,8 +135,8 @@ def _describe_drivers(settings: Settings) -> dict[str, dict[str, Any]]:
     if not sensors:
         return {'ts_driver': {'topic': settings.ts_topic},
                 'rs_driver': {'topic': settings.rs_topic}}
-    return {f'{one.name}_driver': {'topic': one.heading_topic, **describe_driver(one)}
-            for one in sensors}
+    return {f'{sensor.name}_driver': {'topic': sensor.heading_topic, **describe_driver(sensor)}
+            for sensor in sensors}
 
 
 def _find_former(journal: str, settings: Settings, within_s: float) -> str | None:
@@ -144,10 +144,10 @@ def _find_former(journal: str, settings: Settings, within_s: float) -> str | Non
     sensors = read_sensors(settings.sensors)
     trials = [(journal, settings)]
     if sensors:
-        trials = [(name_journal(journal, one.name), settings_of_tested(settings, one.name))
-                  for one in list_tested(sensors)]
-        trials += [(name_journal(journal, '.'.join(names)), own)
-                   for names, own in settings_of_others(settings).items()]
-    found = (find_bag(Path(path), own, within_s=within_s, now_ns=time.time_ns())
-             for path, own in trials)
-    return next((bag for bag in found if bag is not None), None)
+        trials = [(name_journal(journal, sensor.name), settings_of_tested(settings, sensor.name))
+                  for sensor in list_tested(sensors)]
+        trials += [(name_journal(journal, '.'.join(names)), pair_settings)
+                   for names, pair_settings in settings_of_others(settings).items()]
+    bags = (find_bag(Path(path), trial_settings, within_s=within_s, now_ns=time.time_ns())
+            for path, trial_settings in trials)
+    return next((bag for bag in bags if bag is not None), None)

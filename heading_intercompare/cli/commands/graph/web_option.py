@@ -40,7 +40,7 @@ def read_web(arguments: argparse.Namespace,
     Parameters
     ----------
     arguments : Namespace
-        Of the command, with the option `web`.
+        Arguments of the command, with the option `web`.
     section : mapping
         The section `dashboard` of the parameter file; the option goes before it.
 
@@ -52,14 +52,14 @@ def read_web(arguments: argparse.Namespace,
     """
     if arguments.web is None:
         return None
-    given: dict[str, Any] = {}
+    address: dict[str, Any] = {}
     host, colon, port = arguments.web.rpartition(':')
     if not colon or arguments.web.endswith(']'):
         host, port = arguments.web, ''
     if port and not (port.isdecimal() and port.isascii()):
         raise SettingsError(f'--web {arguments.web}: must be HOST:PORT, e.g. 127.0.0.1:8080')
     if host:
-        given['host'] = host.strip('[]')
+        address['host'] = host.strip('[]')
     if port:
-        given['port'] = int(port)
-    return {**section, **given}
+        address['port'] = int(port)
+    return {**section, **address}

@@ -49,10 +49,11 @@ def run(arguments: argparse.Namespace) -> int:
     lines.append('use: --set norms.preset=NAME, and --set norms.latitude_deg=LAT if the rule has '
                  'sec(lat)')
     lines.append('\nclasses of sensors: the slowest error, and the shortest run it requires')
-    for name, found in SENSOR_CLASSES.items():
-        lines.append(f'{name}: {found.title}\n    slowest error {span_words(found.slowest_s)}: '
-                     f'{found.source}\n    shortest run: {span_words(found.least_s)}; '
-                     f'{found.trial}')
+    for name, sensor_class in SENSOR_CLASSES.items():
+        lines.append(f'{name}: {sensor_class.title}\n'
+                     f'    slowest error {span_words(sensor_class.slowest_s)}: '
+                     f'{sensor_class.source}\n'
+                     f'    shortest run: {span_words(sensor_class.least_s)}; {sensor_class.trial}')
     lines.append('use: --set risk.sensor_class=NAME, or --set risk.slowest_error_s=S with '
                  'your own figure')
     say('\n'.join(lines), _MARKS)
