@@ -81,7 +81,7 @@ class Faults:
             If a fault of this kind is active at that time.
 
         """
-        if any(other.kind == fault.kind for other in self.list_active(fault.t_s)):
+        if any(active.kind == fault.kind for active in self.list_active(fault.t_s)):
             raise ValueError(f'{fault.kind} is already present')
         insort(self._faults, fault, key=_start)
 
@@ -125,13 +125,13 @@ class Faults:
         -------
         heading_deg, stamp_ns : ndarray, shape (n,)
             Readings and stamps with the faults.
-        given : ndarray of bool, shape (n,)
+        present : ndarray of bool, shape (n,)
             False where the sensor is silent.
 
         """
-        given = np.ones(t_s.shape, dtype=bool)
+        present = np.ones(t_s.shape, dtype=bool)
         if not t_s.size:
-            return heading_deg, stamp_ns, given
+            return heading_deg, stamp_ns, present
         for fault in self._faults:
             at = fault.is_active(t_s)
             if not at.any():
@@ -147,9 +147,9 @@ class Faults:
             elif fault.kind == 'invalid':
                 heading_deg = np.where(at, math.nan, heading_deg)
             else:
-                given &= ~at
+                present &= ~at
         self._last_deg = float(heading_deg[-1])
-        return heading_deg, stamp_ns, given
+        return heading_deg, stamp_ns, present
 
     def _freeze(self, fault: Fault, at: np.ndarray, heading_deg: Reals) -> Reals:
         """Hold the last reading before the fault, or the first one if there is none."""

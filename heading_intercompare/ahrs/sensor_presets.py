@@ -102,21 +102,21 @@ ERRORS = {
 """Errors of the three classes of gimballed AHRS."""
 
 
-def errors_of(model: str, own: Errors) -> ModelErrors:
+def errors_of(model: str, overrides: Errors) -> ModelErrors:
     """
-    Return the errors of a model, with the given ones replaced.
+    Return the errors of a model, with those in `overrides` replaced.
 
     Parameters
     ----------
     model : str
         A name of `ERRORS`.
-    own : Errors
+    overrides : Errors
         Errors that are not None replace those of the model.
 
     """
-    given = {f.name: getattr(own, f.name) for f in fields(own)
-             if getattr(own, f.name) is not None}
-    return replace(ERRORS[model], **given)
+    replacements = {f.name: getattr(overrides, f.name) for f in fields(overrides)
+                    if getattr(overrides, f.name) is not None}
+    return replace(ERRORS[model], **replacements)
 
 
 def terms_of(sensor: Sensor) -> Sensor:
@@ -124,8 +124,8 @@ def terms_of(sensor: Sensor) -> Sensor:
     terms: dict[str, Any] = {}
     for name, value in _SENSORS[sensor.model].items():
         if name in _OWN_FIRST:
-            own = sensor.markov_deg if name == 'markov_tau_s' else sensor.outage_every_s
-            terms[name] = getattr(sensor, name) if own else value
+            own_term = sensor.markov_deg if name == 'markov_tau_s' else sensor.outage_every_s
+            terms[name] = getattr(sensor, name) if own_term else value
         else:
             terms[name] = math.hypot(getattr(sensor, name), value)
     return replace(sensor, **terms)

@@ -161,10 +161,10 @@ class SimulatedSensor:
             heading_deg = heading_deg + self._deviate(t_s)
         if s.resolution_deg:
             heading_deg = s.resolution_deg * np.rint(heading_deg / s.resolution_deg)
-        given = self._rng['dropout'].random(t_s.size) >= s.dropout
-        given &= ~self._outages.cover(t_s)
+        present = self._rng['dropout'].random(t_s.size) >= s.dropout
+        present &= ~self._outages.cover(t_s)
         return Readings(Headings.as_sent(self._stamps(t_s), wrap360(heading_deg)), t_s, sigma_deg,
-                        np.degrees(rate_rad_s))[given]
+                        np.degrees(rate_rad_s))[present]
 
     def _errors(self, t_s: Reals) -> Reals:
         """Return the errors of the closed-form model, degrees."""

@@ -306,8 +306,8 @@ class Scenario(Checked):
             names = [name for name, _ in read_rows(self.others, Sensor)]
         except ValueError as error:
             raise SettingsError(f'others, {error}') from error
-        if taken := [name for name in names if name.lower() in _STREAMS]:
-            raise SettingsError(f'others: {taken[0]} is the name of another stream')
+        if reserved_names := [name for name in names if name.lower() in _STREAMS]:
+            raise SettingsError(f'others: {reserved_names[0]} is the name of another stream')
 
     @property
     def topics(self) -> dict[str, str]:
@@ -330,8 +330,8 @@ class Scenario(Checked):
             For an unknown name or a value that is not allowed: name, value, what is allowed.
 
         """
-        made: Scenario = from_mapping(cls, mapping)
-        return made
+        scenario: Scenario = from_mapping(cls, mapping)
+        return scenario
 
     def to_mapping(self) -> dict[str, Any]:
         """Return dotted names and values, in the order of their declaration."""

@@ -190,13 +190,13 @@ class Trial:
                  fast: bool = False) -> None:
         s = scenario
         # Without an AHRS, loading numba would take longer than it saves.
-        fast = fast and any(one.model in AHRS_MODELS for one in s.sensors.values())
+        fast = fast and any(sensor.model in AHRS_MODELS for sensor in s.sensors.values())
         if fast and isinstance(ship.course, Steering):
             compile_steering(ship.course)
         self.now_s = 0.0
-        self._last_s = s.duration_s + max(one.latency_s for one in s.sensors.values())
+        self._last_s = s.duration_s + max(sensor.latency_s for sensor in s.sensors.values())
         self._true = _Truth(ship, start_ns, s)
-        self._told = ToldMotion(ship, start_ns, s.seed, s.motion_hz, s.duration_s)
+        self._motion = ToldMotion(ship, start_ns, s.seed, s.motion_hz, s.duration_s)
         self._senders = {
             role: _Sender(SimulatedSensor(sensor, ship, start_ns, s.seed, role, fast), sensor,
                           s.duration_s)
@@ -209,12 +209,12 @@ class Trial:
 
     def advance(self, end_s: float) -> SimulatedChunk:
         """Return the data delivered from now up to, but not at, `end_s`, which becomes now."""
-        made = {name: (sender.take(end_s), sender.statuses(end_s))
-                for name, sender in self._senders.items()}
+        deliveries = {name: (sender.take(end_s), sender.statuses(end_s))
+                      for name, sender in self._senders.items()}
         self.now_s = end_s
-        (ts, ts_said), (rs, rs_said) = made.pop('ts'), made.pop('rs')
-        return SimulatedChunk(end_s, self._true.take(end_s), ts, rs, ts_said, rs_said, made,
-                              self._told.take(end_s))
+        (ts, ts_said), (rs, rs_said) = deliveries.pop('ts'), deliveries.pop('rs')
+        return SimulatedChunk(end_s, self._true.take(end_s), ts, rs, ts_said, rs_said, deliveries,
+                              self._motion.take(end_s))
 
     def command(self, role: str, kind: str, t_s: float | None = None) -> float:
         """
@@ -318,7 +318,7 @@ class _Sender:
         self._duration_s = duration_s
         self._made_s = 0.0
         self._waiting = sensor.take(0.0)
-        self._said: list[AhrsStatus] = []
+        self._statuses: list[AhrsStatus] = []
 
     def take(self, end_s: float) -> Readings:
         """Return the readings delivered since the last call and before `end_s`."""
@@ -327,24 +327,25 @@ class _Sender:
         if self._made_s < wanted_s:
             self._made_s = min(BLOCK_S * math.ceil(wanted_s / BLOCK_S), self._duration_s)
             parts.append(self._sensor.take(self._made_s))
-        made = Readings.concatenate(parts)
-        n = int(np.searchsorted(made.t_s + self._latency_s, end_s, side='left'))
-        self._waiting = made[slice(n, None)]
-        return self._add_faults(made[slice(0, n)])
+        readings = Readings.concatenate(parts)
+        n = int(np.searchsorted(readings.t_s + self._latency_s, end_s, side='left'))
+        self._waiting = readings[slice(n, None)]
+        return self._add_faults(readings[slice(0, n)])
 
     def _add_faults(self, sound: Readings) -> Readings:
         """Return readings with the faults; without a heading there is no claim either."""
-        heading_deg, stamp_ns, given = self.faults.put(
+        heading_deg, stamp_ns, present = self.faults.put(
             sound.t_s, sound.headings.heading_deg, sound.headings.stamp_ns)
         sigma_deg = np.where(np.isnan(heading_deg), np.nan, sound.sigma_deg)
         return Readings(Headings.as_sent(stamp_ns, heading_deg), sound.t_s, sigma_deg,
-                        sound.rate_deg_s)[given]
+                        sound.rate_deg_s)[present]
 
     def statuses(self, end_s: float) -> tuple[AhrsStatus, ...]:
         """Return the statuses of the sensor before `end_s`; call after `take`."""
-        self._said += [said for said in self._sensor.statuses() if said.t_s < self._duration_s]
-        n = sum(said.t_s + self._latency_s < end_s for said in self._said)
-        now, self._said = tuple(self._said[:n]), self._said[n:]
+        self._statuses += [status for status in self._sensor.statuses()
+                           if status.t_s < self._duration_s]
+        n = sum(status.t_s + self._latency_s < end_s for status in self._statuses)
+        now, self._statuses = tuple(self._statuses[:n]), self._statuses[n:]
         return now
 
 

@@ -199,8 +199,8 @@ class _Maker:
         """Return a smooth function of the seconds of the voyage."""
         order = np.argsort(stamp_ns, kind='stable')
         t_s, values = (stamp_ns[order] - self._start_ns) / 1e9, values[order]
-        here = (t_s >= 0.0) & (t_s <= self._duration_s)
-        t_s, values = t_s[here], values[here]
+        inside = (t_s >= 0.0) & (t_s <= self._duration_s)
+        t_s, values = t_s[inside], values[inside]
         single = np.diff(t_s, prepend=-math.inf) > 0.0
         repeated = int(np.count_nonzero(~single))
         t_s, values = t_s[single], values[single]
@@ -227,11 +227,11 @@ class _Maker:
                 f'track.longest_gap_s = {self._longest_gap_s!r}: the record has no {what} for '
                 f'{longest_s:.1f} s; begin after the gap with track.begin_s, or raise it')
         full_s, full = bridge_gaps(*_reach_ends(t_s, values, self._duration_s), period_s)
-        made = fit_smooth(full_s, full, period_s)
-        removed = float(np.std(values - made.read(t_s)))
+        smooth = fit_smooth(full_s, full, period_s)
+        removed = float(np.std(values - smooth.read(t_s)))
         self.accounts.append(Smoothed(what, unit, t_s.size, repeated, int(spikes.sum()),
                                       gaps.size, longest_s, period_s, removed))
-        return made
+        return smooth
 
 
 def _reach_ends(t_s: Reals, values: Reals, duration_s: float) -> tuple[Reals, Reals]:
@@ -275,7 +275,7 @@ def _scale(function: Smooth, factor: float) -> Smooth:
 
 def _compare(course: TrackCourse, fixes: Motion, start_ns: int) -> str:
     """Return how far the integrated velocity leads away from the recorded positions."""
-    made = course.read_position((fixes.stamp_ns - start_ns) / 1e9)
-    away = steps_m(made, (fixes.latitude_deg, fixes.longitude_deg))
+    position = course.read_position((fixes.stamp_ns - start_ns) / 1e9)
+    away = steps_m(position, (fixes.latitude_deg, fixes.longitude_deg))
     farthest_m = float(np.max(np.hypot(*away)))
     return f'position: the integral of the velocity stays within {farthest_m:.0f} m of the fixes'

@@ -76,7 +76,7 @@ def unpack_payloads(data: BytesLike, start: Integers,
         As before, in these bytes.
 
     """
-    found = [unpack_payload(bytes(data[lo:hi]), _MOST_SMALL) or b''
-             for lo, hi in zip(start.tolist(), stop.tolist())]
-    ends = np.cumsum([0, *map(len, found)], dtype=np.int64)
-    return b''.join(found), ends[:-1], ends[1:]
+    payloads = [unpack_payload(bytes(data[lo:hi]), _MOST_SMALL) or b''
+                for lo, hi in zip(start.tolist(), stop.tolist())]
+    ends = np.cumsum([0, *map(len, payloads)], dtype=np.int64)
+    return b''.join(payloads), ends[:-1], ends[1:]

@@ -68,8 +68,8 @@ class BurstFinder:
         if in_read > 1 or received_ns == last_ns:
             return True
         steps_ns = self._steps_ns.setdefault(name, deque(maxlen=_REMEMBERED))
-        known = len(steps_ns) >= _NEEDED
-        if known and late_s * 1e9 > _LATE_STEPS * median(steps_ns):
+        enough_steps = len(steps_ns) >= _NEEDED
+        if enough_steps and late_s * 1e9 > _LATE_STEPS * median(steps_ns):
             return True
         if last_ns is not None and received_ns > last_ns:
             steps_ns.append(received_ns - last_ns)

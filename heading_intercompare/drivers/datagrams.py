@@ -129,8 +129,8 @@ class UdpSource:
                 if flags & socket.MSG_TRUNC:
                     self.counts['oversized'] += 1
                     continue
-                known = host in self._senders or len(self._senders) < _MOST_SENDERS
-                self._senders[host if known else _OTHERS] += 1
+                is_listed = host in self._senders or len(self._senders) < _MOST_SENDERS
+                self._senders[host if is_listed else _OTHERS] += 1
                 datagrams.append(Received(data, self._stamp_ns(ancillary)))
         self._count_drops()
         return datagrams

@@ -133,9 +133,9 @@ class Framer:
         frames = []
         end = max(data.rfind(b'\n'), data.rfind(b'\r')) + 1
         if end:
-            text, known = self._open + data[:end], self._open_ns
+            text, starts_ns = self._open + data[:end], self._open_ns
             self._open, self._open_ns = b'', []
-            frames = self._frames(text, known, received_ns)
+            frames = self._frames(text, starts_ns, received_ns)
         rest = data[end:]
         if rest:
             self._open += rest
@@ -146,10 +146,10 @@ class Framer:
 
     def flush(self) -> list[Frame]:
         """Return the last sentences at the end of the stream; one without checksum is cut."""
-        text, known = self._open, self._open_ns
+        text, starts_ns = self._open, self._open_ns
         self._open, self._open_ns = b'', []
-        if known:
-            return self._frames(text + b'$', known, None, ends=False)
+        if starts_ns:
+            return self._frames(text + b'$', starts_ns, None, ends=False)
         if text:
             self.counts['no_sentence'] += 1
         return []
@@ -169,12 +169,12 @@ class Framer:
         self._open_ns = self._open_ns[-1:]
         return frames
 
-    def _frames(self, text: bytes, known: list[int | None], received_ns: int | None,
+    def _frames(self, text: bytes, starts_ns: list[int | None], received_ns: int | None,
                 ends: bool = True) -> list[Frame]:
         """
         Return the sentences of a text that ends a line or, if not `ends`, ends at a new start.
 
-        The first starts were received at the times in `known`, the others at `received_ns`. A
+        The first starts were received at `starts_ns`, the other starts at `received_ns`. A
         sentence directly after another one in its line gets the same prefix.
         """
         pieces = _PIECE.findall(text)
@@ -192,7 +192,7 @@ class Framer:
                     if self._with_lines:
                         frames.append((None, prefix, b'', False, b''))
                 continue
-            came_ns = known[n] if n < len(known) else received_ns
+            came_ns = starts_ns[n] if n < len(starts_ns) else received_ns
             n += 1
             if len(body) > MAX_SENTENCE:
                 counts['too_long'] += 1

@@ -42,7 +42,7 @@ def is_log(path: str | PathLike[str]) -> bool:
     """
     name = os.fspath(path)
     if is_several(name):
-        return any(holds_sentences(each) or is_csv_file(each) for each in list_files(name))
+        return any(holds_sentences(file) or is_csv_file(file) for file in list_files(name))
     if not os.path.isfile(name) or name.endswith('.mcap'):
         return False
     return is_csv_file(name) or holds_sentences(name)

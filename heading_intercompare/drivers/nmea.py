@@ -188,10 +188,10 @@ class NmeaDecoder:
 
     def refuse_several_instruments(self, path: str) -> None:
         """Raise DriverError if the words of the lines of a log name several instruments."""
-        if found := self.find_instruments():
-            several = ', '.join(f'{name} ({n} headings)' for name, n in found)
+        if instruments := self.find_instruments():
+            several = ', '.join(f'{name} ({n} headings)' for name, n in instruments)
             raise DriverError(f'{path}: {self.chosen} comes from several instruments: {several}; '
-                              f'choose one with `instrument`, such as {found[0][0]}, or '
+                              f'choose one with `instrument`, such as {instruments[0][0]}, or '
                               "'any' to take all")
 
     def find_instruments(self) -> list[tuple[str, int]]:
@@ -263,14 +263,14 @@ class NmeaDecoder:
         return now_ns - since_ns >= self._settings.learn_s * 1e9
 
     def _choose(self) -> None:
-        """Choose the best of the sentences heard, and count the others."""
+        """Choose the best of the sentences heard, and count the other sentences."""
         self._chosen = choose_sentence(self._held)
         for name, column in self._held.items():
             if name == self._chosen:
                 self._chosen_column = column
                 self._counts.update(column.counts)
             else:
-                self._counts[self._other(name)] += column.n
+                self._counts[self._reason_not_chosen(name)] += column.n
         self._held = {}
 
     def _drain(self) -> Headings:
@@ -278,7 +278,7 @@ class NmeaDecoder:
         self._n_headings += len(chunk)
         return chunk
 
-    def _other(self, name: Name) -> str:
+    def _reason_not_chosen(self, name: Name) -> str:
         """Return the reason under which to count a heading sentence that was not chosen."""
         kind = self._chosen.kind if self._chosen else self._settings.sentence
         reason = (f'other_talker.{name.talker}' if name.kind == kind or kind == 'auto'
@@ -314,7 +314,7 @@ class NmeaDecoder:
         if name != self._chosen:
             if self._chosen is not None or not accepts(name, self._settings):
                 self._stamps.pass_by(prefix, suffix)
-                counts[self._other(name)] += 1
+                counts[self._reason_not_chosen(name)] += 1
                 return
             column = self._held.setdefault(name, _Column())
             column.n += 1

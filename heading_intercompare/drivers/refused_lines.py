@@ -120,12 +120,12 @@ def _show(line: bytes) -> str:
 
 
 def _chief_reason(counts: Mapping[str, int]) -> str | None:
-    """Return the commonest reason, first of those that concern the sentences to read."""
+    """Return the commonest reason, first of the reasons that concern the sentences to read."""
     def rank(reason: str) -> tuple[bool, bool, int]:
         first = reason.partition('.')[0]
         return first in _LEAST, first in _OTHERS, -counts[reason]
-    found = sorted((reason for reason in counts if counts[reason]), key=rank)
-    return found[0] if found else None
+    reasons = sorted((reason for reason in counts if counts[reason]), key=rank)
+    return reasons[0] if reasons else None
 
 
 def _first_line(path: str, settings: DriverSettings, reason: str) -> tuple[bytes, bool]:

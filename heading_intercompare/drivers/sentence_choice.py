@@ -82,8 +82,8 @@ def find_sentence(blocks: Iterable[bytes], settings: DriverSettings) -> Name | N
             if choice is None:
                 for kind in kinds:
                     if places[kind] < at:
-                        found = text.find(_TOKENS[kind], at)
-                        places[kind] = len(text) if found < 0 else found
+                        place = text.find(_TOKENS[kind], at)
+                        places[kind] = len(text) if place < 0 else place
                 at = min(places[kind] for kind in kinds)
                 if at == len(text):
                     break

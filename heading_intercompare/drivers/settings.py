@@ -178,8 +178,8 @@ def _check_pattern(pattern: str) -> None:
         groups = set(re.compile(pattern.encode()).groupindex)
     except re.error as error:
         raise SettingsError(f'{start}{error}; must be a regular expression of Python') from None
-    clock, given = {'hour', 'minute', 'second'}, groups - {'fraction', 'zone'}
-    if given not in ({'epoch'}, clock, clock | {'year', 'month', 'day'}, clock | {'year', 'yday'}):
+    clock, parts = {'hour', 'minute', 'second'}, groups - {'fraction', 'zone'}
+    if parts not in ({'epoch'}, clock, clock | {'year', 'month', 'day'}, clock | {'year', 'yday'}):
         raise SettingsError(
             f'{start}has the groups {", ".join(sorted(groups)) or "none"}; must have (?P<epoch>), '
             'or hour, minute and second, with year, month and day or year and yday, or without a '

@@ -91,9 +91,9 @@ class TcpLine:
 
     def _begin(self) -> socket.socket:
         """Start to connect; each attempt uses the next address of the host name."""
-        found = socket.getaddrinfo(self._address.host, self._address.port,
-                                   type=socket.SOCK_STREAM)
-        family, kind, protocol, _, place = found[self._attempts % len(found)]
+        addresses = socket.getaddrinfo(self._address.host, self._address.port,
+                                       type=socket.SOCK_STREAM)
+        family, kind, protocol, _, place = addresses[self._attempts % len(addresses)]
         self._attempts += 1
         self._socket = begun = socket.socket(family, kind, protocol)
         begun.setblocking(False)

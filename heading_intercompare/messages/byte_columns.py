@@ -83,8 +83,8 @@ def gather(data: BytesLike, kind: DTypeLike, at: Integers) -> np.ndarray:
     dtype = np.dtype(kind)
     plain = _plain(dtype)
     everywhere = np.ndarray(max(len(data) - dtype.itemsize + 1, 0), plain, data, 0, (1,))
-    found: np.ndarray = everywhere[at].view(dtype.base)
-    return found.reshape(-1, *dtype.shape)
+    values: np.ndarray = everywhere[at].view(dtype.base)
+    return values.reshape(-1, *dtype.shape)
 
 
 def join_messages(messages: Sequence[bytes]) -> tuple[bytes, Integers, Integers]:

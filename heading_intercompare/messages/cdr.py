@@ -64,9 +64,9 @@ class _Encoder:
         self.body += bytes(_padding(len(self.body), 4)) + _LENGTH['<'].pack(length)
 
     def message(self, name: str, message: Mapping[str, Any]) -> None:
-        known = _names(self._type_name, name)
-        if not known.issuperset(message):
-            raise MessageError(f'{name} has no field {min(message.keys() - known)!r}')
+        names = _names(self._type_name, name)
+        if not names.issuperset(message):
+            raise MessageError(f'{name} has no field {min(message.keys() - names)!r}')
         for field in self._definitions[name]:
             self._field(name, field, message.get(field.name))
 
@@ -84,11 +84,11 @@ class _Encoder:
                 raise MessageError(f'{owner}.{field.name} has {len(values)} elements instead of '
                                    f'{field.size}')
         if field.type not in CODES:
-            for each in values:
-                self.message(field.type, each or {})
+            for element in values:
+                self.message(field.type, element or {})
         elif field.type == 'string':
-            for each in values:
-                self._string(each)
+            for element in values:
+                self._string(element)
         elif values:
             try:
                 self._put(CODES[field.type], *(0 if v is None else v for v in values))

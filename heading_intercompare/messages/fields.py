@@ -111,14 +111,14 @@ def definitions_in(type_name: str, text: str) -> Definitions:
 
     """
     first, *others = _SEPARATOR.split(text)
-    found = {}
+    definitions = {}
     sections = [(short_name(type_name), first)]
     for section in others:
         head, _, body = section.partition('\n')
         sections.append((short_name(head.partition('MSG:')[2].strip()), body))
     for name, body in sections:
-        found[name] = tuple(_fields(name.partition('/')[0], body))
-    return found
+        definitions[name] = tuple(_fields(name.partition('/')[0], body))
+    return definitions
 
 
 def leaves(type_name: str, definitions: Definitions,

@@ -243,9 +243,9 @@ def _azimuths(type_name: str, data: BytesLike, start: Integers, size: Integers,
 def _headings(type_name: str, convention: str, data: BytesLike, start: Integers, size: Integers,
               header: np.ndarray) -> Headings:
     """Return the headings in messages of one byte order."""
-    (x, y, z, w), known = _orientations(type_name, data, start, size, header)
+    (x, y, z, w), has_orientation = _orientations(type_name, data, start, size, header)
     heading_deg = angles.heading_from_quaternion(x, y, z, w, convention)
-    heading_deg[~known] = np.nan
+    heading_deg[~has_orientation] = np.nan
     return Headings(read_stamps(header), heading_deg)
 
 
@@ -261,8 +261,9 @@ def _orientations(type_name: str, data: BytesLike, start: Integers, size: Intege
     kind = (_IMU_ORIENTATION if type_name == IMU else _QUATERNION).newbyteorder(sign)
     check_size(type_name, start, size, at + kind.itemsize)
     columns = gather(data, kind, start + at).T
-    known = columns[4] != _UNKNOWN if type_name == IMU else np.ones(start.shape, dtype=bool)
-    return columns[:4], known
+    has_orientation = (columns[4] != _UNKNOWN if type_name == IMU
+                       else np.ones(start.shape, dtype=bool))
+    return columns[:4], has_orientation
 
 
 def decode_attitude(type_name: str, convention: str, data: BytesLike, start: Integers,
@@ -274,8 +275,8 @@ def decode_attitude(type_name: str, convention: str, data: BytesLike, start: Int
 def _attitude(type_name: str, convention: str, data: BytesLike, start: Integers, size: Integers,
               header: np.ndarray) -> Attitude:
     """Return roll and pitch in messages of one byte order."""
-    (x, y, z, w), known = _orientations(type_name, data, start, size, header)
-    roll_deg, pitch_deg = (np.where(known, angle, np.nan) for angle in
+    (x, y, z, w), has_orientation = _orientations(type_name, data, start, size, header)
+    roll_deg, pitch_deg = (np.where(has_orientation, angle, np.nan) for angle in
                            angles.roll_pitch_from_quaternion(x, y, z, w, convention))
     return Attitude(read_stamps(header), roll_deg, pitch_deg)
 

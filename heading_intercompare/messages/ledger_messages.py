@@ -71,14 +71,14 @@ def encode_ledger(ledger: Ledger, final: bool = False, started_ns: int = 0,
     """Return a ledger as a message: total, segments, clocks that were set back; newest stamp."""
     total = Status('ledger', OK, 'final' if final else 'so far',
                    {'incarnation_ns': started_ns or None, 'final': final, **_words(ledger.total),
-                    **{f'{stream}_{name}': value for stream, one in (numbers or {}).items()
-                       for name, value in one._asdict().items()}})
+                    **{f'{stream}_{name}': value for stream, fields in (numbers or {}).items()
+                       for name, value in fields._asdict().items()}})
     segments = [Status(f'{_SEGMENT} {number}', OK, '', {'start_ns': s.start_ns, **_words(s)})
                 for number, s in enumerate(ledger.segments)]
     set_backs = [Status(f'{_SET_BACK} {number}', WARN, '', {
-        'stream': one.stream, 'stamp_ns': one.stamp_ns, 'size_ns': one.size_ns})
-        for number, one in enumerate(step for steps in ledger.set_backs.values()
-                                     for step in steps)]
+        'stream': step.stream, 'stamp_ns': step.stamp_ns, 'size_ns': step.size_ns})
+        for number, step in enumerate(step for steps in ledger.set_backs.values()
+                                      for step in steps)]
     return encode_statuses(ledger.newest_ns or 0, [total, *segments, *set_backs])
 
 
@@ -113,15 +113,16 @@ def _set_back(values: Mapping[str, str]) -> SetBack:
 
 
 def _numbers(values: Mapping[str, str]) -> dict[str, StreamNumbers]:
-    """Return the numbers in the values of a status, by sensor; those of neither if absent."""
-    found = {}
+    """Return the numbers in the values of a status, by sensor; only sensors that have them."""
+    numbers = {}
     for stream in ('ts', 'rs'):
-        given = [values.get(f'{stream}_{name}') for name in StreamNumbers._fields]
-        if None not in given:
-            one, first, other, last = (str(text) for text in given)
-            found[stream] = StreamNumbers(one, _integer('ledger', f'{stream}_first', first), other,
-                                          _integer('ledger', f'{stream}_last', last))
-    return found
+        texts = [values.get(f'{stream}_{name}') for name in StreamNumbers._fields]
+        if None not in texts:
+            first_publisher, first, last_publisher, last = (str(text) for text in texts)
+            numbers[stream] = StreamNumbers(
+                first_publisher, _integer('ledger', f'{stream}_first', first),
+                last_publisher, _integer('ledger', f'{stream}_last', last))
+    return numbers
 
 
 def decode_ledger(data: bytes) -> LedgerMessage:
@@ -138,18 +139,18 @@ def decode_ledger(data: bytes) -> LedgerMessage:
     newest_ns, statuses = decode_statuses(data)
     segments, set_backs, final, started_ns = [], [], False, 0
     numbers: dict[str, StreamNumbers] = {}
-    for one in statuses:
-        values = dict(one.values)
+    for status in statuses:
+        values = dict(status.values)
         final = final or values.pop('final', '') == 'true'
         started_ns = _integer('ledger', 'incarnation_ns',
                               values.pop('incarnation_ns', str(started_ns)))
         numbers |= _numbers(values)
-        if one.name.startswith(_SEGMENT):
+        if status.name.startswith(_SEGMENT):
             counts = {key: _integer('ledger', key, text) for key, text in values.items()}
             start_ns = counts.pop('start_ns', None)
             segments.append(LedgerSegment(
                 start_ns, {_key(word): n for word, n in counts.items()}))
-        elif one.name.startswith(_SET_BACK):
+        elif status.name.startswith(_SET_BACK):
             set_backs.append(_set_back(values))
     if any(segment.start_ns is None for segment in segments[1:]):
         raise MessageError('ledger: a segment after the first has no start_ns')
@@ -162,14 +163,15 @@ def lost_topic(heading_topic: str) -> str:
     return f'{heading_topic}/lost'
 
 
-def encode_losses(found: Mapping[str, Losses]) -> bytes:
+def encode_losses(losses_by_cause: Mapping[str, Losses]) -> bytes:
     """Return losses, by one of `LOST_AS`, as a message with the stamp of the newest."""
-    statuses = list(_statuses(found))
-    return encode_statuses(max((one.values['stamp_ns'] for one in statuses), default=0), statuses)
+    statuses = list(_statuses(losses_by_cause))
+    newest_ns = max((status.values['stamp_ns'] for status in statuses), default=0)
+    return encode_statuses(newest_ns, statuses)
 
 
-def _statuses(found: Mapping[str, Losses]) -> Iterator[Status]:
-    for lost_as, losses in found.items():
+def _statuses(losses_by_cause: Mapping[str, Losses]) -> Iterator[Status]:
+    for lost_as, losses in losses_by_cause.items():
         columns = (getattr(losses, name).tolist() for name in _FIGURES)
         for row in zip(*columns):
             yield Status(lost_as, OK, '', dict(zip(_FIGURES, row)))
@@ -187,9 +189,9 @@ def decode_losses(data: bytes) -> dict[str, Losses]:
     """
     _, statuses = decode_statuses(data)
     rows: dict[str, list[list[int]]] = {}
-    for one in statuses:
-        if one.name not in LOST_AS:
-            raise MessageError(f'losses: {one.name[:40]!r} must be one of {", ".join(LOST_AS)}')
-        rows.setdefault(one.name, []).append([_integer('losses', name, one.values.get(name, ''))
-                                              for name in _FIGURES])
+    for status in statuses:
+        if status.name not in LOST_AS:
+            raise MessageError(f'losses: {status.name[:40]!r} must be one of {", ".join(LOST_AS)}')
+        rows.setdefault(status.name, []).append([
+            _integer('losses', name, status.values.get(name, '')) for name in _FIGURES])
     return {lost_as: Losses.of(*zip(*of)) for lost_as, of in rows.items()}

@@ -33,4 +33,4 @@ def encode_mark(kind: str, ns: int) -> bytes:
 def decode_marks(data: bytes) -> list[tuple[str, int]]:
     """Return the kind and stamp (ns) of the marks in a message; MessageError if damaged."""
     ns, statuses = decode_statuses(data)
-    return [(one.message, ns) for one in statuses]
+    return [(status.message, ns) for status in statuses]

@@ -183,8 +183,8 @@ def _hash_of(type_name: str) -> str:
     if path is not None:
         for row in json.loads(path.read_text())['type_hashes']:
             if row['type_name'] == type_name:
-                found: str = row['hash_string']
-                return found
+                type_hash: str = row['hash_string']
+                return type_hash
     return ''
 
 

@@ -94,12 +94,13 @@ def encode_statuses(ns: int, statuses: Iterable[Status], owner: str = '') -> byt
     body = bytearray(encode(STATUS_TYPE, {'header': {'stamp': stamp_fields(ns)}})[:-4])
     body += _LENGTH.pack(len(statuses))
     end = len(body)
-    for one in statuses:
+    for status in statuses:
         # The level is a byte, so it stands where the last string ends; all else is aligned.
         del body[end:]
-        body.append(one.level)
-        body += bytes(-len(body) % 4) + _words(one.name) + _words(one.message) + _words(owner)
-        values = [(key, value) for key, value in one.values.items() if value is not None]
+        body.append(status.level)
+        body += (bytes(-len(body) % 4) + _words(status.name) + _words(status.message)
+                 + _words(owner))
+        values = [(key, value) for key, value in status.values.items() if value is not None]
         body += _LENGTH.pack(len(values))
         end = len(body)
         for key, value in values:
@@ -126,9 +127,9 @@ def decode_statuses(data: bytes) -> tuple[int, list[Status]]:
                            f'{_MOST_BYTES}')
     fields = decode(STATUS_TYPE, data)
     return stamp_ns(fields['header']['stamp']), [
-        Status(one['name'], one['level'], one['message'],
-               {pair['key']: pair['value'] for pair in one['values']}, one['hardware_id'])
-        for one in fields['status']]
+        Status(status['name'], status['level'], status['message'],
+               {pair['key']: pair['value'] for pair in status['values']}, status['hardware_id'])
+        for status in fields['status']]
 
 
 def encode_figures(name: str, figures: Mapping[str, Any], ns: int) -> bytes:

@@ -38,7 +38,7 @@ NO_VERDICT = 'no run has ended'
 def _run_values(run: RunVerdict) -> dict[str, Any]:
     names = ('start_ns', 'end_ns', 'duration_s', 'n', 'mean_deg', 'std_deg', 'variance_deg2',
              'max_abs_deg', 'outcome', 'reason', 'paper_outcome')
-    findings = {f'validity.{found.condition}': found.effect for found in run.validity}
+    findings = {f'validity.{finding.condition}': finding.effect for finding in run.validity}
     return {**{name: getattr(run, name) for name in names}, 'nu': run.guarded.nu,
             'headline': run.headline, 'validity': run.validity_effect, **findings}
 

@@ -85,6 +85,6 @@ class FastPackets:
 
     def flush(self) -> int:
         """Forget the packets that were begun, and return how many are broken in all."""
-        self.broken += sum(one is not None for one in self._begun.values())
+        self.broken += sum(packet is not None for packet in self._begun.values())
         self._begun.clear()
         return self.broken

@@ -70,7 +70,7 @@ def is_heading_name(name: str) -> bool:
     return bool(_HEADING.search(name)) and not _OTHER.search(name)
 
 
-def _objects(path: str, needed: bytes, found: Collected) -> Iterator[dict[str, Any]]:
+def _objects(path: str, needed: bytes, collected: Collected) -> Iterator[dict[str, Any]]:
     """Yield the objects of the lines that contain some bytes; a logger may write before them."""
     with open(path, 'rb') as file:
         for line in file:
@@ -80,7 +80,7 @@ def _objects(path: str, needed: bytes, found: Collected) -> Iterator[dict[str, A
             try:
                 read = json.loads(line[at:])
             except (ValueError, RecursionError):
-                found.not_taken['bad_field'] += 1
+                collected.not_taken['bad_field'] += 1
                 continue
             if isinstance(read, dict):
                 yield read
@@ -109,29 +109,29 @@ def read_signalk(path: str) -> Collected:
     Of this vessel alone the motion is taken: `navigation.position`, `courseOverGroundTrue` with
     the newest `speedOverGround` of its source, and `rateOfTurn`.
     """
-    found = Collected()
+    collected = Collected()
     speeds: dict[str, tuple[int, float]] = {}
-    own = set(_SELF)
+    own_contexts = set(_SELF)
     variations: dict[str, float] = {}
-    for delta in _objects(path, b'', found):
+    for delta in _objects(path, b'', collected):
         if isinstance(delta.get('self'), str):
-            own.add(delta['self'])
-            own.add(f'vessels.{delta["self"].removeprefix("vessels.")}')
+            own_contexts.add(delta['self'])
+            own_contexts.add(f'vessels.{delta["self"].removeprefix("vessels.")}')
         context = str(delta.get('context') or '')
-        vessel = '' if context in own else f'{context}/'
+        vessel = '' if context in own_contexts else f'{context}/'
         for update in delta.get('updates') or ():
             if isinstance(update, dict):
-                _take_update(found, update, vessel, variations)
+                _take_update(collected, update, vessel, variations)
                 if not vessel:
-                    _take_motion(found, update, speeds)
-    return found
+                    _take_motion(collected, update, speeds)
+    return collected
 
 
-def _take_motion(found: Collected, update: Mapping[str, Any],
+def _take_motion(collected: Collected, update: Mapping[str, Any],
                  speeds: dict[str, tuple[int, float]]) -> None:
-    given = update.get('values') or ()
-    values: dict[Any, Any] = {one.get('path'): one.get('value') for one in given
-                              if isinstance(one, dict)}
+    entries = update.get('values') or ()
+    values: dict[Any, Any] = {entry.get('path'): entry.get('value') for entry in entries
+                              if isinstance(entry, dict)}
     stamp_ns = _utc_stamp(update.get('timestamp'))
     if stamp_ns is None:
         return
@@ -143,36 +143,36 @@ def _take_motion(found: Collected, update: Mapping[str, Any],
         latitude, longitude = place.get('latitude'), place.get('longitude')
         if (_is_number(latitude) and _is_number(longitude) and abs(latitude) <= 90.0
                 and abs(longitude) <= 180.0):
-            found.add_motion('fix', f'{source}/position', stamp_ns, latitude, longitude)
+            collected.add_motion('fix', f'{source}/position', stamp_ns, latitude, longitude)
         else:
-            found.not_taken['position.bad_field'] += 1
+            collected.not_taken['position.bad_field'] += 1
     if _is_number(course):
         told_ns, speed = speeds.get(source, (0, 0.0))
         if abs(stamp_ns - told_ns) <= _TOGETHER_NS:
-            _take_velocity(found, f'{source}/courseOverGroundTrue', stamp_ns, course, speed)
+            _take_velocity(collected, f'{source}/courseOverGroundTrue', stamp_ns, course, speed)
         else:
-            found.not_taken['courseOverGroundTrue.no_speed'] += 1
+            collected.not_taken['courseOverGroundTrue.no_speed'] += 1
     if _is_number(rate):
         if abs(math.degrees(rate)) <= FASTEST_TURN_DEG_S:
-            found.add_motion('rate', f'{source}/rateOfTurn', stamp_ns, math.degrees(rate))
+            collected.add_motion('rate', f'{source}/rateOfTurn', stamp_ns, math.degrees(rate))
         else:
-            found.not_taken['rateOfTurn.out_of_range'] += 1
+            collected.not_taken['rateOfTurn.out_of_range'] += 1
 
 
-def _take_velocity(found: Collected, stream: str, stamp_ns: int, course_rad: float,
+def _take_velocity(collected: Collected, stream: str, stamp_ns: int, course_rad: float,
                    speed_m_s: float) -> None:
     if 0.0 <= course_rad <= _TURN_RAD and 0.0 <= speed_m_s <= FASTEST_M_S:
-        found.add_motion('velocity', stream, stamp_ns, speed_m_s * math.sin(course_rad),
-                         speed_m_s * math.cos(course_rad))
+        collected.add_motion('velocity', stream, stamp_ns, speed_m_s * math.sin(course_rad),
+                             speed_m_s * math.cos(course_rad))
     else:
-        found.not_taken['velocity.out_of_range'] += 1
+        collected.not_taken['velocity.out_of_range'] += 1
 
 
-def _take_update(found: Collected, update: Mapping[str, Any], vessel: str,
+def _take_update(collected: Collected, update: Mapping[str, Any], vessel: str,
                  variations: dict[str, float]) -> None:
-    given = update.get('values') or ()
-    values: dict[Any, Any] = {one.get('path'): one.get('value') for one in given
-                              if isinstance(one, dict)}
+    entries = update.get('values') or ()
+    values: dict[Any, Any] = {entry.get('path'): entry.get('value') for entry in entries
+                              if isinstance(entry, dict)}
     if _is_number(values.get(_VARIATION)):
         variations[vessel] = values[_VARIATION]
     for path in (_TRUE, _MAGNETIC):
@@ -180,17 +180,17 @@ def _take_update(found: Collected, update: Mapping[str, Any], vessel: str,
             continue
         value, stamp_ns = values[path], _utc_stamp(update.get('timestamp'))
         if not _is_number(value):
-            found.not_taken['empty_heading'] += 1
+            collected.not_taken['empty_heading'] += 1
         elif not -math.pi <= value <= _TURN_RAD:
-            found.not_taken['out_of_range'] += 1
+            collected.not_taken['out_of_range'] += 1
         elif path == _MAGNETIC and vessel not in variations:
-            found.not_taken['no_variation'] += 1
+            collected.not_taken['no_variation'] += 1
         elif stamp_ns is None:
-            found.not_taken['no_stamp'] += 1
+            collected.not_taken['no_stamp'] += 1
         else:
             turn = variations[vessel] if path == _MAGNETIC else 0.0
             name = f'{vessel}{_source(update)}/{path.rpartition(".")[2]}'
-            found.add(name, 'Signal K', stamp_ns, math.degrees(value + turn))
+            collected.add(name, 'Signal K', stamp_ns, math.degrees(value + turn))
 
 
 def _source(update: Mapping[str, Any]) -> str:
@@ -215,8 +215,8 @@ def read_openrvdas(path: str) -> Collected:
     with a sign, tell the position; ``S330CourseTrue`` and ``S330SpeedKt`` tell the velocity. A
     rate of turn has no unit that its name tells, and is not taken.
     """
-    found = Collected()
-    for record in _objects(path, b'"fields"', found):
+    collected = Collected()
+    for record in _objects(path, b'"fields"', collected):
         fields = record.get('fields')
         if not isinstance(fields, dict):
             continue
@@ -227,13 +227,13 @@ def read_openrvdas(path: str) -> Collected:
                 continue
             heading = _real(value)
             if heading is None or stamp_ns is None:
-                found.not_taken['bad_field'] += 1
+                collected.not_taken['bad_field'] += 1
             else:
-                found.add_angle(f'{label}{name}', 'OpenRVDAS', stamp_ns, heading,
-                                find_named_unit(name))
+                collected.add_angle(f'{label}{name}', 'OpenRVDAS', stamp_ns, heading,
+                                    find_named_unit(name))
         if stamp_ns is not None:
-            _take_openrvdas_motion(found, label, stamp_ns, fields)
-    return found
+            _take_openrvdas_motion(collected, label, stamp_ns, fields)
+    return collected
 
 
 def _unix_stamp(value: object) -> int | None:
@@ -252,20 +252,20 @@ def _real(value: Any) -> float | None:
         return None
 
 
-def _take_openrvdas_motion(found: Collected, label: str, stamp_ns: int,
+def _take_openrvdas_motion(collected: Collected, label: str, stamp_ns: int,
                            fields: Mapping[str, Any]) -> None:
     for name, value in fields.items():
         if name.endswith('Latitude') and value is not None:
             place = _place(name.removesuffix('Latitude'), fields)
             if place is None:
-                found.not_taken['position.bad_field'] += 1
+                collected.not_taken['position.bad_field'] += 1
             else:
-                found.add_motion('fix', f'{label}{name}', stamp_ns, *place)
+                collected.add_motion('fix', f'{label}{name}', stamp_ns, *place)
         elif name.endswith('CourseTrue'):
             course_deg = _real(value)
             speed_kn = _real(fields.get(f'{name.removesuffix("CourseTrue")}SpeedKt'))
             if course_deg is not None and speed_kn is not None:
-                _take_velocity(found, f'{label}{name}', stamp_ns, math.radians(course_deg),
+                _take_velocity(collected, f'{label}{name}', stamp_ns, math.radians(course_deg),
                                speed_kn * KNOT_M_S)
 
 

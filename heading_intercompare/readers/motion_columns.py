@@ -68,24 +68,25 @@ def find_motion_columns(names: Sequence[str]) -> list[MotionColumn]:
 
     Examples
     --------
-    >>> [(one.what, one.names) for one in find_motion_columns(['Lat', 'Lon', 'COG', 'SOG'])]
+    >>> columns = find_motion_columns(['Lat', 'Lon', 'COG', 'SOG'])
+    >>> [(column.what, column.names) for column in columns]
     [('fix', ('Lat', 'Lon'))]
 
     """
     by_name = {name.lower(): name for name in reversed(names)}
 
-    def first(wanted: Sequence[str]) -> str | None:
-        return next((name for name in wanted if name in by_name), None)
-    found = []
+    def first(candidates: Sequence[str]) -> str | None:
+        return next((name for name in candidates if name in by_name), None)
+    columns = []
     latitude, longitude = first(_LATITUDES), first(_LONGITUDES)
     if latitude and longitude:
-        found.append(MotionColumn('fix', (by_name[latitude], by_name[longitude])))
+        columns.append(MotionColumn('fix', (by_name[latitude], by_name[longitude])))
     course, speed = first(_COURSES), first([*_SPEEDS])
     if course and speed:
-        found.append(MotionColumn('velocity', (by_name[course], by_name[speed]), _SPEEDS[speed]))
+        columns.append(MotionColumn('velocity', (by_name[course], by_name[speed]), _SPEEDS[speed]))
     if rate := first([*_RATES]):
-        found.append(MotionColumn('rate', (by_name[rate],), _RATES[rate]))
-    return found
+        columns.append(MotionColumn('rate', (by_name[rate],), _RATES[rate]))
+    return columns
 
 
 def make_motion(column: MotionColumn, stamp_ns: Integers,
@@ -103,7 +104,7 @@ def make_motion(column: MotionColumn, stamp_ns: Integers,
         Of each name; nan where a row has none.
 
     """
-    there = np.all([np.isfinite(one) for one in values], axis=0)
+    complete = np.all([np.isfinite(numbers) for numbers in values], axis=0)
     if column.what == 'fix':
         good = (np.abs(values[0]) <= 90.0) & (np.abs(values[1]) <= 180.0)
     elif column.what == 'velocity':
@@ -111,10 +112,10 @@ def make_motion(column: MotionColumn, stamp_ns: Integers,
                 & (values[1] * column.factor <= FASTEST_M_S))
     else:
         good = np.abs(values[0] * column.factor) <= FASTEST_TURN_DEG_S
-    kept, wrong = there & good, int(np.count_nonzero(there & ~good))
-    stamps, told = stamp_ns[kept], [one[kept] for one in values]
+    valid, wrong = complete & good, int(np.count_nonzero(complete & ~good))
+    stamps, columns = stamp_ns[valid], [numbers[valid] for numbers in values]
     if column.what == 'fix':
-        return Motion.of_positions(stamps, *told), wrong
+        return Motion.of_positions(stamps, *columns), wrong
     if column.what == 'rate':
-        return Motion.of_rates(stamps, told[0] * column.factor), wrong
-    return Motion.of_courses(stamps, told[0], told[1] * column.factor / KNOT_M_S), wrong
+        return Motion.of_rates(stamps, columns[0] * column.factor), wrong
+    return Motion.of_courses(stamps, columns[0], columns[1] * column.factor / KNOT_M_S), wrong

@@ -55,7 +55,7 @@ _PLAIN = re.compile(rb'^(\d{4}-\d\d-\d\d[TZ -]\d\d:\d\d:\d\d(?:\.\d+)?Z?),(\d),(
                     rb'(\d+),([0-9A-Fa-f]{2}(?:,[0-9A-Fa-f]{2})*)\s*$', re.MULTILINE)
 #: Takes several frames.
 _FAST_PGN = 129029
-_WANTED = re.compile(b'|'.join([b'"units"', *(str(one).encode() for one in (PGN, *MOTION_PGNS))]))
+_WANTED = re.compile(b'|'.join([b'"units"', *(str(pgn).encode() for pgn in (PGN, *MOTION_PGNS))]))
 #: A line of units, or the number of a heading.
 _UNITS_OR_HEADING = re.compile(
     rb'"units"\s*:|"Heading"\s*:\s*(?:\{[^{}]*?"value"\s*:\s*)?(\d+(?:\.\d+)?)')
@@ -119,54 +119,54 @@ def decode_vessel_heading(data: bytes) -> tuple[float, float | None, int] | str:
     return heading * _RAD_DEG, turn_deg, data[7] & 3
 
 
-def _take(found: Collected, source: int | str, stamp_ns: int | None,
+def _take(collected: Collected, source: int | str, stamp_ns: int | None,
           decoded: tuple[float, float | None, int] | str) -> None:
     """Add a decoded heading, or the reason why there is none."""
     if isinstance(decoded, str):
-        found.not_taken[decoded] += 1
+        collected.not_taken[decoded] += 1
         return
     heading_deg, turn_deg, reference = decoded
     if reference not in (_TRUE, _MAGNETIC):
-        found.not_taken['no_reference'] += 1
+        collected.not_taken['no_reference'] += 1
     elif reference == _MAGNETIC and turn_deg is None:
-        found.not_taken['no_variation'] += 1
+        collected.not_taken['no_variation'] += 1
     elif stamp_ns is None:
-        found.not_taken['no_stamp'] += 1
+        collected.not_taken['no_stamp'] += 1
     else:
-        found.add(str(source), _KIND, stamp_ns,
-                  heading_deg + (turn_deg or 0.0) * (reference == _MAGNETIC))
+        collected.add(str(source), _KIND, stamp_ns,
+                      heading_deg + (turn_deg or 0.0) * (reference == _MAGNETIC))
 
 
-def _take_motion(found: Collected, pgn: int, source: int | str, stamp_ns: int | None,
+def _take_motion(collected: Collected, pgn: int, source: int | str, stamp_ns: int | None,
                  decoded: MovedRow | str) -> None:
     """Add what a message tells of the motion of the ship, or the reason why it tells nothing."""
     if isinstance(decoded, str) or stamp_ns is None:
         why = decoded if isinstance(decoded, str) else 'no_stamp'
-        found.not_taken[f'PGN {pgn}.{why}'] += 1
+        collected.not_taken[f'PGN {pgn}.{why}'] += 1
     else:
-        found.add_motion(decoded.what, f'PGN {pgn} of {source}', stamp_ns, decoded.first,
-                         decoded.second, rank=[*MOTION_PGNS].index(pgn))
+        collected.add_motion(decoded.what, f'PGN {pgn} of {source}', stamp_ns, decoded.first,
+                             decoded.second, rank=[*MOTION_PGNS].index(pgn))
 
 
-def _take_frame(found: Collected, packets: FastPackets, pgn: int, source: int | str,
+def _take_frame(collected: Collected, packets: FastPackets, pgn: int, source: int | str,
                 stamp_ns: int | None, data: bytes) -> None:
-    """Add what a message tells of the motion, or keep a frame of one that takes several."""
+    """Add what a message tells of the motion, or keep a frame of a message of several frames."""
     whole: bytes | None = data
     if pgn == _FAST_PGN and len(data) <= FRAME_BYTES:
         whole = packets.add(pgn, source, data)
     if whole is not None:
-        _take_motion(found, pgn, source, stamp_ns, decode_motion_pgn(pgn, whole))
+        _take_motion(collected, pgn, source, stamp_ns, decode_motion_pgn(pgn, whole))
 
 
-def _count_broken(found: Collected, packets: FastPackets) -> None:
+def _count_broken(collected: Collected, packets: FastPackets) -> None:
     if broken := packets.flush():
-        found.not_taken[f'PGN {_FAST_PGN}.incomplete'] += broken
+        collected.not_taken[f'PGN {_FAST_PGN}.incomplete'] += broken
 
 
 def _stamp(text: str) -> int | None:
-    found = _DAY.fullmatch(text)
+    match = _DAY.fullmatch(text)
     try:
-        return utc_nanoseconds(f'{found[1]}T{found[2]}Z') if found else None
+        return utc_nanoseconds(f'{match[1]}T{match[2]}Z') if match else None
     except ValueError:
         return None
 
@@ -187,9 +187,9 @@ def read_candump(path: str) -> Collected:
     Read a log of candump, of the form of ``-l`` or of the screen with ``-ta`` or ``-tA``.
 
     The bits of a frame's identifier give the PGN and the source. A message of several frames has
-    the stamp of the last one.
+    the stamp of its last frame.
     """
-    found, packets = Collected(), FastPackets()
+    collected, packets = Collected(), FastPackets()
 
     def take(block: bytes) -> None:
         for line in _CAN.finditer(block):
@@ -202,13 +202,13 @@ def read_candump(path: str) -> Collected:
                 int(seconds) * _SECOND_NS + int(decimals.ljust(9, b'0')))
             raw, source = bytes.fromhex(data.decode()), number & 0xFF
             if pgn == PGN:
-                _take(found, source, stamp_ns, decode_vessel_heading(raw))
+                _take(collected, source, stamp_ns, decode_vessel_heading(raw))
             else:
-                _take_frame(found, packets, pgn, source, stamp_ns, raw)
+                _take_frame(collected, packets, pgn, source, stamp_ns, raw)
 
     _read_blocks(path, take)
-    _count_broken(found, packets)
-    return found
+    _count_broken(collected, packets)
+    return collected
 
 
 def read_canboat_plain(path: str) -> Collected:
@@ -217,21 +217,21 @@ def read_canboat_plain(path: str) -> Collected:
 
     Messages of several frames may be joined or not; with at most 8 bytes they are not.
     """
-    found, packets = Collected(), FastPackets()
+    collected, packets = Collected(), FastPackets()
 
     def take(block: bytes) -> None:
         for line in _PLAIN.finditer(block):
             stamp, _, pgn, source, _, _, data = line.groups()
             if (number := int(pgn)) == PGN:
-                _take(found, source.decode(), _stamp(stamp.decode()), decode_vessel_heading(
+                _take(collected, source.decode(), _stamp(stamp.decode()), decode_vessel_heading(
                     bytes.fromhex(data.decode().replace(',', ''))))
             elif number in MOTION_PGNS:
-                _take_frame(found, packets, number, source.decode(), _stamp(stamp.decode()),
+                _take_frame(collected, packets, number, source.decode(), _stamp(stamp.decode()),
                             bytes.fromhex(data.decode().replace(',', '')))
 
     _read_blocks(path, take)
-    _count_broken(found, packets)
-    return found
+    _count_broken(collected, packets)
+    return collected
 
 
 def _value(field: Any) -> Any:
@@ -246,7 +246,8 @@ def _decode_json(fields: Mapping[str, Any], factor: float,
         'Heading', 'Deviation', 'Variation'))
     if heading is None:
         return 'empty_heading'
-    if not all(isinstance(one, (int, float)) for one in (heading, deviation or 0, variation or 0)):
+    if not all(isinstance(angle, (int, float))
+               for angle in (heading, deviation or 0, variation or 0)):
         return 'bad_field'
     if not 0.0 <= heading * factor <= 360.0:
         return 'out_of_range'
@@ -263,10 +264,10 @@ def _has_radians(path: str) -> bool:
 
     def take(block: bytes) -> None:
         nonlocal stated
-        for found in _UNITS_OR_HEADING.finditer(block):
-            stated = stated or found[1] is None
+        for match in _UNITS_OR_HEADING.finditer(block):
+            stated = stated or match[1] is None
             if not stated and len(headings) < _MOST_HEADINGS:
-                headings.add(float(found[1]))
+                headings.add(float(match[1]))
     _read_blocks(path, take)
     if stated or not headings or max(headings) > _FULL_TURN * 1e-4:
         return False
@@ -282,7 +283,7 @@ def read_canboat_json(path: str) -> Collected:
     without such a line, as other programs write them, has radians if its headings are finer than
     the bus sends them, which are multiples of 1e-4 rad, would be in degrees.
     """
-    found, factor = Collected(), math.degrees(1.0) if _has_radians(path) else 1.0
+    collected, factor = Collected(), math.degrees(1.0) if _has_radians(path) else 1.0
 
     def take(block: bytes) -> None:
         nonlocal factor
@@ -292,20 +293,20 @@ def read_canboat_json(path: str) -> Collected:
             try:
                 read = json.loads(line)
             except ValueError:
-                found.not_taken['bad_field'] += 1
+                collected.not_taken['bad_field'] += 1
                 continue
             if not isinstance(read, dict):
                 continue
             if 'units' in read:
                 factor = 180.0 / math.pi if read['units'] == 'si' else 1.0
             if read.get('pgn') == PGN and isinstance(read.get('fields'), Mapping):
-                _take(found, read.get('src', 0), _stamp(str(read.get('timestamp', ''))),
+                _take(collected, read.get('src', 0), _stamp(str(read.get('timestamp', ''))),
                       _decode_json(read['fields'], factor))
             elif read.get('pgn') in MOTION_PGNS and isinstance(read.get('fields'), Mapping):
-                _take_motion(found, read['pgn'], read.get('src', 0),
+                _take_motion(collected, read['pgn'], read.get('src', 0),
                              _stamp(str(read.get('timestamp', ''))),
                              decode_motion_fields(read['pgn'], read['fields'],
                                                   math.radians(factor)))
 
     _read_blocks(path, take)
-    return found
+    return collected

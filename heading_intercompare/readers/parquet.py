@@ -95,15 +95,15 @@ def _stamps(path: str, name: str, column: Any) -> Integers:
 
 def _find_unit(path: str, name: str, numbers: Integers | Reals) -> int:
     """Return the nanoseconds of the unit of some times; null is 0."""
-    given = numbers[numbers != 0]
-    low, high = (float(given.min()), float(given.max())) if len(given) else (0.0, 0.0)
-    _, found = find_unit(low, high) or ('', None)
+    times = numbers[numbers != 0]
+    low, high = (float(times.min()), float(times.max())) if len(times) else (0.0, 0.0)
+    _, likely_ns = find_unit(low, high) or ('', None)
     named = {'_ns': 1, '_s': _SECOND_NS}.get('_' + name.lower().rpartition('_')[2])
     # Numbers of a clock that began at zero are seconds, as their name does not say.
-    unit_ns = named or found or _SECOND_NS
+    unit_ns = named or likely_ns or _SECOND_NS
     if named == 1 and (why := looks_like_unit(numbers[:_FIRST_ROWS].astype(np.int64).tolist())):
         raise ReaderError(path, f'column {name}: {why}')
-    if (named == _SECOND_NS and found not in (None, named)
+    if (named == _SECOND_NS and likely_ns not in (None, named)
             or max(abs(low), high) * unit_ns >= 2 ** 63):
         raise ReaderError(path, f'column {name}: {low:.0f} to {high:.0f} are no '
                           f'{"seconds" if named else "times"} since 1970; give '
@@ -113,8 +113,8 @@ def _find_unit(path: str, name: str, numbers: Integers | Reals) -> int:
 
 def _reals(path: str, name: str, column: Any) -> Reals:
     try:
-        found: Reals = column.cast(pyarrow.float64()).to_numpy(zero_copy_only=False)
-        return found
+        reals: Reals = column.cast(pyarrow.float64()).to_numpy(zero_copy_only=False)
+        return reals
     except pyarrow.ArrowException:
         raise ReaderError(path, f'column {name} is {column.type}: must be numbers') from None
 
@@ -135,7 +135,7 @@ def read_parquet(path: str) -> Collected:
         If it is damaged, or a column is missing or of a wrong type.
 
     """
-    found = Collected()
+    collected = Collected()
     with _open(path) as file:
         names = file.schema_arrow.names
         time = _time_column(path, file)
@@ -146,20 +146,21 @@ def read_parquet(path: str) -> Collected:
         by_source = 'src' in names and len(headings) == 1
         motion = find_motion_columns(names)
         columns = [time, *headings, *(['src'] if by_source else []),
-                   *(name for one in motion for name in one.names)]
+                   *(name for column in motion for name in column.names)]
         for batch in file.iter_batches(_ROWS, columns=columns):
             stamps = _stamps(path, time, batch.column(time))
-            for one in motion:
-                found.add_motion_chunk(one.what, ' '.join(one.names), *make_motion(
-                    one, stamps, [_reals(path, name, batch.column(name)) for name in one.names]))
+            for column in motion:
+                collected.add_motion_chunk(column.what, ' '.join(column.names), *make_motion(
+                    column, stamps,
+                    [_reals(path, name, batch.column(name)) for name in column.names]))
             for name in headings:
                 angles = Headings(stamps, _reals(path, name, batch.column(name)))
                 labels = (batch.column('src').cast(pyarrow.string()).to_numpy(
                     zero_copy_only=False).astype(str) if by_source else None)
                 for label in [name] if labels is None else np.unique(labels).tolist():
-                    found.add_angles(label, 'Parquet', angles if labels is None
-                                     else angles[labels == label], find_named_unit(name))
-    return found
+                    collected.add_angles(label, 'Parquet', angles if labels is None
+                                         else angles[labels == label], find_named_unit(name))
+    return collected
 
 
 class PairsParquet:
@@ -221,5 +222,5 @@ class PairsParquet:
 
 def _fold(heading_deg: Reals) -> Reals:
     """Return headings that count from -180 as degrees from 0; nan if not finite."""
-    found = np.where(np.isfinite(heading_deg), heading_deg, np.nan)
-    return np.where((found >= -180.0) & (found < 0.0), wrap360(found), found)
+    finite_deg = np.where(np.isfinite(heading_deg), heading_deg, np.nan)
+    return np.where((finite_deg >= -180.0) & (finite_deg < 0.0), wrap360(finite_deg), finite_deg)

@@ -80,7 +80,7 @@ def _is_sqlite_bag(path: Path, head: bytes) -> bool:
     """Tell whether a path is a rosbag2 in SQLite, or one that is compressed by file."""
     if path.is_dir():
         return not any(path.glob('*.mcap*')) and any(
-            one for form in ('*.db3', '*.db3.zstd') for one in path.glob(form))
+            file for form in ('*.db3', '*.db3.zstd') for file in path.glob(form))
     return head.startswith(_SQLITE) and _TABLES <= _tables_of(path)
 
 
@@ -105,12 +105,12 @@ def _read_parquet(path: str) -> Collected:
 
 def _read_log(path: str) -> Collected:
     """Read a log of the drivers; its stream is the sentence that it gives by default."""
-    found, reader = Collected(), LogReader(path)
+    collected, reader = Collected(), LogReader(path)
     chunks = list(reader)
     for chunk in chunks:
-        found.add_chunk(reader.sentence or 'csv', 'log', chunk)
-    found.not_taken.update(reader.counts)
-    return found
+        collected.add_chunk(reader.sentence or 'csv', 'log', chunk)
+    collected.not_taken.update(reader.counts)
+    return collected
 
 
 def _of_head(tell: Callable[[bytes], bool]) -> Callable[[Path, bytes], bool]:
@@ -189,7 +189,7 @@ def find_format(path: str | os.PathLike[str]) -> Format | None:
 
 def _recognise(place: Path) -> Format | None:
     head = _head(place)
-    return next((one for one in FORMATS if one.recognise(place, head)), None)
+    return next((form for form in FORMATS if form.recognise(place, head)), None)
 
 
 def _files_of(path: str) -> list[str]:
@@ -198,8 +198,8 @@ def _files_of(path: str) -> list[str]:
 
 def _forms_of_files(path: str) -> dict[str, Format]:
     """Return the files of a folder or a pattern that have streams, with the format of each."""
-    found = {file: _recognise(Path(file)) for file in _files_of(path)}
-    return {file: form for file, form in found.items()
+    forms = {file: _recognise(Path(file)) for file in _files_of(path)}
+    return {file: form for file, form in forms.items()
             if form is not None and form.read is not None and form is not _LOG
             and not _has_pairs(file, form)}
 
@@ -208,17 +208,17 @@ def _read_files(form: Format, path: str) -> Collected:
     """Read the files of a folder or a pattern, in the order of their first stamps."""
     assert form.read is not None
     forms = _forms_of_files(path)
-    for file, other in forms.items():
-        if other is not form:
+    for file, file_form in forms.items():
+        if file_form is not form:
             first = next(iter(forms))
-            raise ReaderError(path, f'holds {form.name} ({first}) and {other.name} ({file}): give '
-                              'the files of one form, as a pattern in quotes')
-    found = Collected()
+            raise ReaderError(path, f'holds {form.name} ({first}) and {file_form.name} ({file}): '
+                              'give the files of one form, as a pattern in quotes')
+    collected = Collected()
     for part in sorted(map(form.read, forms), key=lambda part: part.start_ns):
-        found.add_all(part)
+        collected.add_all(part)
     if left_out := len(_files_of(path)) - len(forms):
-        found.not_taken['file_of_another_form'] += left_out
-    return found
+        collected.not_taken['file_of_another_form'] += left_out
+    return collected
 
 
 def refuse_unreadable(path: str | os.PathLike[str]) -> None:
@@ -316,8 +316,8 @@ def open_log_of_streams(path: str | os.PathLike[str],
                           'and --rs')
     if not has_streams(path):
         return None
-    found = open_recording(path, unit_of=lambda stream: unit)
-    return found if isinstance(found, StreamRecording) else None
+    recording = open_recording(path, unit_of=lambda stream: unit)
+    return recording if isinstance(recording, StreamRecording) else None
 
 
 def has_streams(path: str | os.PathLike[str]) -> bool:
@@ -332,10 +332,10 @@ def has_one_sensor(path: str | os.PathLike[str]) -> bool:
 
 
 def sources_of(path: str | os.PathLike[str]) -> list[Path]:
-    """Return the files of a recording that is no MCAP bag, in natural order; [] for others."""
+    """Return the files of a recording that is no MCAP bag, in natural order; otherwise []."""
     place = Path(path)
     if not place.is_dir() or not _is_sqlite_bag(place, b''):
         return [*map(Path, _forms_of_files(os.fspath(path)))]
-    return sorted((one for one in place.iterdir()
-                   if re.search(r'\.db3(\.zstd)?$', one.name)),
+    return sorted((file for file in place.iterdir()
+                   if re.search(r'\.db3(\.zstd)?$', file.name)),
                   key=natural_key)

@@ -128,38 +128,38 @@ class _Topic:
             return self._take_sentences(raw, last)
         if not raw:
             return Headings.empty()
-        data, starts, stops = join_messages([one for _, one in raw])
-        found, readable, problem = decode_readable(
+        data, starts, stops = join_messages([message for _, message in raw])
+        headings, readable, problem = decode_readable(
             partial(decode_headings, self._type, self._convention, data), starts, stops)
         if not problem:
-            return found
+            return headings
         self._refuse(int((~readable).sum()), problem)
         stamp_ns, heading_deg = np.array([ns for ns, _ in raw]), np.full(len(raw), np.nan)
-        stamp_ns[readable], heading_deg[readable] = found.stamp_ns, found.heading_deg
+        stamp_ns[readable], heading_deg[readable] = headings.stamp_ns, headings.heading_deg
         return Headings(stamp_ns, heading_deg)
 
     def _take_sentences(self, raw: Sequence[tuple[int, bytes]], last: bool) -> Headings:
         """Write sentences into a log; return its headings at the end."""
         if self._log is None:
             self._log = NamedTemporaryFile(suffix='.log')
-        for ns, one in raw:
+        for ns, message in raw:
             try:
-                self._log.write(_sentence_line(one, self._ros1))
+                self._log.write(_sentence_line(message, self._ros1))
             except MessageError as error:
                 self._refuse(1, error.problem)
                 self._refused_ns.append(ns)
         if not last:
             return Headings.empty()
-        found = Headings.empty()
+        headings = Headings.empty()
         with self._log as log:
             log.flush()
             if log.tell():
-                found = Headings.concatenate(list(LogReader(log.name, DriverSettings(
+                headings = Headings.concatenate(list(LogReader(log.name, DriverSettings(
                     stamp_format='epoch'))))
         refused_ns = np.sort(np.array(self._refused_ns, np.int64))
-        places = np.searchsorted(np.maximum.accumulate(found.stamp_ns), refused_ns)
-        return Headings(np.insert(found.stamp_ns, places, refused_ns),
-                        np.insert(found.heading_deg, places, np.nan))
+        places = np.searchsorted(np.maximum.accumulate(headings.stamp_ns), refused_ns)
+        return Headings(np.insert(headings.stamp_ns, places, refused_ns),
+                        np.insert(headings.heading_deg, places, np.nan))
 
 
 class RosbagRecording:
@@ -206,20 +206,21 @@ class RosbagRecording:
         self._readers: list[tuple[Any, bool]] = []
         self.topics: dict[str, TopicInfo] = {}
         with self._named():
-            for each in paths:
-                reader: Any = Ros1Reader(each) if self.ros1 else Ros2Reader(each)
+            for file in paths:
+                reader: Any = Ros1Reader(file) if self.ros1 else Ros2Reader(file)
                 reader.open()
                 weakref.finalize(self, reader.close)
                 self._readers.append((reader, not self.ros1 and _take_packed(reader)))
-                for one in reader.connections:
-                    known = self.topics.get(one.topic, TopicInfo(one.msgtype, 0))
-                    if known.type_name != one.msgtype:
-                        raise ReaderError(self.path, f'topic {one.topic} is both '
-                                          f'{known.type_name} and {one.msgtype}')
-                    self.topics[one.topic] = TopicInfo(one.msgtype, known.count + one.msgcount)
-            full = [one for one, _ in self._readers if one.message_count]
-            self.start_ns = min((one.start_time for one in full), default=None)
-            self.end_ns = max((one.end_time - 1 for one in full), default=None)
+                for connection in reader.connections:
+                    info = self.topics.get(connection.topic, TopicInfo(connection.msgtype, 0))
+                    if info.type_name != connection.msgtype:
+                        raise ReaderError(self.path, f'topic {connection.topic} is both '
+                                          f'{info.type_name} and {connection.msgtype}')
+                    self.topics[connection.topic] = TopicInfo(
+                        connection.msgtype, info.count + connection.msgcount)
+            full = [reader for reader, _ in self._readers if reader.message_count]
+            self.start_ns = min((reader.start_time for reader in full), default=None)
+            self.end_ns = max((reader.end_time - 1 for reader in full), default=None)
 
     @contextmanager
     def _named(self) -> Iterator[None]:
@@ -237,10 +238,10 @@ class RosbagRecording:
 
     def resolve(self, topic: str) -> str:
         """Return the name in the bag of a topic within the namespace."""
-        found = self.find(topic)
-        if found is None:
+        name = self.find(topic)
+        if name is None:
             raise ReaderError(self.path, list_topics(self.topics, topic, self.namespace))
-        return found
+        return name
 
     def headings(self, conventions: Mapping[str, str], helpers: int = 0,
                  lost: Callable[[str, str, Losses], None] | None = None,
@@ -262,10 +263,10 @@ class RosbagRecording:
         raw: dict[str, list[tuple[int, bytes]]] = {name: [] for name in names.values()}
 
         def hand_out(last: bool) -> dict[str, Headings]:
-            found = {key: topic.decode(raw[key[0]], last) for key, topic in once.items()}
+            headings = {key: topic.decode(raw[key[0]], last) for key, topic in once.items()}
             for data in raw.values():
                 data.clear()
-            return {asked: found[names[asked], convention]
+            return {asked: headings[names[asked], convention]
                     for asked, convention in conventions.items()}
         with self._named():
             messages = self._raw(raw)
@@ -281,30 +282,31 @@ class RosbagRecording:
             self.oddities.append(f'{unreadable} messages cannot be read and count as invalid '
                                  f'readings; the first: {problem}')
 
-    def _raw(self, wanted: Iterable[str]) -> Iterator[tuple[str, int, bytes]]:
+    def _raw(self, topics: Iterable[str]) -> Iterator[tuple[str, int, bytes]]:
         """
         Yield topic, log time and data of messages, as CDR but for sentences of ROS 1.
 
         A message that cannot be decompressed or converted is empty.
         """
-        wanted = set(wanted)
+        topics = set(topics)
         for reader, packed in self._readers:
-            mine = [one for one in reader.connections if one.topic in wanted]
+            mine = [connection for connection in reader.connections if connection.topic in topics]
             messages = reader.messages(mine) if mine else ()
             if self._store is None:
-                for one, time_ns, data in messages:
+                for connection, time_ns, data in messages:
                     # A row of SQLite may hold a number or a text.
                     data = bytes(data) if isinstance(data, (bytes, memoryview)) else b''
-                    yield one.topic, time_ns, (unpack_payload(data) or b'') if packed else data
+                    yield (connection.topic, time_ns,
+                           (unpack_payload(data) or b'') if packed else data)
                 continue
             convert = self._store.ros1_to_cdr
-            for one, time_ns, data in messages:
-                if one.msgtype != SENTENCE:
+            for connection, time_ns, data in messages:
+                if connection.msgtype != SENTENCE:
                     try:
-                        data = convert(data, one.msgtype)
+                        data = convert(data, connection.msgtype)
                     except _UNREADABLE:
                         data = b''
-                yield one.topic, time_ns, data
+                yield connection.topic, time_ns, data
 
     def keeps_numbers(self) -> bool:
         """Tell that the numbers of the publishers are not kept."""
@@ -312,9 +314,9 @@ class RosbagRecording:
 
     def messages(self, topics: Iterable[str] | None = None) -> Iterator[BagMessage]:
         """Return an iterator over messages as CDR, in file order; of all topics by default."""
-        wanted = {*self.topics} if topics is None else {self.resolve(one) for one in topics}
+        names = {*self.topics} if topics is None else {self.resolve(topic) for topic in topics}
         with self._named():
-            for name, time_ns, data in self._raw(wanted):
+            for name, time_ns, data in self._raw(names):
                 yield BagMessage(name, self.topics[name].type_name, time_ns, time_ns, 0, data)
 
     def metadata(self) -> dict[str, dict[str, str]]:

@@ -128,7 +128,7 @@ class Collected:
 
     def add_all(self, later: Collected) -> None:
         """Take what a later file of the same streams holds."""
-        for stream, headings in later._known().items():
+        for stream, headings in later._heading_streams().items():
             self.add_chunk(stream, later.kinds[stream], headings)
         for stream, (angles, unit) in later._unread().items():
             self.add_angles(stream, later.kinds[stream], angles, unit)
@@ -140,27 +140,30 @@ class Collected:
     @property
     def start_ns(self) -> int:
         """Return the least stamp of the headings; 0 if there are none."""
-        streams = [*self._known().values(), *(angles for angles, _ in self._unread().values())]
-        return min((int(one.stamp_ns.min()) for one in streams if len(one)), default=0)
+        streams = [*self._heading_streams().values(),
+                   *(angles for angles, _ in self._unread().values())]
+        return min((int(headings.stamp_ns.min()) for headings in streams if len(headings)),
+                   default=0)
 
     def motion(self) -> dict[str, dict[str, Motion]]:
         """Return the motion by what it tells, then by stream: the preferred one first."""
-        found: dict[str, dict[str, Motion]] = {}
-        for (_, what, stream), columns in sorted(self._moved.items(), key=lambda one: one[0][0]):
+        motion: dict[str, dict[str, Motion]] = {}
+        for (_, what, stream), columns in sorted(self._moved.items(),
+                                                 key=lambda entry: entry[0][0]):
             stamps = np.array(columns[0], np.int64)
             first, second = (np.array(column) for column in columns[1:])
             rows = (Motion.of_rates(stamps, first) if what == 'rate' else
                     Motion.of_positions(stamps, first, second) if what == 'fix' else
                     Motion.of_velocities(stamps, first, second))
-            found.setdefault(what, {})[stream] = rows
+            motion.setdefault(what, {})[stream] = rows
         for (what, stream), chunks in self._moved_chunks.items():
-            found.setdefault(what, {})[stream] = Motion.concatenate(chunks)
-        return found
+            motion.setdefault(what, {})[stream] = Motion.concatenate(chunks)
+        return motion
 
     def streams(self) -> dict[str, Headings]:
         """Return the headings by stream, in the order of the file; units as `settle_units`."""
         self.settle_units()
-        return self._known()
+        return self._heading_streams()
 
     def settle_units(self, unit_of: Callable[[str], str] = lambda stream: 'auto',
                      ) -> dict[str, str]:
@@ -197,19 +200,19 @@ class Collected:
         self._units.clear()
         return unsure
 
-    def _known(self) -> dict[str, Headings]:
-        found = {name: _headings(*columns) for name, columns in self._columns.items()}
-        return found | {name: Headings.concatenate(chunks)
-                        for name, chunks in self._chunks.items()}
+    def _heading_streams(self) -> dict[str, Headings]:
+        headings = {name: _headings(*columns) for name, columns in self._columns.items()}
+        return headings | {name: Headings.concatenate(chunks)
+                           for name, chunks in self._chunks.items()}
 
     def _unread(self) -> dict[str, tuple[Headings, str | None]]:
         """Return the streams of angles, and the unit that the file tells of each."""
-        found = {}
+        streams = {}
         for name, unit in self._units.items():
             stamps, angles = self._angle_rows.get(name, ((), ()))
-            found[name] = Headings.concatenate([*self._angles.get(name, []), Headings(
+            streams[name] = Headings.concatenate([*self._angles.get(name, []), Headings(
                 np.array(stamps, np.int64), np.array(angles, float))]), unit
-        return found
+        return streams
 
 
 def _headings(stamps: 'array[int]', headings_deg: 'array[float]') -> Headings:
@@ -267,16 +270,16 @@ class StreamRecording:
         self.topics = {name: TopicInfo(collected.kinds[name], len(headings))
                        for name, headings in self.streams.items()}
         stamps = [headings.stamp_ns for headings in self.streams.values() if len(headings)]
-        self.start_ns = min((int(one.min()) for one in stamps), default=None)
-        self.end_ns = max((int(one.max()) for one in stamps), default=None)
+        self.start_ns = min((int(stamp_ns.min()) for stamp_ns in stamps), default=None)
+        self.end_ns = max((int(stamp_ns.max()) for stamp_ns in stamps), default=None)
 
     @property
     def words_present(self) -> str:
         """Return the streams with their counts, and what was not taken."""
-        found = ', '.join(f'{name} ({info.type_name}, {info.count})'
-                          for name, info in sorted(self.topics.items())) or 'no heading'
+        streams = ', '.join(f'{name} ({info.type_name}, {info.count})'
+                            for name, info in sorted(self.topics.items())) or 'no heading'
         lacking = ', '.join(f'{n} {why}' for why, n in self.not_taken.items())
-        return f'{found}; not taken: {lacking}' if lacking else found
+        return f'{streams}; not taken: {lacking}' if lacking else streams
 
     def find(self, topic: str) -> str | None:
         """Return the name of a stream given with or without a leading slash; None without it."""
@@ -284,11 +287,11 @@ class StreamRecording:
 
     def resolve(self, topic: str) -> str:
         """Return the name of a stream given with or without a leading slash."""
-        if (found := self.find(topic)) is not None:
-            if why := self._unsure.get(found):
-                raise ReaderError(self.path, f'{found}: {why}; state the unit (ts_unit, rs_unit: '
+        if (name := self.find(topic)) is not None:
+            if why := self._unsure.get(name):
+                raise ReaderError(self.path, f'{name}: {why}; state the unit (ts_unit, rs_unit: '
                                   'rad, rev or deg), or in the name of the column: hdg_rad')
-            return found
+            return name
         raise ReaderError(self.path, f'has no stream {topic!r}; it has {self.words_present}; '
                           'choose with --ts and --rs')
 

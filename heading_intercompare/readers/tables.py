@@ -72,10 +72,10 @@ def parse_time(text: str) -> int:
     if not text.replace('.', '', 1).isdecimal():
         return utc_nanoseconds(text)
     whole = int(text.partition('.')[0])
-    found = find_unit(whole, whole)
-    if found is None:
+    unit = find_unit(whole, whole)
+    if unit is None:
         raise ValueError(text)
-    _, unit_ns = found
+    _, unit_ns = unit
     return nanoseconds(text) if unit_ns == 1_000_000_000 else whole * unit_ns
 
 
@@ -109,7 +109,7 @@ def read_table(path: str) -> Collected:
         If the form of the csv is wrong, or its times have no year.
 
     """
-    found = Collected()
+    collected = Collected()
     try:
         with CsvRows(path, _WANTED) as rows:
             time = find_time_column(rows.names)
@@ -121,20 +121,21 @@ def read_table(path: str) -> Collected:
             at, headings = rows.names.index(time), [
                 (place, name) for place, name in enumerate(rows.names) if is_heading_name(name)]
             motion = find_motion_columns(rows.names)
-            told = _ToldRows([rows.names.index(name) for one in motion for name in one.names])
+            motion_rows = _MotionRows([
+                rows.names.index(name) for column in motion for name in column.names])
             for row in rows:
-                stamp_ns = _take_row(found, rows, row, at, headings)
+                stamp_ns = _take_row(collected, rows, row, at, headings)
                 if motion and stamp_ns is not None:
-                    told.take(stamp_ns, row, rows)
-            told.give(found, motion)
+                    motion_rows.take(stamp_ns, row, rows)
+            motion_rows.give(collected, motion)
             if rows.cut:
-                found.not_taken['cut_line'] += 1
+                collected.not_taken['cut_line'] += 1
     except BagError as error:
         raise ReaderError(path, error.problem) from error
-    return found
+    return collected
 
 
-class _ToldRows:
+class _MotionRows:
     """The cells of some columns as numbers; nan where a row has none."""
 
     def __init__(self, places: list[int]) -> None:
@@ -150,32 +151,33 @@ class _ToldRows:
             except (ValueError, IndexError):
                 column.append(math.nan)
 
-    def give(self, found: Collected, motion: list[MotionColumn]) -> None:
+    def give(self, collected: Collected, motion: list[MotionColumn]) -> None:
         stamps, at = np.array(self._stamp_ns, np.int64), 0
-        for one in motion:
-            values = [np.array(column) for column in self._columns[at:at + len(one.names)]]
-            at += len(one.names)
-            found.add_motion_chunk(one.what, ' '.join(one.names),
-                                   *make_motion(one, stamps, values))
+        for motion_column in motion:
+            end = at + len(motion_column.names)
+            values = [np.array(column) for column in self._columns[at:end]]
+            at = end
+            collected.add_motion_chunk(motion_column.what, ' '.join(motion_column.names),
+                                       *make_motion(motion_column, stamps, values))
 
 
-def _take_row(found: Collected, rows: CsvRows, row: list[str], at: int,
+def _take_row(collected: Collected, rows: CsvRows, row: list[str], at: int,
               headings: list[tuple[int, str]]) -> int | None:
     """Take the headings of a row; return its stamp, None if it has none."""
     try:
         stamp_ns = read_stamp(rows, row, at)
     except (ValueError, ArithmeticError, IndexError):
-        found.not_taken['bad_stamp'] += 1
+        collected.not_taken['bad_stamp'] += 1
         return None
     for place, name in headings:
         cell = row[place] if place < len(row) else ''
         try:
             heading = float(rows.plain(cell)) if cell.strip() else None
         except ValueError:
-            found.not_taken['bad_field'] += 1
+            collected.not_taken['bad_field'] += 1
             continue
         if heading is None or heading != heading:
-            found.not_taken['empty_heading'] += 1
+            collected.not_taken['empty_heading'] += 1
         else:
-            found.add_angle(name, 'csv', stamp_ns, heading, find_named_unit(name))
+            collected.add_angle(name, 'csv', stamp_ns, heading, find_named_unit(name))
     return stamp_ns

@@ -302,7 +302,7 @@ def fine_levelling(ahrs: Machine) -> Procedure:
                                 slew_sigma(ahrs.errors, ahrs.turned_rad))
     free = FreeAzimuth(ahrs.errors, ahrs.sigma_rad)
     ahrs.fixes = fixes = Fixes(computer, ahrs.platform, ahrs.say)
-    calibrations, taken = _calibrate(ahrs), 0
+    calibrations, n_steps = _calibrate(ahrs), 0
     while True:
         try:
             rates = next(calibrations)
@@ -312,11 +312,11 @@ def fine_levelling(ahrs: Machine) -> Procedure:
         yield rates
         fixes.step()
         ahrs.claim(free, GRID_S)
-        taken += 1
+        n_steps += 1
     if not arrived:
         ahrs.say('the platform does not turn as asked')
         return ahrs.fail('servo')
-    left = steps(min(ahrs.settings.fine_s, FINE_LIMIT_S)) - taken
+    left = steps(min(ahrs.settings.fine_s, FINE_LIMIT_S)) - n_steps
     while left > 0:
         n = min(left, SECOND)
         yield from hold_azimuth(ahrs, FINE, n, fixes)
@@ -355,7 +355,7 @@ def _calibrate(ahrs: Machine) -> Generator[Rates, None, bool]:
 
 def _two_positions(ahrs: Machine) -> Generator[Rates, None, bool]:
     """
-    Find the accelerometer biases: the horizontal ones from two positions, half a turn apart.
+    Find the accelerometer biases: the horizontal biases from two positions, half a turn apart.
 
     Gravity is known, so one position shows the bias of the vertical one: S (16)-(19). A ship that
     moves ends it. Returns whether the slews have arrived.
@@ -382,7 +382,7 @@ def _two_positions(ahrs: Machine) -> Generator[Rates, None, bool]:
     if not still:
         ahrs.say(f'calibration of the accelerometers dropped: {_why_not_moored(computer)}')
         return True
-    bias_x, bias_y = (0.5 * (one + other) for one, other in zip(*means))
+    bias_x, bias_y = (0.5 * (start_mean + turned_mean) for start_mean, turned_mean in zip(*means))
     bias_z = 0.5 * (accelerometer_bias(read_z[:n], GRID_S)
                     + accelerometer_bias(read_z[n:], GRID_S))
     if math.hypot(bias_x, bias_y) < FORCE_LIMIT_M_S2 and abs(bias_z) < FORCE_LIMIT_M_S2:

@@ -132,16 +132,17 @@ def fit_rotation(cosine: ArrayLike, sine: ArrayLike, rate_x: ArrayLike, rate_y: 
     if c.size < 3:
         raise ValueError(f'{c.size} sectors: at least 3 are needed')
     w = np.ones(c.shape) if weights is None else np.asarray(weights, dtype=float)
-    one, zero = np.ones(c.shape), np.zeros(c.shape)
-    design = np.concatenate((np.stack((c, s, one, zero), 1), np.stack((-s, c, zero, one), 1)))
+    ones, zeros = np.ones(c.shape), np.zeros(c.shape)
+    design = np.concatenate((np.stack((c, s, ones, zeros), 1), np.stack((-s, c, zeros, ones), 1)))
     both, root = np.concatenate((x, y)), np.sqrt(np.concatenate((w, w)))
-    found = np.linalg.lstsq(root[:, None] * design, root * both, rcond=None)[0]
-    left = root * (both - design @ found)
+    solution = np.linalg.lstsq(root[:, None] * design, root * both, rcond=None)[0]
+    left = root * (both - design @ solution)
     residual = math.sqrt(float(left @ left) / float(root @ root))
     # Two equations a sector for four unknowns; the rates cancel over a full turn.
     scale = math.sqrt(c.size / max(c.size - 2.0, 1.0))
-    return RotationFit(float(found[2]), float(found[3]), float(found[0]), float(found[1]),
-                       residual, scale * residual * math.sqrt(float(w @ w)) / float(w.sum()))
+    return RotationFit(float(solution[2]), float(solution[3]), float(solution[0]),
+                       float(solution[1]), residual,
+                       scale * residual * math.sqrt(float(w @ w)) / float(w.sum()))
 
 
 def azimuth_from_rates(rate_x: float, rate_y: float) -> float:

@@ -212,9 +212,9 @@ class GimballedAhrs:
         """
         event = Event(max(t_s, self.now_s), kind)
         if event.t_s < self.now_s + TRACK_STEPS * GRID_S and (why := self._obstacle(
-                kind, [other.kind for other in self._events if other.t_s <= event.t_s])):
+                kind, [queued.kind for queued in self._events if queued.t_s <= event.t_s])):
             raise ValueError(f'{kind} refused: {why}')
-        insort(self._events, event, key=lambda other: other.t_s)
+        insort(self._events, event, key=lambda queued: queued.t_s)
         return event.t_s
 
     @property
@@ -222,15 +222,15 @@ class GimballedAhrs:
         """Speed that a lost log showed last; 0 with a log."""
         return self._last_m_s if self.computer.no_speed else 0.0
 
-    def claim(self, free: FreeAzimuth, span_s: float, *, own: bool = False) -> None:
+    def claim(self, free: FreeAzimuth, span_s: float, *, own_velocity: bool = False) -> None:
         """
         Claim what is left of the azimuth after a span in which nothing corrected it.
 
-        North turns under a ship that sails east. Without a log that is not known, and with an
-        `own` velocity only as far as the levels are.
+        North turns under a ship that sails east. Without a log that is not known, and with
+        `own_velocity` only as far as the levels are.
         """
         parts, computer = self.instruments, self.computer
-        unknown_rad_s = (self.residual_deg_h * RAD_PER_DEG_H if own
+        unknown_rad_s = (self.residual_deg_h * RAD_PER_DEG_H if own_velocity
                          else self.unknown_m_s / computer.normal_m)
         self.sigma_rad = free.add(
             span_s, self.course_deg_h, parts.thermostat.away_k - self.course_k,
@@ -276,8 +276,8 @@ class GimballedAhrs:
         states = grid.tolist() if self._compiled is None else grid
         inputs = rows.tolist() if self._compiled is None else rows
         states[0][:] = self._state()
-        said: list[AhrsStatus] = []
-        kept: list[tuple[int, Mode, Validity, float]] = []
+        statuses: list[AhrsStatus] = []
+        spells: list[tuple[int, Mode, Validity, float]] = []
         k = 0
         if self._compiled:
             self._compiled.begin()
@@ -288,7 +288,7 @@ class GimballedAhrs:
             if isinstance(rates, Steady):
                 self._steady = rates
             if self._messages or self._step % 10 == 0:
-                said.append(self._status())
+                statuses.append(self._status())
             n = 1
             if self._steady.steps:
                 n = self._count_steady(TRACK_STEPS - k)
@@ -307,17 +307,17 @@ class GimballedAhrs:
                     platform.step(rows[k].tolist(), *rates)
                     computer.take()
                 states[k + 1][:] = self._state()
-            kept.append((n, self.mode, self.validity, self.sigma_rad))
+            spells.append((n, self.mode, self.validity, self.sigma_rad))
             k += n
             self._step += n
             if self._step % 10 == 0:
                 self._watch()
         azimuth, assumed, alpha, beta = np.array(states).T
         error = np.arctan2(np.sin(assumed - azimuth), np.cos(assumed - azimuth))
-        lasted, mode, validity, sigma = zip(*kept)
+        lasted, mode, validity, sigma = zip(*spells)
         return Track(start_s, azimuth, error, alpha, beta, self._flexure_rad[steps],
                      np.repeat(sigma, lasted), np.repeat(np.array(mode, np.int8), lasted),
-                     np.repeat(np.array(validity, np.int8), lasted), tuple(said))
+                     np.repeat(np.array(validity, np.int8), lasted), tuple(statuses))
 
     def _state(self) -> tuple[float, float, float, float]:
         """Return the true and the assumed azimuth, and the two tilts."""
@@ -361,11 +361,11 @@ class GimballedAhrs:
         self.say(f'mode {mode.name}')
 
     def _obstacle(self, kind: str, waiting: Sequence[str] = ()) -> str:
-        """Return why an event would change nothing after those that wait; empty if it would."""
+        """Return why an event would change nothing after the waiting events; empty if it would."""
         computer, mode = self.computer, self.mode
         if kind in FAILURES or kind == 'repair':
             return find_obstacle_to_failure(kind, self.failures, waiting)
-        before = [other for other in waiting if other in next(
+        before = [event for event in waiting if event in next(
             (rivals for rivals in RIVALS if kind in rivals), {kind})]
         if before:
             return 'it is about to happen' if before[-1] == kind else ''
@@ -382,11 +382,11 @@ class GimballedAhrs:
         elif kind == 'force_on' and mode is not Mode.THERMOSTAT_WAIT:
             return f'only THERMOSTAT_WAIT can be cut short; the mode is {mode.name}'
         elif kind in AVAILABLE:
-            what, there = AVAILABLE[kind]
+            what, available = AVAILABLE[kind]
             if what == 'log' and computer.speed_is_set:
                 return 'the log is not used'
-            if there == (computer.log_ok if what == 'log' else computer.gps_ok):
-                return f'the {what} is {"there" if there else "lost"} already'
+            if available == (computer.log_ok if what == 'log' else computer.gps_ok):
+                return f'the {what} is {"there" if available else "lost"} already'
         return ''
 
     def _happen(self, kind: str) -> None:

@@ -86,7 +86,7 @@ class Machine(Protocol):
     def unknown_m_s(self) -> float:
         """Speed that a lost log showed last; 0 with a log."""
 
-    def claim(self, free: FreeAzimuth, span_s: float, *, own: bool = False) -> None:
+    def claim(self, free: FreeAzimuth, span_s: float, *, own_velocity: bool = False) -> None:
         """Claim what is left of the azimuth after a span in which nothing corrected it."""
 
     def calibrate_course(self, left_deg_h: float) -> None:
@@ -133,11 +133,11 @@ def find_obstacle_to_failure(kind: str, failures: Collection[str],
 
     """
     failed = set(failures)
-    for other in waiting:
-        if other == 'repair':
+    for event in waiting:
+        if event == 'repair':
             failed.clear()
-        elif other in FAILURES:
-            failed.add(FAILURES[other])
+        elif event in FAILURES:
+            failed.add(FAILURES[event])
     soon = 'it is about to happen'
     if kind == 'repair':
         return '' if failed else soon if failures or 'repair' in waiting else 'nothing has failed'

@@ -97,7 +97,7 @@ def gyro_azimuth(ahrs: Machine) -> Procedure:
     fixes = ahrs.fixes or Fixes(computer, ahrs.platform, ahrs.say)
     while True:
         yield from hold_azimuth(ahrs, law, SECOND, fixes)
-        ahrs.claim(free, 1.0, own=schuler)
+        ahrs.claim(free, 1.0, own_velocity=schuler)
 
 
 def fault(ahrs: Machine) -> Procedure:

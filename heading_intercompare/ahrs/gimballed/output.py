@@ -83,8 +83,8 @@ class AhrsOutput:
 
     def statuses(self) -> tuple[AhrsStatus, ...]:
         """Return the statuses since the last call, up to the end of the newest block."""
-        said, self._statuses = tuple(self._statuses), []
-        return said
+        statuses, self._statuses = tuple(self._statuses), []
+        return statuses
 
     def command(self, kind: str, t_s: float) -> float:
         """Make an event happen; return when, or raise ValueError: see `GimballedAhrs.command`."""
@@ -106,9 +106,9 @@ class AhrsOutput:
             self._statuses += self._tracks[-1].statuses
         if not t_s.size:
             return Indication(t_s, t_s, t_s)
-        said = self._indicate(t_s)
+        indication = self._indicate(t_s)
         del self._tracks[:-1]
-        return said
+        return indication
 
     def _indicate(self, t_s: Reals) -> Indication:
         """
@@ -137,10 +137,10 @@ class AhrsOutput:
             + e.coupling * (roll + pitch) + self._join('flexure_rad')[step]) + arcsec / 3600.0
         indicated += self._noise_deg * self._white.standard_normal(t_s.size)
         indicated = RESOLUTION_DEG * np.rint(indicated / RESOLUTION_DEG)
-        given = self._join('validity')[step] >= self._least
+        valid = self._join('validity')[step] >= self._least
         return Indication(
-            np.where(given, indicated, np.nan),
-            np.where(given, np.degrees(self._join('sigma_rad')[step]), np.nan), rate)
+            np.where(valid, indicated, np.nan),
+            np.where(valid, np.degrees(self._join('sigma_rad')[step]), np.nan), rate)
 
     def _join(self, name: str) -> np.ndarray:
         """Return an attribute of all blocks at hand, one after the other."""

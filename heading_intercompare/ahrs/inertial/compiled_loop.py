@@ -153,7 +153,7 @@ def _compile() -> _Compiled:
 
     functions: list[Callable[..., Any]] = [enter, recur, enter_steering]
     try:
-        return _Compiled(*(numba.njit(cache=True)(each) for each in functions))
+        return _Compiled(*(numba.njit(cache=True)(function) for function in functions))
     except RuntimeError:
         # There is no place where numba may write.
-        return _Compiled(*(numba.njit(each) for each in functions))
+        return _Compiled(*(numba.njit(function) for function in functions))

@@ -156,10 +156,10 @@ class Instruments:
             a step), 'log' in m/s, 'gps' and 'flexure' in rad.
 
         """
-        taken = {name: markov.take(n) for name, markov in self.coloured.items()}
+        errors = {name: markov.take(n) for name, markov in self.coloured.items()}
         for name, (size, rng) in self._white.items():
-            taken[name] = taken[name] + size * rng.standard_normal(n)
-        return taken
+            errors[name] = errors[name] + size * rng.standard_normal(n)
+        return errors
 
     def _stream(self, name: str) -> np.random.Generator:
         return open_stream(self._seed, f'{self._role}.ahrs.{name}')

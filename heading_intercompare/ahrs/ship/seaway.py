@@ -68,7 +68,7 @@ class Sea(Protocol):
     def block(self, index: int) -> Reals:
         """Return the motion over one block of the grid."""
 
-    def read(self, t_s: Reals, *wanted: tuple[str, int]) -> list[Reals]:
+    def read(self, t_s: Reals, *channels: tuple[str, int]) -> list[Reals]:
         """Return channels or their rates at any instants."""
 
 
@@ -110,7 +110,7 @@ class Seaway:
             self._omega.append(omega)
             self._complex.append(amplitude * np.exp(1j * phase))
             self._table.append(np.exp(1j * np.outer(steps_s, omega)))
-        self._kept: dict[int, Reals] = {}
+        self._blocks: dict[int, Reals] = {}
 
     def block(self, index: int) -> Reals:
         """
@@ -127,7 +127,7 @@ class Seaway:
             Channel (as in `CHANNELS`), derivative 0 to 2, step of `GRID_S`; in rad or m, and s.
 
         """
-        if index not in self._kept:
+        if index not in self._blocks:
             values = np.zeros((len(CHANNELS), 3, BLOCK_STEPS + 1))
             if not self.calm:
                 for channel, (omega, start, table) in enumerate(
@@ -136,12 +136,12 @@ class Seaway:
                     weights = np.stack((now, 1j * omega * now, -omega * omega * now))
                     # In this order of the axes it adds along both rows, four times as fast.
                     values[channel] = np.einsum('ti,di->dt', table, weights).real
-            while len(self._kept) >= KEPT_BLOCKS:
-                del self._kept[next(iter(self._kept))]
-            self._kept[index] = values
-        return self._kept[index]
+            while len(self._blocks) >= KEPT_BLOCKS:
+                del self._blocks[next(iter(self._blocks))]
+            self._blocks[index] = values
+        return self._blocks[index]
 
-    def read(self, t_s: Reals, *wanted: tuple[str, int]) -> list[Reals]:
+    def read(self, t_s: Reals, *channels: tuple[str, int]) -> list[Reals]:
         """
         Return channels or their rates at any instants.
 
@@ -149,7 +149,7 @@ class Seaway:
         ----------
         t_s : ndarray, shape (n,)
             Seconds since the start, not negative.
-        *wanted : tuple of str and {0, 1}
+        *channels : tuple of str and {0, 1}
             Names of `CHANNELS`, each with 0 for the value or 1 for its rate.
 
         Returns
@@ -159,28 +159,28 @@ class Seaway:
             seconds). An instant gives the same bits whatever other instants are read with it.
 
         """
-        return read_blocks(self, t_s, *wanted)
+        return read_blocks(self, t_s, *channels)
 
 
-def read_blocks(sea: Sea, t_s: Reals, *wanted: tuple[str, int]) -> list[Reals]:
+def read_blocks(sea: Sea, t_s: Reals, *channels: tuple[str, int]) -> list[Reals]:
     """Return channels of a sea or their rates at any instants; see `Seaway.read`."""
-    found: list[Reals] = [np.zeros(t_s.shape) for _ in wanted]
+    columns: list[Reals] = [np.zeros(t_s.shape) for _ in channels]
     if sea.calm or not t_s.size:
-        return found
+        return columns
     blocks = np.floor(t_s / BLOCK_S).astype(np.int64)
     first, last = int(blocks.min()), int(blocks.max())
     for index in (first,) if first == last else np.unique(blocks).tolist():
-        here = slice(None) if first == last else blocks == index
+        rows = slice(None) if first == last else blocks == index
         table = sea.block(index)
-        position = (t_s[here] - index * BLOCK_S) / GRID_S
+        position = (t_s[rows] - index * BLOCK_S) / GRID_S
         step = np.minimum(position.astype(np.int64), BLOCK_STEPS - 1)
         u, after = position - step, step + 1
         back = 1.0 - u
         bend, sag = u * u * (3.0 - 2.0 * u), u * back
         # The cubic through the values of a step, with their slopes.
-        for value, (channel, order) in zip(found, wanted):
+        for value, (channel, order) in zip(columns, channels):
             values, slopes = table[CHANNELS.index(channel)][order:order + 2]
             left = values[step]
-            value[here] = (left + bend * (values[after] - left)
+            value[rows] = (left + bend * (values[after] - left)
                            + GRID_S * (sag * (back * slopes[step] - u * slopes[after])))
-    return found
+    return columns

@@ -163,11 +163,11 @@ class Steering:
         legs = zip(*((leg.t_s, math.radians(leg.course_deg), leg.speed_kn * KNOT_M_S)
                      for leg in self._legs))
         rows: Any = [[0.0] * 9 for _ in range(steps)]
-        given: list[Any] = [list(column) for column in legs]
+        columns: list[Any] = [list(column) for column in legs]
         if self.sail is not sail:
-            rows, given = np.array(rows), [np.array(column) for column in given]
+            rows, columns = np.array(rows), [np.array(column) for column in columns]
         self._state = self.sail(
-            self._first, self._state, *given, math.exp(-STEP_S / NOMOTO_S),
+            self._first, self._state, *columns, math.exp(-STEP_S / NOMOTO_S),
             math.exp(-STEP_S / SPEED_LAG_S), *self._current_m_s, rows)
         self._first += steps
         return np.array(rows).T

@@ -165,22 +165,22 @@ class SeaAboard:
 
     def __init__(self, track: Track, sea: Sea) -> None:
         self._sea = sea
-        self._own = {channel: function for channel, function in (
+        self._angles = {channel: function for channel, function in (
             ('roll', track.roll_rad), ('pitch', track.pitch_rad)) if function is not None}
-        self.calm = sea.calm and not self._own
+        self.calm = sea.calm and not self._angles
 
     def block(self, index: int) -> Reals:
         """Return the motion over one block of the grid, shape (6, 3, 601); see `Seaway.block`."""
         values = self._sea.block(index).copy()
         values[CHANNELS.index('yaw')] = 0.0
         t_s = index * BLOCK_S + GRID_S * np.arange(BLOCK_STEPS + 1, dtype=np.float64)
-        for channel, function in self._own.items():
+        for channel, function in self._angles.items():
             values[CHANNELS.index(channel)] = [function.read(t_s, order) for order in range(3)]
         return values
 
-    def read(self, t_s: Reals, *wanted: tuple[str, int]) -> list[Reals]:
+    def read(self, t_s: Reals, *channels: tuple[str, int]) -> list[Reals]:
         """Return channels or their rates at any instants; see `Seaway.read`."""
-        simulated = self._sea.read(t_s, *wanted)
+        simulated = self._sea.read(t_s, *channels)
         return [np.zeros(t_s.shape) if channel == 'yaw' else
-                self._own[channel].read(t_s, order) if channel in self._own else value
-                for (channel, order), value in zip(wanted, simulated)]
+                self._angles[channel].read(t_s, order) if channel in self._angles else value
+                for (channel, order), value in zip(channels, simulated)]

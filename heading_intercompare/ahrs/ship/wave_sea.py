@@ -66,28 +66,28 @@ class WaveSea:
         self._hull, self._course = hull, course
         self._waves = draw_waves(waves, seed)
         self._number = self._waves.omega_rad_s**2 / STANDARD_GRAVITY_M_S2
-        self._kept: dict[int, Reals] = {}
+        self._blocks: dict[int, Reals] = {}
 
     def block(self, index: int) -> Reals:
         """Return the motion over one block of the grid, shape (6, 3, 601); see `Seaway.block`."""
-        if index not in self._kept:
+        if index not in self._blocks:
             steps = np.arange(-_REACH, BLOCK_STEPS + 1 + _REACH, dtype=np.float64)
             t_s = index * BLOCK_S + GRID_S * steps
             values = self._move(t_s)
-            made = np.empty((len(CHANNELS), 3, BLOCK_STEPS + 1))
-            made[:, 0] = values[:, _REACH:-_REACH]
+            motion = np.empty((len(CHANNELS), 3, BLOCK_STEPS + 1))
+            motion[:, 0] = values[:, _REACH:-_REACH]
             for order, weights in ((1, _RATE), (2, _BEND)):
-                made[:, order] = sum(
+                motion[:, order] = sum(
                     weight * values[:, shift:shift + BLOCK_STEPS + 1]
                     for shift, weight in enumerate(weights, 1)) / GRID_S**order
-            while len(self._kept) >= KEPT_BLOCKS:
-                del self._kept[next(iter(self._kept))]
-            self._kept[index] = made
-        return self._kept[index]
+            while len(self._blocks) >= KEPT_BLOCKS:
+                del self._blocks[next(iter(self._blocks))]
+            self._blocks[index] = motion
+        return self._blocks[index]
 
-    def read(self, t_s: Reals, *wanted: tuple[str, int]) -> list[Reals]:
+    def read(self, t_s: Reals, *channels: tuple[str, int]) -> list[Reals]:
         """Return channels or their rates at any instants; see `Seaway.read`."""
-        return read_blocks(self, t_s, *wanted)
+        return read_blocks(self, t_s, *channels)
 
     def _move(self, t_s: Reals) -> Reals:
         """Return the motion at some instants, shape (6, n)."""

@@ -59,7 +59,7 @@ class CsvRows:
     ----------
     path : str or path
         The file: UTF-8 with or without byte order mark, or UTF-16 with one.
-    wanted : str
+    columns : str
         The columns that the header must have, in words, for the error of an empty file.
 
     Attributes
@@ -81,13 +81,13 @@ class CsvRows:
 
     """
 
-    def __init__(self, path: str | os.PathLike[str], wanted: str) -> None:
+    def __init__(self, path: str | os.PathLike[str], columns: str) -> None:
         self.path = os.fspath(path)
         self._file = _open(self.path)
         self._mark = self.cut = ''
         self._ended = True
         try:
-            self._before, header, separator = self._read_header(wanted)
+            self._before, header, separator = self._read_header(columns)
             self._rows = csv.reader(self._lines(), delimiter=separator)
             self.names = [name.strip() for name in
                           next(csv.reader([header], delimiter=separator), [])]
@@ -112,17 +112,17 @@ class CsvRows:
         """Return the number of the last line read."""
         return self._before + self._rows.line_num
 
-    def _read_header(self, wanted: str) -> tuple[int, str, str]:
+    def _read_header(self, columns: str) -> tuple[int, str, str]:
         """Return the number of the line of the header, the line, and the separator."""
-        given = ''
+        separator = ''
         for number, line in enumerate(iter(self._file.readline, ''), 1):
             text = line.strip()
             if text[:4].lower() == 'sep=' and len(text) == 5:
-                given = text[4]
+                separator = text[4]
             elif text.strip(_SEPARATORS + '" ') and not text.startswith('#'):
-                # A name of a column has no separator, so the one that stands most often is it.
-                return number, text, given or max(_SEPARATORS, key=text.count)
-        raise BagError(f'is empty; must begin with a header with the columns {wanted}', self.path)
+                # A name of a column has no separator: the sign that stands most often is it.
+                return number, text, separator or max(_SEPARATORS, key=text.count)
+        raise BagError(f'is empty; must begin with a header with the columns {columns}', self.path)
 
     def _lines(self) -> Iterator[str]:
         """Yield the lines, and note whether the newest one has an end."""
@@ -193,6 +193,7 @@ class CsvRows:
 
 
 def _has_fewer_decimals(cell: str, before: str) -> bool:
-    """Tell whether a cell holds a number with fewer decimals than the one before."""
-    one, other = _NUMBER.fullmatch(cell.strip()), _NUMBER.fullmatch(before.strip())
-    return bool(cell.strip() and one and other and len(one[1] or '') < len(other[1] or ''))
+    """Tell whether a cell holds a number with fewer decimals than the cell before."""
+    number, number_before = _NUMBER.fullmatch(cell.strip()), _NUMBER.fullmatch(before.strip())
+    return bool(cell.strip() and number and number_before
+                and len(number[1] or '') < len(number_before[1] or ''))

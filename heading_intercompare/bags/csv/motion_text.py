@@ -51,13 +51,14 @@ def text_of_motion(motion: Motion) -> dict[str, str] | None:
     """
     parts = {'position': motion.positions(), 'velocity': motion.velocities(),
              'rate': motion.rates()}
-    found = {}
+    texts = {}
     for what, rows in parts.items():
         if len(rows):
             columns: list[Integers | Reals] = [rows.stamp_ns.astype('<i8')]
             columns += [getattr(rows, name).astype('<f8') for name in _COLUMNS[what]]
-            found[what] = b64encode(b''.join(one.tobytes() for one in columns)).decode('ascii')
-    return found or None
+            texts[what] = b64encode(
+                b''.join(column.tobytes() for column in columns)).decode('ascii')
+    return texts or None
 
 
 def motion_of_text(text: Mapping[str, str] | None) -> Motion:

@@ -139,7 +139,7 @@ class PairsDigest:
 
     def hexdigest(self) -> str:
         """Return the hash of the pairs so far."""
-        return hashlib.sha256(b''.join(one.digest() for one in self._columns)).hexdigest()
+        return hashlib.sha256(b''.join(column.digest() for column in self._columns)).hexdigest()
 
 
 class Fingerprint(NamedTuple):

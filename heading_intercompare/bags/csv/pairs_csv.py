@@ -209,9 +209,9 @@ class PairsCsv:
             try:
                 rs_factor, ts_factor = [_factor(plain(text)) for text in texts]
             except ValueError:
-                given = ', '.join(f'{name} = {text[:_SHOWN]!r}'
+                cells = ', '.join(f'{name} = {text[:_SHOWN]!r}'
                                   for name, text in zip(_FACTORS, texts))
-                raise BagError(f'line {rows.line}: {given} must be above 0 and at most '
+                raise BagError(f'line {rows.line}: {cells} must be above 0 and at most '
                                '1, or empty',
                                rows.path) from None
             yield stamp_ns, ts_deg, rs_deg, lag_ns, rs_factor, ts_factor

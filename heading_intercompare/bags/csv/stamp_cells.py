@@ -68,12 +68,12 @@ def _scale(text: str, unit_ns: int) -> int:
 
 def utc_nanoseconds(text: str) -> int:
     """Return an ISO time, or a day number of a spreadsheet, as nanoseconds."""
-    found = _ISO.fullmatch(text)
-    if found is None:
+    match = _ISO.fullmatch(text)
+    if match is None:
         if not (_NUMBER.fullmatch(text) and _FIRST_DAY <= float(text) < _LAST_DAY):
             raise ValueError(text)
         return _DAY_ZERO_NS + _scale(text, _DAY_NS)
-    day, clock, decimals, hours, minutes = found.groups()
+    day, clock, decimals, hours, minutes = match.groups()
     moment = datetime.fromisoformat(f'{day}T{clock}').replace(tzinfo=timezone.utc)
     offset_s = 0
     if hours:

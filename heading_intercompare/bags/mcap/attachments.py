@@ -35,12 +35,12 @@ _TIMES, _COUNT, _SIZE = struct.Struct('<QQ'), struct.Struct('<I'), struct.Struct
 
 def parse_attachment(content: bytes) -> mcap.Attachment:
     """Return an attachment from the bytes after its head; BagError if it is damaged."""
-    found = read_attachment(content)
+    attachment = read_attachment(content)
     crc = int.from_bytes(content[-4:], 'little')
     # The checksum covers all fields; pybag 0.13 computes it over the data only.
-    if crc not in (0, zlib.crc32(content[:-4])) and crc != zlib.crc32(found.data):
+    if crc not in (0, zlib.crc32(content[:-4])) and crc != zlib.crc32(attachment.data):
         raise BagError('attachment damaged: its checksum does not match')
-    return found
+    return attachment
 
 
 def read_attachment(content: bytes) -> mcap.Attachment:
@@ -89,14 +89,14 @@ def find_records(stream: RecordStream, opcode: int, indexed: Sequence[int], begi
             return sorted(indexed)
     except BagError:
         pass
-    found, at = [], begin
+    offsets, at = [], begin
     while at < end:
         record = stream.record(at, end)
         if record.opcode == opcode:
-            found.append(at)
+            offsets.append(at)
         at = record.start + record.length
-    if len(found) < len(indexed):
+    if len(offsets) < len(indexed):
         kind = Opcode(opcode).name.title()
-        raise BagError(f'damaged: {len(found)} records of type {kind} where its index says '
+        raise BagError(f'damaged: {len(offsets)} records of type {kind} where its index says '
                        f'{len(indexed)}')
-    return found
+    return offsets

@@ -166,7 +166,7 @@ class ChunkRuns:
         self._read = read
         self._size = size
         self._zstd = zstandard.ZstdDecompressor()
-        self._known: dict[tuple[bytes, ...], frozenset[bytes]] = {}
+        self._record_sets: dict[tuple[bytes, ...], frozenset[bytes]] = {}
 
     def run(self, at: int, end: int | None = None) -> ChunkRun | None:
         """Return the intact chunks from byte `at` on, up to byte `end`; None if there is none."""
@@ -180,8 +180,8 @@ class ChunkRuns:
             parts.append(part)
             size += part.head.size
             at = part.index_end
-        found = self._join(parts) if parts else None
-        return self._join(parts[:1]) if found is None and len(parts) > 1 else found
+        run = self._join(parts) if parts else None
+        return self._join(parts[:1]) if run is None and len(parts) > 1 else run
 
     def _part(self, at: int, most: int) -> _Part | None:
         """Return the chunk at a byte if it is intact and has at most `most` bytes of records."""
@@ -198,7 +198,7 @@ class ChunkRuns:
 
     def _index(self, at: int, size: int) -> tuple[list[tuple[int, bytes]], int]:
         """Return channel and entries of each message index from a byte on, and their end."""
-        found = []
+        indexes = []
         most = size // MESSAGE_HEAD.size * ENTRY_BYTES
         ahead, begin = b'', at
         while True:
@@ -217,9 +217,9 @@ class ChunkRuns:
                 entries = self._read(at + INDEX_HEAD.size, count)
                 if len(entries) < count:
                     break
-            found.append((number, entries))
+            indexes.append((number, entries))
             at += INDEX_HEAD.size + count
-        return found, at
+        return indexes, at
 
     def _join(self, parts: list[_Part]) -> ChunkRun | None:
         """Join chunks to one block; None if their records do not fill them."""
@@ -285,7 +285,7 @@ class ChunkRuns:
 
     def _intern(self, records: list[bytes] | tuple[()]) -> frozenset[bytes]:
         """Return records as a set; equal records share one set."""
-        return self._known.setdefault(tuple(records), frozenset(records))
+        return self._record_sets.setdefault(tuple(records), frozenset(records))
 
 
 def _are_apart(block: Block, bases: Integers, edges: Integers) -> bool:
@@ -327,14 +327,14 @@ class _Entries:
                 (self._at[order] == at).all() and (self._times[order] == log).all()
                 and (self._channels[order] == channels).all()):
             return [not doubled for doubled in self._doubled]
-        found = []
+        verdicts = []
         limits = np.searchsorted(self._places, np.arange(len(edges)))
         for lo, hi, begin, end, doubled in zip(limits[:-1], limits[1:], edges[:-1], edges[1:],
                                                self._doubled):
             mine = lo + np.argsort(self._at[lo:hi], kind='stable')
-            found.append(not doubled and hi - lo == end - begin and bool(
+            verdicts.append(not doubled and hi - lo == end - begin and bool(
                 (self._at[mine] == at[begin:end]).all()
                 and (self._times[mine] == log[begin:end]).all()
                 and (self._channels[mine] == channels[begin:end]).all()))
-        return found
+        return verdicts
 

@@ -67,10 +67,10 @@ _COMPRESS: dict[str, tuple[str, Callable[[bytes], bytes]]] = {
 COMPRESSIONS = {name: written for name, (written, _) in _COMPRESS.items()}
 
 
-def _free(used: Mapping[int, object], wanted: int | None, numbers: Iterator[int]) -> int:
-    """Return an unused number: `wanted` if it is free, otherwise the next free of `numbers`."""
-    if wanted is not None and wanted not in used:
-        return wanted
+def _free(used: Mapping[int, object], preferred_id: int | None, numbers: Iterator[int]) -> int:
+    """Return an unused number: `preferred_id` if it is free, otherwise the next of `numbers`."""
+    if preferred_id is not None and preferred_id not in used:
+        return preferred_id
     return next(number for number in numbers if number not in used)
 
 
@@ -274,14 +274,14 @@ class ChunkWriter:
         """Take the messages out of memory, each as arguments of `add`; definitions stay."""
         data = b''.join(self._pieces)
         messages, _ = walk(data, 0, len(data))
-        taken = []
+        pending = []
         for at in messages:
             _, length, channel, sequence, log, publish = MESSAGE_HEAD.unpack_from(data, at)
             payload = data[at + MESSAGE_HEAD.size:at + HEAD.size + length]
-            taken.append((channel, payload, log, publish, sequence))
+            pending.append((channel, payload, log, publish, sequence))
         self._begin_chunk()
         self._redefine()
-        return taken
+        return pending
 
     # The file
 

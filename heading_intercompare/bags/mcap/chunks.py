@@ -96,20 +96,20 @@ def _decompress(head: _Head, data: memoryview, zstd: zstandard.ZstdDecompressor)
             if zstandard.frame_content_size(data) not in (head.size, -1):
                 raise BagError('chunk damaged: its compressed data has another size than its '
                                'head says')
-            found = zstd.decompress(data, max_output_size=head.size)
+            records = zstd.decompress(data, max_output_size=head.size)
         elif head.compression == 'lz4':
             # With a bound it allocates memory once; one byte more shows the end of the frame.
             frame = lz4.frame.LZ4FrameDecompressor()
-            found = frame.decompress(data, max_length=head.size + 1)
+            records = frame.decompress(data, max_length=head.size + 1)
             if not frame.eof:
                 raise BagError('chunk damaged: its compressed data does not end where it should')
         else:
             raise BagError(f'chunk compressed with {head.compression!r}; known are zstd and lz4')
     except (zstandard.ZstdError, RuntimeError, MemoryError) as error:
         raise BagError(f'chunk damaged: {error}') from None
-    if len(found) != head.size:
+    if len(records) != head.size:
         raise BagError('chunk damaged: it decompresses to another size than its head says')
-    return found
+    return records
 
 
 def _decompress_into(into: memoryview, head: _Head, data: memoryview,
@@ -144,9 +144,9 @@ def unpack(content: bytes, zstd: zstandard.ZstdDecompressor) -> bytes | memoryvi
     """
     head, start = _read_head(content, len(content))
     data = memoryview(content)[start:start + head.length]
-    found = _decompress(head, data, zstd) if head.compression else data
-    _check(head, found)
-    return found
+    records = _decompress(head, data, zstd) if head.compression else data
+    _check(head, records)
+    return records
 
 
 class BegunChunk(NamedTuple):
@@ -308,9 +308,9 @@ class _Span:
 
     def read(self, size: int) -> bytes:
         self._file.seek(self._next)
-        found = self._file.read(min(size, self._end - self._next))
-        self._next += len(found)
-        return found
+        piece = self._file.read(min(size, self._end - self._next))
+        self._next += len(piece)
+        return piece
 
 
 class Gathering:

@@ -99,28 +99,28 @@ def decompress_begun(content: bytes) -> bytearray:
     _, _, size, _, letters = CHUNK_HEAD.unpack_from(content)
     start = CHUNK_HEAD.size + letters
     compression, data = content[CHUNK_HEAD.size:start], content[start + 8:]
-    found = bytearray()
+    records = bytearray()
     try:
         if compression == b'zstd':
             with zstandard.ZstdDecompressor().stream_reader(data) as reader:
-                while len(found) < size and (piece := reader.read(_PIECE_BYTES)):
-                    found += piece
-                    if len(found) == len(piece) and not _is_plausible(found, size):
+                while len(records) < size and (piece := reader.read(_PIECE_BYTES)):
+                    records += piece
+                    if len(records) == len(piece) and not _is_plausible(records, size):
                         break
         elif compression == b'lz4':
             frame = lz4.frame.LZ4FrameDecompressor()
-            while len(found) < size and not frame.eof and (
+            while len(records) < size and not frame.eof and (
                     piece := frame.decompress(data, max_length=_PIECE_BYTES)):
                 data = b''
-                found += piece
-                if len(found) == len(piece) and not _is_plausible(found, size):
+                records += piece
+                if len(records) == len(piece) and not _is_plausible(records, size):
                     break
         elif not compression:
-            found += data
+            records += data
     except (zstandard.ZstdError, RuntimeError, MemoryError, EOFError):
         pass
-    del found[size:]
-    return found
+    del records[size:]
+    return records
 
 
 def measure_leading(data: BytesLike, times: tuple[int, int] | None) -> int:

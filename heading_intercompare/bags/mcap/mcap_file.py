@@ -106,9 +106,9 @@ def mcap_files(path: Path) -> list[Path]:
     if not path.is_dir():
         return [path]
     plain = set(filter(Path.is_file, path.glob('*.mcap')))
-    # Where the compression was interrupted, both are there.
-    packed = {each for each in path.glob(f'*.mcap{PACKED}')
-              if each.is_file() and each.with_name(plain_name(each.name)) not in plain}
+    # Where the compression was interrupted, both files are there.
+    packed = {file for file in path.glob(f'*.mcap{PACKED}')
+              if file.is_file() and file.with_name(plain_name(file.name)) not in plain}
     paths = sorted(plain | packed, key=natural_key)
     if not paths:
         raise BagError('holds no .mcap file (`ros2 bag convert` converts other storage formats)',
@@ -258,11 +258,12 @@ class Part:
             self.schemas[schema.id] = schema
         elif opcode == Opcode.CHANNEL:
             channel = parse_record(mcap.Channel, content, any_text=True)
-            known = self.channels.setdefault(channel.id, channel)
-            if (known.topic, known.schema_id, known.message_encoding) != (
+            first_channel = self.channels.setdefault(channel.id, channel)
+            if (first_channel.topic, first_channel.schema_id, first_channel.message_encoding) != (
                     channel.topic, channel.schema_id, channel.message_encoding):
-                # Nobody knows which of its messages belong to which.
-                raise BagError(f'channel {channel.id} is both {known.topic} and {channel.topic}')
+                # Nobody knows which of its messages belong to which definition.
+                raise BagError(f'channel {channel.id} is both {first_channel.topic} and '
+                               f'{channel.topic}')
 
     def _take_header(self, stream: RecordStream) -> None:
         """Read the first record."""
@@ -326,9 +327,9 @@ class Part:
         except BagError:
             problem = problem or (f'has an index that is damaged at byte {at}; its messages are '
                                   'there')
-        found = sum(self.counts.values())
-        if expected not in (None, found):
-            problem = f'has {found} messages where its index says {expected}'
+        n_messages = sum(self.counts.values())
+        if expected not in (None, n_messages):
+            problem = f'has {n_messages} messages where its index says {expected}'
         return problem
 
     def _take_block(self, block: Block) -> None:

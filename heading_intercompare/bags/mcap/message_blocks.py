@@ -152,10 +152,10 @@ def measure_whole(data: BytesLike, opcodes: tuple[int, ...] | None = None) -> in
 
 
 #: Offsets of messages, their heads, the bytes after their ends, other records.
-_Found = tuple[Integers, np.ndarray, Integers, list[Record]]
+_Layout = tuple[Integers, np.ndarray, Integers, list[Record]]
 
 
-def _find_regular(data: BytesLike) -> _Found | None:
+def _find_regular(data: BytesLike) -> _Layout | None:
     """Return messages of one length that follow the definitions; None if the data differs."""
     others: list[Record] = []
     at = opcode = length = 0
@@ -178,7 +178,7 @@ def _find_regular(data: BytesLike) -> _Found | None:
     return first, heads, first + stride, others
 
 
-def _follow_index(data: BytesLike, at: Integers) -> _Found | None:
+def _follow_index(data: BytesLike, at: Integers) -> _Layout | None:
     """Return the messages that the index names; None if it misses or misplaces one."""
     at = np.sort(at, kind='stable')
     if not at.size or at[0] < 0 or at[-1] > len(data) - MESSAGE_HEAD.size:
@@ -197,13 +197,13 @@ def _follow_index(data: BytesLike, at: Integers) -> _Found | None:
         holes.append((number + 1, int(behind[number]), int(ahead[number])))
     for before, begin, end in holes:
         try:
-            messages, found = walk(data, begin, end, _most_definitions(before) - len(others))
+            messages, definitions = walk(data, begin, end, _most_definitions(before) - len(others))
         except BagError:
             # The index may name a message within the payload of another.
             return None
         if messages:
             return None
-        others += found
+        others += definitions
     return at, heads, behind, others
 
 
@@ -229,15 +229,15 @@ def block_of(data: BytesLike, offset: int,
 
     """
     try:
-        found = _find_regular(data)
-        if found is None and (offsets := index()) is not None:
-            found = _follow_index(data, offsets)
-        if found is None:
+        layout = _find_regular(data)
+        if layout is None and (offsets := index()) is not None:
+            layout = _follow_index(data, offsets)
+        if layout is None:
             messages, others = walk(data, 0, len(data))
             at = np.array(messages, np.int64)
             heads = gather(data, MESSAGE_HEADS, at)
-            found = at, heads, at + HEAD.size + heads['length'], others
+            layout = at, heads, at + HEAD.size + heads['length'], others
     except BagError as error:
         raise BagError(f'chunk damaged: {error.problem}', offset=offset) from None
-    at, heads, behind, others = found
+    at, heads, behind, others = layout
     return Block(offset, data, at + MESSAGE_HEAD.size, behind, heads, tuple(others))

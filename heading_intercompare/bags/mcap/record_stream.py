@@ -184,7 +184,7 @@ class RecordStream:
             At the first record that cannot be read, after yielding everything before it.
 
         """
-        chunks, wanted, after_chunk = self._chunks, False, False
+        chunks, in_span, after_chunk = self._chunks, False, False
         chunks.clear()
         while at < end:
             try:
@@ -192,7 +192,7 @@ class RecordStream:
                 opcode, start, length = record
                 if opcode == Opcode.MESSAGE_INDEX:
                     self._check_index(record, after_chunk)
-                    if wanted:
+                    if in_span:
                         chunks.add_index(self._read(start + INDEX_LEAST, length - INDEX_LEAST))
                     at = start + length
                     continue
@@ -211,14 +211,14 @@ class RecordStream:
                     if heads and heads.get(at) != begun.said:
                         raise BagError(UNFIT)
                     first_ns, last_ns, _ = begun.said
-                    wanted = first_ns < stop_ns and last_ns >= start_ns
-                    if wanted and begun.is_large:
+                    in_span = first_ns < stop_ns and last_ns >= start_ns
+                    if in_span and begun.is_large:
                         if chunks:
                             yield chunks.block(), chunks.end
                             chunks.clear()
-                        wanted = False
+                        in_span = False
                         yield from self._large(begun, at)
-                    elif wanted:
+                    elif in_span:
                         chunks.take(self._file, begun)
                 except BagError as error:
                     if chunks:

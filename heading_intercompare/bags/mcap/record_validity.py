@@ -48,7 +48,7 @@ _Read = Callable[[int, int], BytesLike]
 
 
 def is_formed(read: _Read, record: Record) -> bool:
-    """Tell whether the lengths and counts of a record agree; its kind is one of those above."""
+    """Tell whether the lengths and counts of a record agree; its kind is in a table above."""
     opcode, start, length = record
     if opcode in _FIXED:
         return length == _FIXED[opcode]
@@ -58,13 +58,13 @@ def is_formed(read: _Read, record: Record) -> bool:
     if length > _SMALL_BYTES:
         return False
     try:
-        found = parse_record(SMALL[opcode], read(start, length))
+        content = parse_record(SMALL[opcode], read(start, length))
     except BagError:
         return False
     # Without counts per channel nothing could show that statistics are wrong.
-    return _written_size(found) == length and (
-        not isinstance(found, mcap.Statistics) or not found.channel_message_counts
-        or sum(found.channel_message_counts.values()) == found.message_count)
+    return _written_size(content) == length and (
+        not isinstance(content, mcap.Statistics) or not content.channel_message_counts
+        or sum(content.channel_message_counts.values()) == content.message_count)
 
 
 def is_disguised(read: _Read, record: Record) -> bool:

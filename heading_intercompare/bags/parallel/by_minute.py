@@ -29,28 +29,28 @@ __all__ = ['Window']
 _MINUTE_NS = 60_000_000_000
 
 
-def _take_rising(found: Found) -> tuple[Integers, Integers | None]:
+def _take_rising(readings: Found) -> tuple[Integers, Integers | None]:
     """
     Return log times in rising order and the rows they belong to; None for the rows as they are.
 
     Each topic stays in file order: where the clock of the recorder went back, the readings keep
     the latest time seen before.
     """
-    times_ns = found.log_time_ns
+    times_ns = readings.log_time_ns
     if (times_ns[1:] >= times_ns[:-1]).all():
         return times_ns, None
     latest_ns = times_ns.copy()
-    for place in np.unique(found.place):
-        mine = np.flatnonzero(found.place == place)
+    for place in np.unique(readings.place):
+        mine = np.flatnonzero(readings.place == place)
         latest_ns[mine] = np.maximum.accumulate(times_ns[mine])
     rows = np.argsort(latest_ns, kind='stable')
     return latest_ns[rows], rows
 
 
-def _minutes(found: Sequence[Found], first_ns: int) -> Iterator[list[slice | Integers]]:
+def _minutes(by_kind: Sequence[Found], first_ns: int) -> Iterator[list[slice | Integers]]:
     """Yield the rows of each kind, minute by minute from the first time; skip empty minutes."""
-    times_ns, rows = zip(*map(_take_rising, found))
-    done = [0] * len(found)
+    times_ns, rows = zip(*map(_take_rising, by_kind))
+    done = [0] * len(by_kind)
     while left := [int(of[lo]) for of, lo in zip(times_ns, done) if lo < len(of)]:
         end = min(left) + _MINUTE_NS - (min(left) - first_ns) % _MINUTE_NS
         until = [int(np.searchsorted(of, end)) for of in times_ns]
@@ -78,22 +78,22 @@ class Window:
         self._parts: list[tuple[np.ndarray, Headings]] = []
         self._first, self._last = 2**63, -1
 
-    def add(self, found: Sequence[Found]) -> Iterator[list[Headings]]:
+    def add(self, by_kind: Sequence[Found]) -> Iterator[list[Headings]]:
         """Take the headings of a block, by kind; yield full minutes, each with all topics."""
-        found = [each for each in found if len(each.place)]
-        if not found:
+        by_kind = [readings for readings in by_kind if len(readings.place)]
+        if not by_kind:
             return
-        first = min(int(each.log_time_ns.min()) for each in found)
-        last = max(int(each.log_time_ns.max()) for each in found)
+        first = min(int(readings.log_time_ns.min()) for readings in by_kind)
+        last = max(int(readings.log_time_ns.max()) for readings in by_kind)
         if max(last, self._last) - min(first, self._first) > _MINUTE_NS:
             yield from self.rest()
         if last - first <= _MINUTE_NS:
             self._first, self._last = min(first, self._first), max(last, self._last)
-            self._parts += [(each.place, each.headings) for each in found]
+            self._parts += [(readings.place, readings.headings) for readings in by_kind]
             return
-        for rows in _minutes(found, first):
-            yield self._split_by_topic([(each.place[which], each.headings[which])
-                                        for each, which in zip(found, rows)])
+        for rows in _minutes(by_kind, first):
+            yield self._split_by_topic([(readings.place[which], readings.headings[which])
+                                        for readings, which in zip(by_kind, rows)])
 
     def rest(self) -> Iterator[list[Headings]]:
         """Yield the headings collected so far, if any."""

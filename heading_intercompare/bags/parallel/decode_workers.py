@@ -83,14 +83,14 @@ def _size(layout: _Layout) -> int:
 
 def _put(blocks: Sequence[Decoded], memory: memoryview) -> _Layout | None:
     """Write decoded blocks into memory and return their layout; None if they do not fit."""
-    layout = [(block.messages, [len(each.place) for each in block.found],
-               [each.unreadable for each in block.found]) for block in blocks]
+    layout = [(block.messages, [len(readings.place) for readings in block.found],
+               [readings.unreadable for readings in block.found]) for block in blocks]
     if _size(layout) > len(memory):
         return None
-    found = [each for block in blocks for each in block.found]
-    for each, columns in zip(found, _places(layout)):
-        values = (each.log_time_ns, each.place, each.sequence, each.headings.stamp_ns,
-                  each.headings.heading_deg)
+    all_readings = [readings for block in blocks for readings in block.found]
+    for readings, columns in zip(all_readings, _places(layout)):
+        values = (readings.log_time_ns, readings.place, readings.sequence,
+                  readings.headings.stamp_ns, readings.headings.heading_deg)
         for value, (kind, length, at) in zip(values, columns):
             np.frombuffer(memory, kind, length, at)[:] = value
     return layout
@@ -101,13 +101,13 @@ def _take(layout: _Layout, memory: bytes) -> list[Decoded]:
     columns = _places(layout)
     blocks = []
     for count, _, unreadable in layout:
-        found = []
+        by_kind = []
         for lacking in unreadable:
             log_time_ns, place, sequence, stamp_ns, heading_deg = (
-                np.frombuffer(memory, *each) for each in next(columns))
-            found.append(Found(log_time_ns, place, sequence, Headings(stamp_ns, heading_deg),
-                               lacking))
-        blocks.append(Decoded(count, found))
+                np.frombuffer(memory, *column) for column in next(columns))
+            by_kind.append(Found(log_time_ns, place, sequence, Headings(stamp_ns, heading_deg),
+                                 lacking))
+        blocks.append(Decoded(count, by_kind))
     return blocks
 
 
@@ -118,9 +118,10 @@ def _work(decoder: Decoder, memory: mmap, connection: Connection,
     # An inherited SIGTERM handler could keep a helper alive that must end.
     signal.signal(signal.SIGTERM, signal.SIG_DFL)
     signal.pthread_sigmask(signal.SIG_UNBLOCK, {signal.SIGINT})
-    # While copies of these are open here, nobody notices that their other end has closed.
-    for each in inherited:
-        each.close()
+    # While copies of these connections are open here, nobody notices that their other end has
+    # closed.
+    for copy in inherited:
+        copy.close()
     slots = memoryview(memory)
     with decoder:
         while True:
@@ -201,7 +202,7 @@ class _Crew:
         self._helpers: list[_Helper] = []
         for _ in range(count):
             try:
-                helper = _Helper(decoder, [each.connection for each in self._helpers])
+                helper = _Helper(decoder, [helper.connection for helper in self._helpers])
             except OSError:
                 # No more processes or memory: continue with the helpers there are.
                 break
@@ -220,7 +221,7 @@ class _Crew:
 
     def ask(self, turn: int, task: Task) -> bool:
         """Give a task to a helper; False if none is free."""
-        for helper in [each for each in self._helpers if each.free]:
+        for helper in [helper for helper in self._helpers if helper.free]:
             try:
                 helper.ask(turn, task)
             except OSError:
@@ -233,7 +234,7 @@ class _Crew:
     def collect(self, timeout_s: float | None) -> None:
         """Collect finished tasks; wait up to `timeout_s` for one, None for as long as it takes."""
         ready = wait([helper.connection for helper in self._helpers], timeout_s)
-        for helper in [each for each in self._helpers if each.connection in ready]:
+        for helper in [helper for helper in self._helpers if helper.connection in ready]:
             try:
                 turn, blocks = helper.take()
             except (EOFError, OSError):

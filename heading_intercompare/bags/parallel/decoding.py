@@ -84,22 +84,23 @@ def add_unreadable(counts: Iterable[tuple[int, str]]) -> tuple[int, str]:
     return sum(n for n, _ in counts), next((problem for _, problem in counts if problem), '')
 
 
-def order_by_time(found: Found) -> Found:
+def order_by_time(readings: Found) -> Found:
     """
     Return headings with each topic in the order of its log times if more stamps rise in it.
 
-    The clock of a recorder may go back while those of the sensors go on. Then they stay as found.
+    The clock of a recorder may go back while the clocks of the sensors go on. Then the headings
+    stay as found.
     """
-    log_time_ns, stamp_ns = found.log_time_ns, found.headings.stamp_ns
+    log_time_ns, stamp_ns = readings.log_time_ns, readings.headings.stamp_ns
     if (log_time_ns[1:] >= log_time_ns[:-1]).all():
-        return found
+        return readings
     rows = np.arange(len(log_time_ns))
-    for place in np.unique(found.place):
-        mine = np.flatnonzero(found.place == place)
+    for place in np.unique(readings.place):
+        mine = np.flatnonzero(readings.place == place)
         ordered = mine[np.argsort(log_time_ns[mine], kind='stable')]
         if count_falls(stamp_ns[ordered]) < count_falls(stamp_ns[mine]):
             rows[mine] = ordered
-    return found.take(rows)
+    return readings.take(rows)
 
 
 def count_falls(stamp_ns: Integers) -> int:
@@ -156,7 +157,7 @@ def _find_headings(block: Block, kind: Kind, place_of: np.ndarray,
 def _decode(block: Block, kind: Kind, which: slice | Integers, log_time_ns: Integers,
             strange: Mapping[int, str]) -> tuple[Headings, tuple[int, str]]:
     """
-    Return the readings in some messages of a block; count the unreadable ones, and say why.
+    Return the readings in some messages of a block; count the unreadable messages, and say why.
 
     An unreadable message is an invalid reading at its log time, which is all that is known of it.
     """
@@ -165,17 +166,17 @@ def _decode(block: Block, kind: Kind, which: slice | Integers, log_time_ns: Inte
         data, start, stop = unpack_payloads(data, start, stop)
     decode = partial(decode_headings, kind.type_name, kind.convention, data)
     if not strange:
-        found, readable, problem = decode_readable(decode, start, stop)
+        headings, readable, problem = decode_readable(decode, start, stop)
         if not problem:
-            return found, (0, '')
+            return headings, (0, '')
     else:
         readable = ~np.isin(block.heads['channel'][which], [*strange])
-        found, within, problem = decode_readable(decode, start[readable], stop[readable])
+        headings, within, problem = decode_readable(decode, start[readable], stop[readable])
         if not readable.all():
             problem = problem or next(iter(strange.values()))
         readable[readable] = within
     stamp_ns, heading_deg = log_time_ns.copy(), np.full(len(log_time_ns), np.nan)
-    stamp_ns[readable], heading_deg[readable] = found.stamp_ns, found.heading_deg
+    stamp_ns[readable], heading_deg[readable] = headings.stamp_ns, headings.heading_deg
     return Headings(stamp_ns, heading_deg), (int((~readable).sum()), problem)
 
 
@@ -233,7 +234,7 @@ class Decoder:
         """
         part = self.parts[number]
         for block in part.blocks_of(self._open(number), begin, end):
-            yield Decoded(len(block.start), [_find_headings(block, *each) for each in zip(
+            yield Decoded(len(block.start), [_find_headings(block, *kind) for kind in zip(
                 self._kinds, self._places, self._strange)])
 
     def stretch(self, number: int, stretch: Stretch) -> list[Decoded] | None:

@@ -127,11 +127,11 @@ def rises_by_time(decoder: Decoder, pieces: Iterable[Piece]) -> bool:
     """
     seen: dict[int, list[tuple[Integers, Integers]]] = {}
     for piece in pieces:
-        for each in (found for block in _read(decoder, piece) for found in block.found):
-            for place in np.unique(each.place).tolist():
-                mine = np.flatnonzero(each.place == place)[::_SAMPLED]
-                seen.setdefault(place, []).append((each.log_time_ns[mine],
-                                                   each.headings.stamp_ns[mine]))
+        for readings in (readings for block in _read(decoder, piece) for readings in block.found):
+            for place in np.unique(readings.place).tolist():
+                mine = np.flatnonzero(readings.place == place)[::_SAMPLED]
+                seen.setdefault(place, []).append((readings.log_time_ns[mine],
+                                                   readings.headings.stamp_ns[mine]))
     files = by_time = 0
     for samples in seen.values():
         log_time_ns, stamp_ns = (np.concatenate(column) for column in zip(*samples))
@@ -171,7 +171,7 @@ def read_by_time(decoder: Decoder, pieces: Iterable[Piece],
     """
     Yield the readings of pieces in the order of their log times.
 
-    Readings wait until no later piece can hold an earlier one. If a million wait, the earlier
+    Readings wait until no later piece can hold an earlier reading. If a million wait, the earlier
     half is yielded all the same, so memory stays bounded.
 
     Parameters
@@ -197,7 +197,8 @@ def read_by_time(decoder: Decoder, pieces: Iterable[Piece],
             waiting.append(block.found)
             fresh += _count_rows(block.found)
             if held + fresh > _MOST_WAITING:
-                middle = np.concatenate([each.log_time_ns for found in waiting for each in found])
+                middle = np.concatenate([
+                    readings.log_time_ns for by_kind in waiting for readings in by_kind])
                 released, waiting = _release(waiting, int(np.median(middle)) + 1)
                 held, fresh = sum(map(_count_rows, waiting)), 0
                 yield Decoded(0, released)
@@ -208,18 +209,18 @@ def read_by_time(decoder: Decoder, pieces: Iterable[Piece],
             yield Decoded(0, released)
 
 
-def _count_rows(found: Iterable[Found]) -> int:
-    return sum(len(each.place) for each in found)
+def _count_rows(by_kind: Iterable[Found]) -> int:
+    return sum(len(readings.place) for readings in by_kind)
 
 
 def _release(waiting: Sequence[Sequence[Found]],
              limit_ns: int) -> tuple[list[Found], list[list[Found]]]:
-    """Return the readings before a log time, in order, and the others."""
-    released, kept = [], []
+    """Return the readings before a log time, in order, and the later readings."""
+    released, pending = [], []
     for blocks in zip(*waiting):
-        found = Found.concatenate(blocks)
-        early = found.log_time_ns < limit_ns
+        readings = Found.concatenate(blocks)
+        early = readings.log_time_ns < limit_ns
         rows = np.flatnonzero(early)
-        released.append(found.take(rows[np.argsort(found.log_time_ns[rows], kind='stable')]))
-        kept.append(found.take(np.flatnonzero(~early))._replace(unreadable=(0, '')))
-    return released, [kept] if any(len(each.place) for each in kept) else []
+        released.append(readings.take(rows[np.argsort(readings.log_time_ns[rows], kind='stable')]))
+        pending.append(readings.take(np.flatnonzero(~early))._replace(unreadable=(0, '')))
+    return released, [pending] if any(len(readings.place) for readings in pending) else []

@@ -76,20 +76,20 @@ class BagLosses:
 
         """
         problems: list[str] = []
-        told: dict[str, list[str]] = {}
+        sensors: dict[str, list[str]] = {}
         for topic, sensor in self._sensors.items():
             name = lost_topic(self._reader.resolve(topic))
             info = self._reader.topics.get(name)
             if info is not None and info.count and info.type_name == STATUS_TYPE:
-                told.setdefault(name, []).append(sensor)
-        for message in self._reader.messages(told) if told else ():
+                sensors.setdefault(name, []).append(sensor)
+        for message in self._reader.messages(sensors) if sensors else ():
             try:
-                found = decode_losses(message.data)
+                losses_by_cause = decode_losses(message.data)
             except ValueError as error:
                 problems.append(f'topic {message.topic}: {error}')
                 continue
-            for sensor in told[message.topic]:
-                for lost_as, losses in found.items():
+            for sensor in sensors[message.topic]:
+                for lost_as, losses in losses_by_cause.items():
                     self._count(sensor, LedgerKey.of_told('ts', lost_as), losses)
 
         words = f'{len(problems)} messages about losses cannot be read; the first: '
@@ -101,9 +101,9 @@ class BagLosses:
         record = self._reader.metadata().get(RECORDING, {})
         for topic, sensor in self._sensors.items():
             name = self._reader.resolve(topic)
-            told = sum(decimal(record.get(f'{kind}.{name}', '')) or 0
-                       for kind in ('lost_on_the_way', 'not_written'))
-            rest = told - self._by_numbers[topic]
+            n_missed = sum(decimal(record.get(f'{kind}.{name}', '')) or 0
+                           for kind in ('lost_on_the_way', 'not_written'))
+            rest = n_missed - self._by_numbers[topic]
             if rest > 0 and newest_ns is not None:
                 # After all readings, so in no run.
                 self._count(sensor, LedgerKey.of_lost('ts', 'on_the_way'),

@@ -97,14 +97,14 @@ class Kept:
     @property
     def newest(self) -> LedgerMessage | None:
         """Return the last ledger of the last start; None before the first."""
-        return max(self.ledgers.values(), key=lambda one: one.started_ns, default=None)
+        return max(self.ledgers.values(), key=lambda message: message.started_ns, default=None)
 
     def sum_ledgers(self) -> Incarnations:
         """Return the ledgers of all starts of the synchronizer, to be added up."""
-        made = Incarnations()
+        incarnations = Incarnations()
         for message in self.ledgers.values():
-            made.take(*message)
-        return made
+            incarnations.take(*message)
+        return incarnations
 
 
 @dataclass(frozen=True, slots=True)
@@ -214,10 +214,11 @@ def read_state(records: Sequence[Record]) -> tuple[KeptState | None, set[tuple[s
     return state, marks
 
 
-def compare_settings(one: Mapping[str, Any] | None, other: Mapping[str, Any]) -> str:
+def compare_settings(settings: Mapping[str, Any] | None, reference: Mapping[str, Any]) -> str:
     """Return the names of the settings that differ, the first three by name; '' if none do."""
-    one = one or {}
-    names = [name for name in {**other, **one} if one.get(name) != other.get(name)]
+    settings = settings or {}
+    names = [name for name in {**reference, **settings}
+             if settings.get(name) != reference.get(name)]
     more = f' and {len(names) - 3} more' if len(names) > 3 else ''
     return f'{", ".join(names[:3])}{more}'
 
@@ -230,7 +231,7 @@ class JournalReader:
     ----------
     path : Path
         Name of the journal, for errors.
-    kept : Kept, optional
+    summary : Kept, optional
         Takes what the journal says besides the pairs.
 
     Attributes
@@ -241,9 +242,9 @@ class JournalReader:
 
     """
 
-    def __init__(self, path: Path, kept: Kept | None = None) -> None:
+    def __init__(self, path: Path, summary: Kept | None = None) -> None:
         self._path = path
-        self.kept = Kept() if kept is None else kept
+        self.kept = Kept() if summary is None else summary
         self.rows: dict[int, list[Any]] = {}
         self._waiting: list[Pairs] = []
         self._n_waiting = 0
@@ -298,18 +299,18 @@ class JournalReader:
             self.kept.dropped += json.loads(data)
 
     def _take_pairs(self, data: bytes) -> Pairs:
-        kept = self.kept
+        summary = self.kept
         with _decoding(self._path):
             size, = LENGTH.unpack_from(data)
             at = LENGTH.size + size
-            kept.numbers = {name: (first, last, missing) for name, (first, last, missing)
-                            in json.loads(data[LENGTH.size:at]).items()}
+            summary.numbers = {name: (first, last, missing) for name, (first, last, missing)
+                               in json.loads(data[LENGTH.size:at]).items()}
             pairs = decode_columns(data[at:], Pairs)
         if len(pairs):
-            kept.n_pairs += len(pairs)
-            kept.newest_ns = int(pairs.stamp_ns[-1])
-            if kept.start_ns is None:
-                kept.start_ns = int(pairs.stamp_ns[0])
+            summary.n_pairs += len(pairs)
+            summary.newest_ns = int(pairs.stamp_ns[-1])
+            if summary.start_ns is None:
+                summary.start_ns = int(pairs.stamp_ns[0])
         return pairs
 
     def _take_motion(self, data: bytes) -> Motion:
@@ -326,18 +327,18 @@ class JournalReader:
         self.rows[started_ns] = rows
         ledger = Ledger.from_segments(
             [LedgerSegment(start_ns, counts) for start_ns, counts in rows], plain['newest_ns'],
-            [SetBack(*one) for one in plain['set_backs']])
-        numbers = {stream: StreamNumbers(*one) for stream, one in plain['numbers'].items()}
+            [SetBack(*set_back) for set_back in plain['set_backs']])
+        numbers = {stream: StreamNumbers(*fields) for stream, fields in plain['numbers'].items()}
         self.kept.book(LedgerMessage(ledger, plain['final'], started_ns, numbers))
 
 
-def describe_gaps(kept: Kept, torn: int) -> Iterator[str]:
+def describe_gaps(summary: Kept, torn: int) -> Iterator[str]:
     """
     Yield, in plain sentences, what is missing from a journal.
 
     Parameters
     ----------
-    kept : Kept
+    summary : Kept
         Of the journal.
     torn : int
         Its last bytes, of a record that was cut.
@@ -346,15 +347,15 @@ def describe_gaps(kept: Kept, torn: int) -> Iterator[str]:
     if torn:
         yield (f'its last {torn} bytes are of a record that was cut, or is being written: its '
                'pairs, mark or ledger are missing')
-    numbers = [*kept.numbers.values()]
+    numbers = [*summary.numbers.values()]
     before = sum(max(0, (first or 1) - 1) for first, _, _ in numbers)
     if before:
         yield f'{before} pairs were published before the node that kept it started'
-    if missing := sum(one for _, _, one in numbers):
+    if missing := sum(n_missing for _, _, n_missing in numbers):
         yield f'{missing} pairs never came to that node: lost on the way, or while it was down'
-    if kept.dropped:
-        yield f'{kept.dropped} records could not be written into it'
-    ledgers = kept.sum_ledgers()
+    if summary.dropped:
+        yield f'{summary.dropped} records could not be written into it'
+    ledgers = summary.sum_ledgers()
     yield from ledgers.problems()
     last = numbers[-1][1] if numbers else 0
     if not len(ledgers):
@@ -363,5 +364,6 @@ def describe_gaps(kept: Kept, torn: int) -> Iterator[str]:
         yield f'its last ledger counts {ledgers.paired} of the {last} pairs published so far'
     elif ledgers.paired > last:
         yield f'{ledgers.paired - last} pairs that its last ledger counts are not in it'
-    if kept.newest_ns is not None:
-        yield f'it ends with the pair of {utc(kept.newest_ns)} UTC: what came later is not in it'
+    if summary.newest_ns is not None:
+        yield (f'it ends with the pair of {utc(summary.newest_ns)} UTC: what came later is not '
+               'in it')

@@ -52,7 +52,7 @@ _LONGEST = 500
 _WORDS = {level: word.upper() for word, level in LEVELS.items()}
 
 
-class _Said(NamedTuple):
+class _LastState(NamedTuple):
     """A state, when it was last heard, and when a message with it was last kept."""
 
     level: int
@@ -82,7 +82,7 @@ class PartStates:
 
     def __init__(self, period_s: float = 0.0) -> None:
         self._period_ns, self.kept = round(period_s * 1e9), period_s > 0.0
-        self._parts: dict[str, _Said] = {}
+        self._parts: dict[str, _LastState] = {}
         self._cut: set[str] = set()
 
     @property
@@ -101,17 +101,17 @@ class PartStates:
             _, statuses = decode_statuses(data)
         except MessageError:
             return True
-        cut = {one.name[:_LONGEST] for one in statuses
-               if max(len(one.name), len(one.message)) > _LONGEST}
-        statuses = [replace(one, name=one.name[:_LONGEST], message=one.message[:_LONGEST])
-                    for one in statuses]
+        cut = {status.name[:_LONGEST] for status in statuses
+               if max(len(status.name), len(status.message)) > _LONGEST}
+        statuses = [replace(status, name=status.name[:_LONGEST], message=status.message[:_LONGEST])
+                    for status in statuses]
         keep = any(self._is_due(status, now_ns) for status in statuses)
-        for one in statuses:
-            before = self._parts.get(one.name)
+        for status in statuses:
+            before = self._parts.get(status.name)
             if before is None and len(self._parts) >= _MOST:
                 continue
             kept_ns = now_ns if keep or before is None else before.kept_ns
-            self._parts[one.name] = _Said(one.level, one.message, now_ns, kept_ns)
+            self._parts[status.name] = _LastState(status.level, status.message, now_ns, kept_ns)
         self._cut |= cut & self._parts.keys()
         return keep
 
@@ -122,9 +122,9 @@ class PartStates:
 
     def record(self) -> dict[str, str]:
         """Return the last state of each part in words, with the time at which it was said."""
-        return {name: f'{utc(said.heard_ns)} UTC  {_WORDS.get(said.level, "STALE"):5}  '
-                      f'{" ".join(said.message.split())}'
-                for name, said in sorted(self._parts.items())}
+        return {name: f'{utc(state.heard_ns)} UTC  {_WORDS.get(state.level, "STALE"):5}  '
+                      f'{" ".join(state.message.split())}'
+                for name, state in sorted(self._parts.items())}
 
 
 def read_states(bag: BagReader) -> Mapping[str, str]:
@@ -140,9 +140,9 @@ def read_states(bag: BagReader) -> Mapping[str, str]:
         If the bag cannot be read.
 
     """
-    found = bag.metadata().get(STATES)
-    if found is not None:
-        return found
+    record = bag.metadata().get(STATES)
+    if record is not None:
+        return record
     info = bag.topics.get(DIAGNOSTICS_TOPIC)
     states = PartStates()
     if info is not None and info.count and info.type_name == STATUS_TYPE:

@@ -49,8 +49,9 @@ class PublishedHeadings:
                      + total.counts.get(LedgerKey.of_lost(stream, 'on_the_way'), 0))
             for stream in ('ts', 'rs')}
         if newest.started_ns == max(self._newest):
-            self._spans = {stream: (one.first or None, one.last or None if newest.final else None)
-                           for stream, one in newest.numbers.items()}
+            self._spans = {
+                stream: (numbers.first or None, numbers.last or None if newest.final else None)
+                for stream, numbers in newest.numbers.items()}
 
     def find_span(self, stream: str) -> tuple[int | None, int | None]:
         """

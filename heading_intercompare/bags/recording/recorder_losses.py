@@ -82,11 +82,11 @@ def tell_missing(record: Mapping[str, object]) -> str:
 
 
 def loss_words(record: Mapping[str, object]) -> str:
-    """Return, in words, the messages missing from the bag, also those that never arrived."""
+    """Return, in words, the messages missing from the bag, also messages that never arrived."""
     parts = ((_total(record, 'lost_on_the_way'), 'lost on the way'),
              (_total(record, 'missed_at_first'), 'judged before the first one came'))
-    said = (f'{count_words(count, "message")} {what}' for count, what in parts if count)
-    return ', '.join(filter(None, (tell_missing(record), *said)))
+    phrases = (f'{count_words(count, "message")} {what}' for count, what in parts if count)
+    return ', '.join(filter(None, (tell_missing(record), *phrases)))
 
 
 def bag_state(bag: Recording, path: str) -> tuple[int, str]:

@@ -149,10 +149,10 @@ class Recording:
         for name, mapping in list(self._owed.items()):
             if self._attempt(self._bag.metadata, name, mapping):
                 del self._owed[name]
-        for one in self._attached:
-            if (one.file is None or not one.file.exists()) and self._attempt(
-                    self._bag.attachment, one.name, one.media_type, one.data):
-                one.file = self._bag.file
+        for attachment in self._attached:
+            if (attachment.file is None or not attachment.file.exists()) and self._attempt(
+                    self._bag.attachment, attachment.name, attachment.media_type, attachment.data):
+                attachment.file = self._bag.file
 
     def write(self, topic: str, data: bytes, log_time_ns: int, publish_time_ns: int,
               sequence: int) -> None:

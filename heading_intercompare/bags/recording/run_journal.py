@@ -182,8 +182,8 @@ class RunJournal:
     def _pack_ledger(self, message: LedgerMessage, whole: bool = False) -> bytes:
         """Return a ledger; only the segments from the first that has changed, unless `whole`."""
         ledger, final, started_ns, numbers = message
-        rows = [[one.start_ns, {key.value: n for key, n in one.counts.items()}]
-                for one in ledger.segments]
+        rows = [[segment.start_ns, {key.value: n for key, n in segment.counts.items()}]
+                for segment in ledger.segments]
         before = [] if whole else self._written.get(started_ns, [])
         at = 0
         while at < min(len(rows), len(before)) and rows[at] == before[at]:
@@ -191,8 +191,8 @@ class RunJournal:
         self._written[started_ns] = rows
         return _text({'started_ns': started_ns, 'final': final, 'numbers': numbers,
                       'newest_ns': ledger.newest_ns,
-                      'set_backs': [[one.stream, one.stamp_ns, one.size_ns]
-                                    for steps in ledger.set_backs.values() for one in steps],
+                      'set_backs': [[step.stream, step.stamp_ns, step.size_ns]
+                                    for steps in ledger.set_backs.values() for step in steps],
                       'at': at, 'segments': rows[at:]})
 
     def add(self, pairs: Pairs, numbers: Numbers) -> None:
@@ -205,9 +205,9 @@ class RunJournal:
         """Keep motion of the ship, before it is judged."""
         if len(motion):
             self._moved.append(motion)
-            newest, known = find_newest(motion), self.kept.motion_ns
-            self.kept.motion_ns = {what: max(newest.get(what, 0), known.get(what, 0))
-                                   for what in {**known, **newest}}
+            newest, motion_ns = find_newest(motion), self.kept.motion_ns
+            self.kept.motion_ns = {what: max(newest.get(what, 0), motion_ns.get(what, 0))
+                                   for what in {**motion_ns, **newest}}
 
     def mark(self, kind: str, stamp_ns: int) -> None:
         """Keep a mark, before it takes effect; the next `tick` writes it."""

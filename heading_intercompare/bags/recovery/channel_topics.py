@@ -72,11 +72,12 @@ class Definitions:
             definition = parse_record(kind, content, any_text=checked)
         except BagError:
             return
-        known = (self._checked if checked else self._others).setdefault(key, definition)
-        if checked and _meaning(known) != _meaning(definition):
+        first_definition = (self._checked if checked else self._others).setdefault(key, definition)
+        if checked and _meaning(first_definition) != _meaning(definition):
             what = 'schema' if opcode == Opcode.SCHEMA else 'channel'
-            self._contradicted[key] = (f'{what} {key[1]} is both {_meaning(known)[0]} and '
-                                       f'{_meaning(definition)[0]}')
+            self._contradicted[key] = (
+                f'{what} {key[1]} is both {_meaning(first_definition)[0]} and '
+                f'{_meaning(definition)[0]}')
 
     def topic(self, number: int) -> tuple[mcap.Channel, mcap.Schema] | None:
         """Return channel and schema of a number; None if lost, contradicted or not of ROS 2."""

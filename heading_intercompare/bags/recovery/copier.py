@@ -96,7 +96,7 @@ class Transfer:
         self.counts: dict[str, int] = {}
         self.refused = 0
 
-    def copy(self, found: Inventory, progress: Callable[[str], None]) -> None:
+    def copy(self, inventory: Inventory, progress: Callable[[str], None]) -> None:
         """
         Copy the intact records of a file.
 
@@ -108,34 +108,34 @@ class Transfer:
             If the file has changed since the inventory.
 
         """
-        numbers = {key: self._add_topic(found, *key) for key in sorted(found.counts)}
-        with open_with_holes(found.path, found.holes) as file:
-            copying = _Copying(file, found, self._bag, numbers)
-            for piece in found.pieces:
+        numbers = {key: self._add_topic(inventory, *key) for key in sorted(inventory.counts)}
+        with open_with_holes(inventory.path, inventory.holes) as file:
+            copying = _Copying(file, inventory, self._bag, numbers)
+            for piece in inventory.pieces:
                 if piece.kind == Kind.EXTRA:
-                    self._copy_extra(found, file, piece.chunk)
+                    self._copy_extra(inventory, file, piece.chunk)
                 elif piece.kind == Kind.CHUNK:
                     copying.take(piece, self._compression, self._singly)
                 elif piece.kind == Kind.LARGE:
                     copying.take_large(piece)
                 else:
                     copying.take_part(piece)
-                progress(f'{piece.chunk.end / found.size:.0%} copied')
+                progress(f'{piece.chunk.end / inventory.size:.0%} copied')
             copying.flush()
-        self._leave_out(found, copying.refused)
+        self._leave_out(inventory, copying.refused)
 
-    def _leave_out(self, found: Inventory, refused: Mapping[int, int]) -> None:
+    def _leave_out(self, inventory: Inventory, refused: Mapping[int, int]) -> None:
         """Take messages that are not in the new bag from the counts."""
         for number, count in refused.items():
             self.counts[self._names[number]] -= count
             self.refused += count
         if refused:
-            self._note(found, f'{sum(refused.values())} messages cannot be decompressed, or claim '
-                       f'more than {MOST_BYTES} bytes')
+            self._note(inventory, f'{sum(refused.values())} messages cannot be decompressed, or '
+                       f'claim more than {MOST_BYTES} bytes')
 
-    def _add_topic(self, found: Inventory, section: int, number: int) -> int:
+    def _add_topic(self, inventory: Inventory, section: int, number: int) -> int:
         """Add the topic of a channel to the new bag; return its number there, -1 without topic."""
-        definition = found.topic(section, number)
+        definition = inventory.topic(section, number)
         if definition is None:
             return -1
         channel, schema = definition
@@ -145,10 +145,10 @@ class Transfer:
             # A rosbag2 cannot hold one topic with two types: keep both, rename the second.
             name = f'{name}_{kind.rpartition("/")[2].lower()}'
         if name != topic:
-            self._note(found, f'{topic} is also {kind}: kept as {name}')
+            self._note(inventory, f'{topic} is also {kind}: kept as {name}')
         elif self._types[name][1] != schema.data:
-            self._note(found, f'{topic}: {kind} is defined in two ways; the first is kept')
-        self.counts[name] = self.counts.get(name, 0) + found.counts[section, number]
+            self._note(inventory, f'{topic}: {kind} is defined in two ways; the first is kept')
+        self.counts[name] = self.counts.get(name, 0) + inventory.counts[section, number]
         new = self._bag.add_topic(
             name, kind, Qos.of_yaml(channel.metadata.get('offered_qos_profiles', '')),
             schema=Schema(kind, schema.data.decode(errors='replace'),
@@ -157,15 +157,15 @@ class Transfer:
         self._names[new] = name
         return new
 
-    def _copy_extra(self, found: Inventory, file: BufferedIOBase, place: Chunk) -> None:
+    def _copy_extra(self, inventory: Inventory, file: BufferedIOBase, place: Chunk) -> None:
         try:
             data = bytearray(place.end - place.start)
         except MemoryError:
-            self._note(found, f'bytes {place.start} to {place.end}: do not fit into memory')
+            self._note(inventory, f'bytes {place.start} to {place.end}: do not fit into memory')
             return
         file.seek(place.start)
         if file.readinto(data) < len(data):
-            raise _blame_change(found)
+            raise _blame_change(inventory)
         if data[0] == Opcode.ATTACHMENT:
             self._bag.chunks.append_attachment(data)
         else:
@@ -173,20 +173,20 @@ class Transfer:
             self._bag.metadata(metadata.name, metadata.metadata)
 
 
-def _blame_change(found: Inventory) -> BagError:
-    return BagError('has changed while it was read', found.path)
+def _blame_change(inventory: Inventory) -> BagError:
+    return BagError('has changed while it was read', inventory.path)
 
 
 class _Copying:
     """The copying of one file."""
 
-    def __init__(self, file: BufferedIOBase, found: Inventory, bag: BagWriter,
+    def __init__(self, file: BufferedIOBase, inventory: Inventory, bag: BagWriter,
                  numbers: dict[tuple[int, int], int]) -> None:
         self._file = file
-        self._found = found
+        self._inventory = inventory
         self._bag = bag
         self._numbers = numbers
-        self.salvage = Salvage(file, found.unproven > 0)
+        self.salvage = Salvage(file, inventory.unproven > 0)
         self._runs = ChunkRuns(self._read, self.salvage.size)
         self._same: dict[object, bool] = {}
         self._tables: tuple[int, Integers] = (-1, np.empty(0, np.int64))
@@ -257,7 +257,7 @@ class _Copying:
         while gathered and at < gathered[-1].index_end:
             run = self._runs.run(at, gathered[-1].index_end)
             if run is None:
-                raise _blame_change(self._found)
+                raise _blame_change(self._inventory)
             self._write(run.block, self._section)
             at = run.chunks[-1].index_end
 
@@ -271,7 +271,7 @@ class _Copying:
         passed = memoryview(self._memory)[:end - start]
         self._file.seek(start)
         if self._file.readinto(passed) < len(passed):
-            raise _blame_change(self._found)
+            raise _blame_change(self._inventory)
         for chunk in chunks:
             passed[chunk.start - start] = Opcode.CHUNK
             CHUNK_HEAD.pack_into(passed, chunk.start - start + HEAD.size, chunk.first_ns,
@@ -280,7 +280,7 @@ class _Copying:
         if not chunks[0].indexed:
             run = self._runs.run(start, chunks[0].end)
             if run is None:
-                raise _blame_change(self._found)
+                raise _blame_change(self._inventory)
             data = b''.join((passed, _indexes(run, chunks[0])))
         self._bag.chunks.append(data, chunks)
         self._bag.split_if_due()
@@ -296,46 +296,46 @@ class _Copying:
             data = self._read(at, end - at)
             block = block_of(data, at) if len(data) == end - at else None
         if block is None:
-            raise _blame_change(self._found)
+            raise _blame_change(self._inventory)
         self._write(block, piece.section)
 
     def take_large(self, piece: Piece) -> None:
         """Take a chunk that is too large to decompress at once; it becomes several."""
         self.flush()
         at, base = piece.chunk.start, 0
-        for block in read_blocks(self._file, at, piece.chunk.end, self._found.large[at]):
+        for block in read_blocks(self._file, at, piece.chunk.end, self._inventory.large[at]):
             self._write(block, piece.section)
             base += len(block.data)
         if base != piece.chunk.size:
-            raise _blame_change(self._found)
+            raise _blame_change(self._inventory)
 
     def _table(self, section: int) -> Integers:
         """Return the number in the new bag of each channel of a section, -1 for none."""
         if self._tables[0] != section:
             table = np.full(_CHANNELS, -1, np.int64)
-            for (each, number), new in self._numbers.items():
-                if each == section:
+            for (channel_section, number), new in self._numbers.items():
+                if channel_section == section:
                     table[number] = new
             self._tables = section, table
         return self._tables[1]
 
     def _write(self, block: Block, section: int) -> None:
-        """Write the wanted messages of a block, in order."""
+        """Write the messages of a block that have a topic and a time, in order."""
         at = block.start - MESSAGE_HEAD.size
         channel = block.heads['channel'].astype(np.int64)
         log, publish = block.heads['log_time'].copy(), block.heads['publish_time'].copy()
         new = self._table(section)[channel]
-        wanted = (new >= 0) & (log >= 0)
+        writable = (new >= 0) & (log >= 0)
         data: BytesLike = block.data
-        if (new != channel)[wanted].any() or (publish < 0)[wanted].any():
+        if (new != channel)[writable].any() or (publish < 0)[writable].any():
             data = bytearray(data)
             every = np.frombuffer(data, np.uint8)
-            every[at[wanted] + _CHANNEL_AT] = new[wanted] & 255
-            every[at[wanted] + _CHANNEL_AT + 1] = new[wanted] >> 8
-            unsent = at[wanted & (publish < 0)]
+            every[at[writable] + _CHANNEL_AT] = new[writable] & 255
+            every[at[writable] + _CHANNEL_AT + 1] = new[writable] >> 8
+            unsent = at[writable & (publish < 0)]
             for byte in range(_PUBLISH_AT - _LOG_AT):
                 every[unsent + _PUBLISH_AT + byte] = every[unsent + _LOG_AT + byte]
-        columns = data, at[wanted], block.stop[wanted], new[wanted], log[wanted]
+        columns = data, at[writable], block.stop[writable], new[writable], log[writable]
         packed = is_packed(block.data, block.start)
         for records in self._unpack(*columns) if packed else (Records(*columns),):
             lo = 0
@@ -347,8 +347,8 @@ class _Copying:
 
     def _unpack(self, data: BytesLike, start: Integers, stop: Integers, channel: Integers,
                 log_time_ns: Integers) -> Iterator[Records]:
-        """Yield records with payloads decompressed, in pieces; count those that cannot be."""
-        kept: list[int] = []
+        """Yield records with payloads decompressed, in pieces; count payloads that cannot be."""
+        rows: list[int] = []
         records: list[bytes] = []
         size = 0
         for number, (lo, hi) in enumerate(zip(start.tolist(), stop.tolist())):
@@ -361,13 +361,13 @@ class _Copying:
                 length = MESSAGE_HEAD.size - HEAD.size + len(payload)
                 head = HEAD.pack(Opcode.MESSAGE, length) + bytes(data[lo + HEAD.size:begin])
                 records.append(head + payload)
-                kept.append(number)
+                rows.append(number)
                 size += len(records[-1])
             if records and (size > _GATHERED_BYTES or number == len(start) - 1):
                 ends = np.cumsum([0, *map(len, records)], dtype=np.int64)
-                yield Records(b''.join(records), ends[:-1], ends[1:], channel[kept],
-                              log_time_ns[kept])
-                kept, records, size = [], [], 0
+                yield Records(b''.join(records), ends[:-1], ends[1:], channel[rows],
+                              log_time_ns[rows])
+                rows, records, size = [], [], 0
 
 
 def _indexes(run: ChunkRun, chunk: Chunk) -> bytes:

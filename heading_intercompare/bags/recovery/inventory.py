@@ -226,8 +226,8 @@ class Inventory:
         if len(self.indexed) != len(chunks) or len(self.sections) > 1:
             # Something is missing, which is said elsewhere.
             return 0
-        said = {row.begin: (row.first_ns, row.last_ns, row.size) for row in self.indexed}
-        return sum(said.get(chunk.start, ()) != (chunk.first_ns, chunk.last_ns, chunk.size)
+        entries = {row.begin: (row.first_ns, row.last_ns, row.size) for row in self.indexed}
+        return sum(entries.get(chunk.start, ()) != (chunk.first_ns, chunk.last_ns, chunk.size)
                    for chunk in chunks)
 
     @property
@@ -282,93 +282,93 @@ def take_inventory(path: Path, progress: Callable[[str], None],
         If the file cannot be read.
 
     """
-    found = Inventory(path)
+    inventory = Inventory(path)
     #: For a damaged chunk: messages that its indexes name, and messages of it that can be read.
-    named, kept = 0, 0
+    named, readable = 0, 0
     #: Whether message indexes here belong to a damaged chunk; None: no chunk precedes them.
     indexing: bool | None = None
-    with open_with_holes(path, found.holes) as file:
+    with open_with_holes(path, inventory.holes) as file:
         salvage = Salvage(file, unproven)
-        found.size = salvage.size
+        inventory.size = salvage.size
         for item in salvage.scan():
             if isinstance(item, Sound) and item.record.opcode == Opcode.MESSAGE_INDEX:
                 names = (item.record.length - INDEX_LEAST) // ENTRY_BYTES
                 if names and indexing is None:
                     at, indexing = item.record.start - HEAD.size, True
-                    found.damage.append(Damage(at, at, 'the chunk before its message indexes is '
-                                               'missing', True, 0))
+                    inventory.damage.append(Damage(at, at, 'the chunk before its message indexes '
+                                                   'is missing', True, 0))
                 named += names if indexing else 0
                 continue
-            found.sections[-1].indexed += max(named - kept, 0)
-            named, kept, indexing = 0, 0, None
+            inventory.sections[-1].indexed += max(named - readable, 0)
+            named, readable, indexing = 0, 0, None
             if isinstance(item, Gap):
-                found.damage.append(Damage(item.start, item.end, item.fault, item.chunk,
-                                           item.end - item.start))
+                inventory.damage.append(Damage(item.start, item.end, item.fault, item.chunk,
+                                               item.end - item.start))
                 indexing = item.chunk
                 continue
             if item.record.opcode == Opcode.CHUNK:
                 indexing = False
             if item.fault:
-                found.damage.append(Damage(item.record.start - HEAD.size, item.end, item.fault,
-                                           True, item.lost))
+                inventory.damage.append(Damage(item.record.start - HEAD.size, item.end, item.fault,
+                                               True, item.lost))
                 indexing = True
-                kept = (item.large.messages if item.large else
-                        len(item.block.start) if item.block else 0)
-                found.unproven += kept if item.unproven else 0
-            _take(found, item, salvage, file)
+                readable = (item.large.messages if item.large else
+                            len(item.block.start) if item.block else 0)
+                inventory.unproven += readable if item.unproven else 0
+            _take(inventory, item, salvage, file)
             if item.block is not None or item.large is not None:
                 progress(f'{item.end / salvage.size:.0%} examined')
         if salvage.chunked:
-            found.withdraw()
-    found.sections[-1].indexed += max(named - kept, 0)
-    return found
+            inventory.withdraw()
+    inventory.sections[-1].indexed += max(named - readable, 0)
+    return inventory
 
 
-def _take(found: Inventory, item: Sound, salvage: Salvage, file: BufferedIOBase) -> None:
+def _take(inventory: Inventory, item: Sound, salvage: Salvage, file: BufferedIOBase) -> None:
     opcode = item.record.opcode
     if item.begins:
         # Only a header just after magic bytes begins another file; elsewhere the file was torn.
-        if found.begun:
-            found.sections.append(Section())
-        found.begun = True
-    if item.record.opcode == Opcode.CHUNK and found.doubtful:
-        found.withdraw()
+        if inventory.begun:
+            inventory.sections.append(Section())
+        inventory.begun = True
+    if item.record.opcode == Opcode.CHUNK and inventory.doubtful:
+        inventory.withdraw()
     if item.run is not None:
-        _take_run(found, item.run)
+        _take_run(inventory, item.run)
     elif item.large is not None:
-        _take_large(found, item.record.start - HEAD.size, item.end, item.large, file)
+        _take_large(inventory, item.record.start - HEAD.size, item.end, item.large, file)
     elif item.block is not None:
         kind = Kind.FRAGMENT if opcode == Opcode.CHUNK else Kind.BARE
-        found.chunks += kind == Kind.FRAGMENT
-        _define(found, item.block, slice(None), False)
+        inventory.chunks += kind == Kind.FRAGMENT
+        _define(inventory, item.block, slice(None), False)
         log = item.block.heads['log_time'].copy()
         counts = count_messages(item.block.heads['channel'][log >= 0])
-        found.sections[-1].untimed += int((log < 0).sum())
-        found.count(found.section, counts)
+        inventory.sections[-1].untimed += int((log < 0).sum())
+        inventory.count(inventory.section, counts)
         if counts:
             row = _make_row(item.record.start - HEAD.size, item.end, counts)
-            if kind == Kind.BARE and found.damage and not found.chunks:
-                found.doubtful.append((len(found.pieces), found.section, row))
-            found.pieces.add(kind, found.section, row)
+            if kind == Kind.BARE and inventory.damage and not inventory.chunks:
+                inventory.doubtful.append((len(inventory.pieces), inventory.section, row))
+            inventory.pieces.add(kind, inventory.section, row)
     elif opcode == Opcode.STATISTICS:
-        said = parse_record(mcap.Statistics, salvage.content(item.record))
-        if said.channel_message_counts or not said.message_count:
-            found.sections[-1].said.append(said.message_count)
+        statistics = parse_record(mcap.Statistics, salvage.content(item.record))
+        if statistics.channel_message_counts or not statistics.message_count:
+            inventory.sections[-1].said.append(statistics.message_count)
     elif opcode == Opcode.CHUNK_INDEX:
         with suppress(BagError):
-            found.indexed.append(read_chunk_index(salvage.content(item.record)))
+            inventory.indexed.append(read_chunk_index(salvage.content(item.record)))
     elif opcode == Opcode.FOOTER:
-        found.sections[-1].closed = True
+        inventory.sections[-1].closed = True
     elif opcode in (Opcode.METADATA, Opcode.ATTACHMENT):
         if opcode == Opcode.METADATA:
             metadata = parse_record(mcap.Metadata, salvage.content(item.record))
             if metadata.name == 'recovery':
-                found.earlier.append(metadata.metadata)
+                inventory.earlier.append(metadata.metadata)
             if metadata.name in ('recovery', 'rosbag2'):
                 return
-        found.extras += 1
+        inventory.extras += 1
         start = item.record.start - HEAD.size
-        found.pieces.add(Kind.EXTRA, found.section, _make_row(start, item.end, ()))
+        inventory.pieces.add(Kind.EXTRA, inventory.section, _make_row(start, item.end, ()))
 
 
 def _make_row(start: int, end: int, counts: Counts) -> Chunk:
@@ -376,49 +376,49 @@ def _make_row(start: int, end: int, counts: Counts) -> Chunk:
     return Chunk(start, end, end, 0, 0, 0, 0, '', 0, counts, frozenset(), False, False, False)
 
 
-def _define(found: Inventory, block: Block, which: slice, checked: bool) -> None:
+def _define(inventory: Inventory, block: Block, which: slice, checked: bool) -> None:
     """Take the definitions among the other records of a block."""
     for record in block.others[which]:
         if record.opcode in (Opcode.SCHEMA, Opcode.CHANNEL):
             content = bytes(block.data[record.start:record.start + record.length])
-            found.sections[-1].definitions.take(record.opcode, content, checked)
+            inventory.sections[-1].definitions.take(record.opcode, content, checked)
 
 
-def _take_run(found: Inventory, run: ChunkRun) -> None:
+def _take_run(inventory: Inventory, run: ChunkRun) -> None:
     """Take whole chunks."""
-    found.chunks += len(run.chunks)
-    found.sections[-1].untimed += run.untimed
+    inventory.chunks += len(run.chunks)
+    inventory.sections[-1].untimed += run.untimed
     behind = np.searchsorted([r.start - HEAD.size for r in run.block.others], run.bases).tolist()
     for i, chunk in enumerate(run.chunks):
         if chunk.definitions:
-            _define(found, run.block, slice(behind[i], behind[i + 1]), chunk.protected)
-        found.count(found.section, chunk.counts)
+            _define(inventory, run.block, slice(behind[i], behind[i + 1]), chunk.protected)
+        inventory.count(inventory.section, chunk.counts)
         if chunk.counts:
-            found.packed[chunk.compression] = (found.packed.get(chunk.compression, 0)
-                                               + chunk.packed)
-            found.pieces.add(Kind.CHUNK, found.section, chunk)
+            inventory.packed[chunk.compression] = (inventory.packed.get(chunk.compression, 0)
+                                                   + chunk.packed)
+            inventory.pieces.add(Kind.CHUNK, inventory.section, chunk)
 
 
-def _take_large(found: Inventory, start: int, end: int, large: Large,
+def _take_large(inventory: Inventory, start: int, end: int, large: Large,
                 file: BufferedIOBase) -> None:
     """Take a large chunk; its messages are counted block by block."""
     totals: Counter[int] = Counter()
     first_ns, last_ns = 2**63 - 1, 0
     for block in read_blocks(file, start, end, large):
-        _define(found, block, slice(None), large.proved and large.head.crc > 0)
+        _define(inventory, block, slice(None), large.proved and large.head.crc > 0)
         log, channels = block.heads['log_time'].copy(), block.heads['channel']
         timed = log >= 0
-        found.sections[-1].untimed += int((~timed).sum())
+        inventory.sections[-1].untimed += int((~timed).sum())
         totals.update(dict(count_messages(channels[timed])))
         if timed.any():
             first_ns = min(first_ns, int(log[timed].min()))
             last_ns = max(last_ns, int(log[timed].max()))
-    found.chunks += 1
+    inventory.chunks += 1
     counts = tuple(totals.items())
-    found.count(found.section, counts)
+    inventory.count(inventory.section, counts)
     if totals:
         compression = large.head.compression
-        found.packed[compression] = found.packed.get(compression, 0) + large.head.packed
-        found.large[start] = large
-        found.pieces.add(Kind.LARGE, found.section, _make_row(start, end, counts)._replace(
+        inventory.packed[compression] = inventory.packed.get(compression, 0) + large.head.packed
+        inventory.large[start] = large
+        inventory.pieces.add(Kind.LARGE, inventory.section, _make_row(start, end, counts)._replace(
             first_ns=first_ns, last_ns=last_ns, size=large.size))

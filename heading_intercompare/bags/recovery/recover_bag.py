@@ -131,62 +131,62 @@ def _take_inventories(paths: list[Path], progress: Callable[[str], None], unprov
 def _sum_up(files: list[Inventory]) -> Recovered:
     """Return the counts of all files together."""
     total = Recovered(files=len(files))
-    for found in files:
-        total.bytes += found.size
-        total.bytes_lost += sum(d.lost for d in found.damage)
-        total.chunks += found.chunks
-        total.messages_unproven += found.unproven
-        damaged = sum(d.chunk for d in found.damage)
+    for inventory in files:
+        total.bytes += inventory.size
+        total.bytes_lost += sum(d.lost for d in inventory.damage)
+        total.chunks += inventory.chunks
+        total.messages_unproven += inventory.unproven
+        damaged = sum(d.chunk for d in inventory.damage)
         total.chunks_lost += damaged
-        for damage in found.damage[:_NOTES]:
-            total.note(found.path, f'bytes {damage.start} to {damage.end}: {damage.fault}')
-        _count(total, found)
-        if misplaced := found.count_misplaced():
-            total.note(found.path, f'{misplaced} chunks are not the chunks that its index names '
-                       'in their place')
-        if not found.size:
-            total.note(found.path, 'is empty (0 bytes)')
-        elif not found.closed:
-            total.note(found.path, 'was not closed')
-            total.messages_known = total.messages_known and not found.damage
+        for damage in inventory.damage[:_NOTES]:
+            total.note(inventory.path, f'bytes {damage.start} to {damage.end}: {damage.fault}')
+        _count(total, inventory)
+        if misplaced := inventory.count_misplaced():
+            total.note(inventory.path, f'{misplaced} chunks are not the chunks that its index '
+                       'names in their place')
+        if not inventory.size:
+            total.note(inventory.path, 'is empty (0 bytes)')
+        elif not inventory.closed:
+            total.note(inventory.path, 'was not closed')
+            total.messages_known = total.messages_known and not inventory.damage
     return total
 
 
-def _count(total: Recovered, found: Inventory) -> None:
+def _count(total: Recovered, inventory: Inventory) -> None:
     """Count the messages of a file, and on its own each file that was appended to it."""
-    kept, strange = [0] * len(found.sections), [0] * len(found.sections)
-    for (number, channel), count in found.counts.items():
-        defined = found.topic(number, channel) is not None
-        (kept if defined else strange)[number] += count
-    total.messages += sum(kept)
+    with_topic, strange = [0] * len(inventory.sections), [0] * len(inventory.sections)
+    for (number, channel), count in inventory.counts.items():
+        defined = inventory.topic(number, channel) is not None
+        (with_topic if defined else strange)[number] += count
+    total.messages += sum(with_topic)
     if any(strange):
-        total.note(found.path, f'{sum(strange)} messages of topics that are not defined, defined '
-                   'in two ways, or not encoded as cdr')
-    for section in found.sections:
+        total.note(inventory.path, f'{sum(strange)} messages of topics that are not defined, '
+                   'defined in two ways, or not encoded as cdr')
+    for section in inventory.sections:
         for contradiction in section.definitions.contradictions:
-            total.note(found.path, contradiction)
-    untimed = sum(section.untimed for section in found.sections)
+            total.note(inventory.path, contradiction)
+    untimed = sum(section.untimed for section in inventory.sections)
     if untimed:
-        total.note(found.path, f'{untimed} messages with impossible log times')
+        total.note(inventory.path, f'{untimed} messages with impossible log times')
     before = total.messages_lost
-    for section, held, undefined in zip(found.sections, kept, strange):
+    for section, held, undefined in zip(inventory.sections, with_topic, strange):
         seen = undefined + section.untimed
         lost = seen + section.indexed
         if len(section.said) == 1:
             missing = section.said[0] - held
             if missing > lost:
-                total.note(found.path,
+                total.note(inventory.path,
                            f'{missing - lost} messages are missing, according to its summary')
             elif missing < 0:
-                total.note(found.path, f'{-missing} messages more than its summary says')
-            # Fewer than were seen to be lost: some are there twice, or an index is wrong.
+                total.note(inventory.path, f'{-missing} messages more than its summary says')
+            # Fewer than were seen to be lost: some messages are there twice, or an index is wrong.
             total.messages_known = total.messages_known and missing >= lost
             lost = max(missing, seen)
-        elif found.damage:
+        elif inventory.damage:
             total.messages_known = False
         total.messages_lost += lost
-    if total.messages_lost == before and any(damage.chunk for damage in found.damage):
-        # A chunk is lost but no message is missing: some are there twice.
+    if total.messages_lost == before and any(damage.chunk for damage in inventory.damage):
+        # A chunk is lost but no message is missing: some messages are there twice.
         total.messages_known = False
 
 
@@ -195,31 +195,31 @@ def _record(source: Path, total: Recovered,
     """Return the metadata record `recovery`; it includes the losses of earlier recoveries."""
     losses = {name: getattr(total, name) for name in _LOSSES}
     unproven = total.messages_unproven
-    known, notes = total.messages_known, []
+    exact, notes = total.messages_known, []
     for number, before in enumerate(earlier):
         if before in earlier[:number]:
             continue
         for name in _LOSSES:
             losses[name] += decimal(before.get(name, '')) or 0
         unproven += decimal(before.get('messages_unproven', '')) or 0
-        known = known and before.get('messages_lost_is') == 'all'
+        exact = exact and before.get('messages_lost_is') == 'all'
         notes += [text for name, text in before.items() if name.startswith('note.')]
     notes = (notes + total.notes)[:_NOTES]
     return {'source': source.name, 'files': total.files, 'bytes': total.bytes,
             'chunks': total.chunks, 'messages': total.messages, **losses,
-            'messages_lost_is': 'all' if known else 'at least',
+            'messages_lost_is': 'all' if exact else 'at least',
             **({'messages_unproven': unproven} if unproven else {}),
             **{f'note.{n}': note for n, note in enumerate(notes, 1)}}
 
 
-def _settings(given: BagSettings | None, files: list[Inventory]) -> BagSettings:
+def _settings(settings: BagSettings | None, files: list[Inventory]) -> BagSettings:
     """Return the settings of the new bag; by default the main compression of the source."""
-    if given is not None:
-        return given
+    if settings is not None:
+        return settings
     packed: dict[str, int] = {}
-    for found in files:
+    for inventory in files:
         for name, written in COMPRESSIONS.items():
-            packed[name] = packed.get(name, 0) + found.packed.get(written, 0)
+            packed[name] = packed.get(name, 0) + inventory.packed.get(written, 0)
     most = max(packed, key=packed.__getitem__)
     return BagSettings(compression=most) if packed[most] else BagSettings()
 
@@ -279,14 +279,14 @@ def recover(source: str | os.PathLike[str], target: str | os.PathLike[str],
 
 
 def _unpack(paths: Sequence[Path], folder: Path) -> tuple[list[Path], list[tuple[Path, str]]]:
-    """Return files, unpacked if they are compressed whole; and why some are not all unpacked."""
-    found, problems = [], []
+    """Return files, unpacked if compressed whole; and why some files are not all unpacked."""
+    files, problems = [], []
     for path in paths:
         if path.name.endswith(PACKED):
             path, why = unpack_file(path, folder)
             problems += [(path, why)] if why else []
-        found.append(path)
-    return found, problems
+        files.append(path)
+    return files, problems
 
 
 def _recover(source: Path, target: Path, settings: BagSettings | None,
@@ -306,19 +306,19 @@ def _recover(source: Path, target: Path, settings: BagSettings | None,
         total.note(source / name, 'is missing')
         total.messages_known = False
     if not total.messages and (total.messages_lost or not any(
-            found.extras or found.closed and not found.damage for found in files)):
+            inventory.extras or inventory.closed and not inventory.damage for inventory in files)):
         raise BagError('nothing in it is readable: '
                        + ('; '.join(total.notes[:3]) or 'it holds no message'), source)
-    wanted = _settings(settings, files)
+    bag_settings = _settings(settings, files)
     with ExitStack() as undo:
-        bag = BagWriter(target, wanted)
+        bag = BagWriter(target, bag_settings)
         undo.callback(bag.abandon)
         transfer = Transfer(
-            bag, None if settings is None else COMPRESSIONS[wanted.compression],
-            singly=wanted.split_bytes > 0 or wanted.split_duration_s > 0,
-            note=lambda found, text: total.note(found.path, text))
-        for found in files:
-            transfer.copy(found, progress)
+            bag, None if settings is None else COMPRESSIONS[bag_settings.compression],
+            singly=bag_settings.split_bytes > 0 or bag_settings.split_duration_s > 0,
+            note=lambda inventory, text: total.note(inventory.path, text))
+        for inventory in files:
+            transfer.copy(inventory, progress)
         total.counts = transfer.counts
         total.messages -= transfer.refused
         total.messages_lost += transfer.refused

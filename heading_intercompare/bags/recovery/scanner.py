@@ -210,15 +210,15 @@ class Salvage:
                 at += len(MAGIC)
                 begins = True
                 continue
-            found = self._sound(at) or self.unproved(at)
-            if found is not None:
-                unsure = found.sure
-                at = self._next = found.end
-                self._previous = found.record.opcode
-                self.chunked = self.chunked or found.record.opcode in (
+            part = self._sound(at) or self.unproved(at)
+            if part is not None:
+                unsure = part.sure
+                at = self._next = part.end
+                self._previous = part.record.opcode
+                self.chunked = self.chunked or part.record.opcode in (
                     Opcode.CHUNK, Opcode.MESSAGE_INDEX)
-                header = begins and found.record.opcode == Opcode.HEADER
-                yield replace(found, begins=True) if header else found
+                header = begins and part.record.opcode == Opcode.HEADER
+                yield replace(part, begins=True) if header else part
             else:
                 fault, chunk = self._fault, self._may_be_chunk(at)
                 # What is left of it would look like messages outside chunks.
@@ -418,10 +418,10 @@ class Salvage:
                 self._fault = error.problem
                 return None
             fault = 'chunk damaged: a record in it has a wrong length'
-        kept = measure_leading(data, (head.first_ns, head.last_ns))
-        lost = end - at - (HEAD.size + len(content) * kept // len(data) if data else 0)
+        leading = measure_leading(data, (head.first_ns, head.last_ns))
+        lost = end - at - (HEAD.size + len(content) * leading // len(data) if data else 0)
         return Sound(Record(Opcode.CHUNK, at + HEAD.size, len(content)), end,
-                     block_of(data[:kept], at), fault, sure=end, lost=lost)
+                     block_of(data[:leading], at), fault, sure=end, lost=lost)
 
     def unproved(self, at: int) -> Sound | None:
         """Return the possible messages of a chunk whose checksum is wrong, if they are wanted."""
@@ -458,8 +458,8 @@ class Salvage:
                 record.opcode == Opcode.STATISTICS or record.opcode == Opcode.ATTACHMENT
                 and find_attached(self._read, record) is not None):
             end = record.start + record.length
-            known = self._read(end, 1) <= bytes([_HIGHEST])
-            if end == self.size or known and self._sound(end) is not None:
+            is_opcode = self._read(end, 1) <= bytes([_HIGHEST])
+            if end == self.size or is_opcode and self._sound(end) is not None:
                 return end
         return self._search(at + 1, self.size,
                             _TELLING if self.chunked else (*_TELLING, *BARE))

@@ -105,21 +105,21 @@ def check_bag(path: str | os.PathLike[str],
         If a directory holds no MCAP file.
 
     """
-    found = BagCheck()
+    check = BagCheck()
     place = Path(path)
     files = find_files(place)
-    found.faults += files.missing
+    check.faults += files.missing
     with TemporaryDirectory(prefix='heading_bag_') as unpacked:
         for file in files.paths:
-            found.files += 1
+            check.files += 1
             if file.name.endswith(PACKED):
                 file, problem = unpack_file(file, Path(unpacked))
-                found.faults += [problem] if problem else []
-            found.faults += _faults(file, found, progress)
-    return found
+                check.faults += [problem] if problem else []
+            check.faults += _faults(file, check, progress)
+    return check
 
 
-def _faults(file: Path, found: BagCheck, progress: Callable[[str], None]) -> Iterator[str]:
+def _faults(file: Path, check: BagCheck, progress: Callable[[str], None]) -> Iterator[str]:
     """Read a file; count what it holds and yield what is wrong with it."""
     try:
         part = Part(file)
@@ -130,12 +130,12 @@ def _faults(file: Path, found: BagCheck, progress: Callable[[str], None]) -> Ite
         yield part.incomplete
     try:
         for block in part.blocks():
-            _take(block, part, found)
-            progress(f'{found.messages:,} messages')
+            _take(block, part, check)
+            progress(f'{check.messages:,} messages')
         for _ in chain(part.metadata(), part.attachments()):
             pass
         with BufferedReader(FileIO(file), _READ_BYTES) as stream:
-            yield from _check_rest(RecordStream(stream), part, found)
+            yield from _check_rest(RecordStream(stream), part, check)
             yield from find_index_faults(stream, part)
     except BagError as error:
         yield f'{file.name}: {_text(error)}'
@@ -145,28 +145,28 @@ def _text(error: BagError) -> str:
     return error.problem + ('' if error.offset is None else f' (at byte {error.offset})')
 
 
-def _take(block: Block, part: Part, found: BagCheck) -> None:
+def _take(block: Block, part: Part, check: BagCheck) -> None:
     channels, numbers = block.heads['channel'].copy(), block.heads['sequence'].astype(np.uint32)
-    found.messages += len(channels)
+    check.messages += len(channels)
     for number in np.flatnonzero(np.bincount(channels)).tolist() if len(channels) else ():
         if number not in part.channels:
             raise BagError(f'a message belongs to channel {number}, which is not defined',
                            offset=block.offset)
         topic = part.channels[number].topic
         mine = np.flatnonzero(channels == number)
-        found.topics.setdefault(topic, Numbering()).take(numbers[mine])
-        found.take_times(topic, block.heads['log_time'][mine])
+        check.topics.setdefault(topic, Numbering()).take(numbers[mine])
+        check.take_times(topic, block.heads['log_time'][mine])
 
 
-def _check_rest(stream: RecordStream, part: Part, found: BagCheck) -> Iterator[str]:
-    """Check what reading messages does not: missing checksums, those of data and summary."""
+def _check_rest(stream: RecordStream, part: Part, check: BagCheck) -> Iterator[str]:
+    """Check what reading messages does not: missing checksums, checksums of data and summary."""
     at = len(MAGIC)
     while at < part.end:
         record = stream.record(at, part.end)
         if record.opcode == Opcode.CHUNK:
             head = stream.content(Record(record.opcode, record.start, CHUNK_HEAD.size))
-            found.chunks += 1
-            found.unprotected += not CHUNK_HEAD.unpack(head)[3]
+            check.chunks += 1
+            check.unprotected += not CHUNK_HEAD.unpack(head)[3]
         elif record.opcode == Opcode.DATA_END:
             expected = parse_record(mcap.DataEnd, stream.content(record)).data_section_crc
             if expected and _crc(stream, 0, at) != expected:

@@ -112,31 +112,31 @@ def find_files(path: Path, listed: list[str] | None = None) -> BagFiles:
     if not path.is_dir():
         return BagFiles(everything, [], [])
     listed = list_parts(path / METADATA) if listed is None else listed
-    there, wanted = ({plain_name(name) for name in names}
-                     for names in ([each.name for each in everything], listed))
+    present, listed_names = ({plain_name(name) for name in names}
+                             for names in ([file.name for file in everything], listed))
     absent = [name for name in listed if not (path / name).is_file()
-              and plain_name(name) not in there]
+              and plain_name(name) not in present]
     # A link that leads nowhere, or to itself.
-    absent += sorted({each.name for each in path.glob('*.mcap*') if each.is_symlink()
-                      and not each.exists()} - {*absent})
-    known = {each for each in everything if plain_name(each.name) in wanted}
+    absent += sorted({file.name for file in path.glob('*.mcap*') if file.is_symlink()
+                      and not file.exists()} - {*absent})
+    listed_files = {file for file in everything if plain_name(file.name) in listed_names}
     paths = everything
-    if known:
+    if listed_files:
         stems = {_stem(name) for name in listed} - {None}
-        paths = [each for each in everything if each in known or _stem(each.name) in stems]
-    kept = set(paths)
-    copies = _find_copies([each for each in paths if each in known]
-                          + [each for each in paths if each not in known])
-    return BagFiles([each for each in paths if each not in copies], absent,
-                    [each.name for each in everything if each not in kept],
+        paths = [file for file in everything if file in listed_files or _stem(file.name) in stems]
+    selection = set(paths)
+    copies = _find_copies([file for file in paths if file in listed_files]
+                          + [file for file in paths if file not in listed_files])
+    return BagFiles([file for file in paths if file not in copies], absent,
+                    [file.name for file in everything if file not in selection],
                     [(copy.name, of.name) for copy, of in copies.items()])
 
 
 def _find_copies(paths: Sequence[Path]) -> dict[Path, Path]:
-    """Return the files that equal an earlier one byte by byte, and that one."""
+    """Return the files that equal an earlier file byte by byte, and that file."""
     copies: dict[Path, Path] = {}
     seen: dict[tuple[int, bytes], list[Path]] = {}
-    sizes = Counter(each.stat().st_size for each in paths)
+    sizes = Counter(path.stat().st_size for path in paths)
     for path in paths:
         size = path.stat().st_size
         if not size or sizes[size] < 2:
@@ -145,7 +145,7 @@ def _find_copies(paths: Sequence[Path]) -> dict[Path, Path]:
             with path.open('rb') as file:
                 file.seek(max(size - _END_BYTES, 0))
                 alike = seen.setdefault((size, file.read(_END_BYTES)), [])
-            of = next((each for each in alike if _are_equal(path, each)), None)
+            of = next((candidate for candidate in alike if _are_equal(path, candidate)), None)
             if of is None:
                 alike.append(path)
             else:
@@ -153,18 +153,18 @@ def _find_copies(paths: Sequence[Path]) -> dict[Path, Path]:
     return copies
 
 
-def _are_equal(path: Path, other: Path) -> bool:
+def _are_equal(path: Path, candidate: Path) -> bool:
     """Tell whether two files of one size have the same bytes."""
-    if path.samefile(other):
+    if path.samefile(candidate):
         return True
-    with path.open('rb') as one, other.open('rb') as two:
-        while piece := one.read(_PIECE_BYTES):
-            if piece != two.read(_PIECE_BYTES):
+    with path.open('rb') as file, candidate.open('rb') as candidate_file:
+        while piece := file.read(_PIECE_BYTES):
+            if piece != candidate_file.read(_PIECE_BYTES):
                 return False
     return True
 
 
 def _stem(name: str) -> str | None:
     """Return what rosbag2 puts before the number of a file; None for other names."""
-    found = _NUMBERED.fullmatch(name)
-    return None if found is None else found[1]
+    match = _NUMBERED.fullmatch(name)
+    return None if match is None else match[1]

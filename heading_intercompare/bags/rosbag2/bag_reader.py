@@ -116,17 +116,17 @@ class Attachment:
 
 def _open_files(path: Path, oddities: list[str],
                 make_folder: Callable[[], Path]) -> tuple[list[Part], list[str]]:
-    """Return the files of a bag in order, and why some are missing; say what else is odd."""
+    """Return the files of a bag in order, and why some files are missing; say what else is odd."""
     files = find_files(path)
     oddities += files.oddities
     absent = files.missing
     places = []
-    for each in files.paths:
-        place, named = each, each.with_name(plain_name(each.name))
-        if each.name.endswith(PACKED):
-            place, problem = unpack_file(each, make_folder())
+    for file in files.paths:
+        place, named = file, file.with_name(plain_name(file.name))
+        if file.name.endswith(PACKED):
+            place, problem = unpack_file(file, make_folder())
             absent += [problem] if problem else []
-        if place == each or place.stat().st_size:
+        if place == file or place.stat().st_size:
             places.append((place, named))
     if not path.is_dir():
         if not places:
@@ -146,17 +146,17 @@ def _open_files(path: Path, oddities: list[str],
     return parts, absent
 
 
-def _find_gaps(found: Sequence[Found],
+def _find_gaps(by_kind: Sequence[Found],
                numbers: Sequence[Numbering]) -> Iterator[tuple[int, str, Losses]]:
     """Yield what the numbers of a block lack: the index of the topic, one of `LOST_AS`, gaps."""
-    for each in found:
-        for place in np.flatnonzero(np.bincount(each.place)).tolist():
-            mine = np.flatnonzero(each.place == place)
-            losses = numbers[place].take(each.sequence[mine], each.headings.stamp_ns[mine])
-            for lost_as, some in (('lost.before_start', numbers[place].take_before()),
+    for readings in by_kind:
+        for place in np.flatnonzero(np.bincount(readings.place)).tolist():
+            mine = np.flatnonzero(readings.place == place)
+            losses = numbers[place].take(readings.sequence[mine], readings.headings.stamp_ns[mine])
+            for lost_as, gaps in (('lost.before_start', numbers[place].take_before()),
                                   ('lost.on_the_way', losses)):
-                if len(some):
-                    yield place, lost_as, some
+                if len(gaps):
+                    yield place, lost_as, gaps
 
 
 class BagReader:
@@ -208,13 +208,13 @@ class BagReader:
             for number, channel in part.channels.items():
                 kind = self._type_of(part, number)
                 qos = Qos.of_yaml(channel.metadata.get('offered_qos_profiles', ''))
-                known = self.topics.get(channel.topic, TopicInfo(kind, 0, qos))
+                info = self.topics.get(channel.topic, TopicInfo(kind, 0, qos))
                 # A channel without a schema has no type that could contradict that of others.
-                if kind and known.type_name and known.type_name != kind:
-                    raise BagError(f'topic {channel.topic} is both {known.type_name} and {kind}; '
+                if kind and info.type_name and info.type_name != kind:
+                    raise BagError(f'topic {channel.topic} is both {info.type_name} and {kind}; '
                                    '"recover" makes two topics of it', self.path)
-                count = known.count + part.counts.get(number, 0)
-                self.topics[channel.topic] = TopicInfo(known.type_name or kind, count, known.qos)
+                count = info.count + part.counts.get(number, 0)
+                self.topics[channel.topic] = TopicInfo(info.type_name or kind, count, info.qos)
 
     def _make_folder(self) -> Path:
         """Return a new folder that lasts as long as this reader."""
@@ -248,11 +248,11 @@ class BagReader:
             If there is no such topic; the message lists the topics of the bag.
 
         """
-        found = self.find(topic)
-        if found is None:
+        name = self.find(topic)
+        if name is None:
             cut = f' ({self.incomplete})' if self.incomplete else ''
             raise BagError(list_topics(self.topics, topic, self.namespace) + cut, self.path)
-        return found
+        return name
 
     def headings(self, conventions: Mapping[str, str], helpers: int = 0,
                  lost: Callable[[str, str, Losses], None] | None = None,
@@ -309,9 +309,9 @@ class BagReader:
     def _headings(self, conventions: Mapping[str, str], helpers: int,
                   lost: Callable[[str, str, Losses], None] | None,
                   ) -> Iterator[dict[str, Headings]]:
-        wanted = {asked: (self.resolve(asked), convention)
+        topics = {asked: (self.resolve(asked), convention)
                   for asked, convention in conventions.items()}
-        once = list(dict.fromkeys(wanted.values()))
+        once = list(dict.fromkeys(topics.values()))
         helpers = helpers if can_fork() else 0
         numbers = None
         if lost is not None and self.keeps_numbers():
@@ -319,12 +319,13 @@ class BagReader:
         minutes = self._minutes(once, helpers, numbers)
         # Without helpers, decode ahead in a prefetch thread.
         for minute, gaps in minutes if helpers else run_ahead(minutes):
-            found = dict(zip(once, minute))
+            by_topic = dict(zip(once, minute))
             if lost is not None:
                 for place, lost_as, losses in gaps:
-                    for asked in (asked for asked, each in wanted.items() if each == once[place]):
+                    for asked in (asked for asked, topic in topics.items()
+                                  if topic == once[place]):
                         lost(asked, lost_as, losses)
-            yield {asked: found[each] for asked, each in wanted.items()}
+            yield {asked: by_topic[topic] for asked, topic in topics.items()}
 
     def keeps_numbers(self) -> bool:
         """Tell whether the numbers of the messages are those of their publishers."""
@@ -334,15 +335,16 @@ class BagReader:
             # The reading of the messages says what is damaged.
             return False
 
-    def _minutes(self, wanted: Sequence[tuple[str, str]], helpers: int,
+    def _minutes(self, topics: Sequence[tuple[str, str]], helpers: int,
                  numbers: Sequence[Numbering] | None,
                  ) -> Iterator[tuple[list[Headings], list[tuple[int, str, Losses]]]]:
         """Yield the headings minute by minute, with the gaps found among their numbers."""
-        window = Window(len(wanted))
+        window = Window(len(topics))
         gaps: list[tuple[int, str, Losses]] = []
         unreadable = 0, ''
-        for block in self._decode(self._kinds(wanted), helpers):
-            unreadable = add_unreadable([unreadable, *(each.unreadable for each in block.found)])
+        for block in self._decode(self._kinds(topics), helpers):
+            unreadable = add_unreadable(
+                [unreadable, *(readings.unreadable for readings in block.found)])
             if numbers is not None:
                 gaps += _find_gaps(block.found, numbers)
             for minute in window.add(block.found):
@@ -354,10 +356,10 @@ class BagReader:
             self.oddities.append(f'{unreadable[0]} messages cannot be read and count as invalid '
                                  f'readings; the first: {unreadable[1]}')
 
-    def _kinds(self, wanted: Sequence[tuple[str, str]]) -> list[Kind]:
+    def _kinds(self, topics: Sequence[tuple[str, str]]) -> list[Kind]:
         """Return what to decode as one: topics of one type and convention."""
         places: dict[tuple[str, str], dict[str, int]] = {}
-        for place, (topic, convention) in enumerate(wanted):
+        for place, (topic, convention) in enumerate(topics):
             places.setdefault((self.topics[topic].type_name, convention), {})[topic] = place
         return [Kind(*alike, of) for alike, of in places.items()]
 
@@ -375,7 +377,7 @@ class BagReader:
         by_blocks: set[int] = set()
         with Decoder(self._parts, kinds) as decoder, closing(
                 decode_stretches(decoder, tasks, helpers, by_blocks)) as results:
-            of_parts = groupby(zip(tasks, results), lambda found: found[0].number)
+            of_parts = groupby(zip(tasks, results), lambda decoded: decoded[0].number)
             for number, stretches in of_parts:
                 yield from self._decode_file(decoder, number, stretches, by_blocks)
 
@@ -426,61 +428,61 @@ class BagReader:
             At once if a topic is absent; while iterating, if the file is damaged.
 
         """
-        wanted = None if topics is None else {self.resolve(topic) for topic in topics}
+        names = None if topics is None else {self.resolve(topic) for topic in topics}
         span = start_ns, stop_ns
-        headings = [topic for topic in self.topics if (wanted is None or topic in wanted)
+        headings = [topic for topic in self.topics if (names is None or topic in names)
                     and self.topics[topic].type_name in HEADING_TYPES] if in_order else []
         if headings and not is_in_order(self._parts, headings):
             pieces = cut_pieces(self._parts)
             with Decoder(self._parts, self._kinds([(topic, 'enu') for topic in headings])
                          ) as decoder:
                 if rises_by_time(decoder, pieces):
-                    return merge_by_time(pieces, lambda piece: self._in_piece(piece, wanted, span))
+                    return merge_by_time(pieces, lambda piece: self._in_piece(piece, names, span))
         return (message for part in self._parts for block in part.blocks(*span)
-                for message in self._in_block(part, block, wanted, span))
+                for message in self._in_block(part, block, names, span))
 
-    def _in_piece(self, piece: Piece, wanted: set[str] | None,
+    def _in_piece(self, piece: Piece, names: set[str] | None,
                   span: tuple[int, int]) -> Iterator[tuple[int, BagMessage]]:
         """Yield the messages of a piece, each with its log time."""
         part, stretch = self._parts[piece.number], piece.stretch
         with part.open() as stream:
             for block in part.blocks_of(stream, stretch.begin, stretch.end, *span):
-                for message in self._in_block(part, block, wanted, span):
+                for message in self._in_block(part, block, names, span):
                     yield message.log_time_ns, message
 
-    def _in_block(self, part: Part, block: Block, wanted: set[str] | None,
+    def _in_block(self, part: Part, block: Block, names: set[str] | None,
                   span: tuple[int, int]) -> Iterator[BagMessage]:
         """Yield the messages of a block; of many mostly a few are wanted."""
-        names = {number: (channel.topic, self._type_of(part, number))
-                 for number, channel in part.channels.items()
-                 if wanted is None or channel.topic in wanted}
+        channels = {number: (channel.topic, self._type_of(part, number))
+                    for number, channel in part.channels.items()
+                    if names is None or channel.topic in names}
         packed = is_packed(block.data, block.start)
         channel = block.heads['channel']
-        kept = np.flatnonzero(np.isin(channel, [*names]) | ~np.isin(channel, [*part.channels]))
-        for head, lo, hi in zip(block.heads[kept].tolist(), block.start[kept].tolist(),
-                                block.stop[kept].tolist()):
+        rows = np.flatnonzero(np.isin(channel, [*channels]) | ~np.isin(channel, [*part.channels]))
+        for head, lo, hi in zip(block.heads[rows].tolist(), block.start[rows].tolist(),
+                                block.stop[rows].tolist()):
             _, _, number, sequence, log, publish = head
             if number not in part.channels:
                 raise BagError(f'a message belongs to channel {number}, which is not defined',
                                part.path, block.offset)
             if span[0] <= log < span[1]:
                 data = bytes(block.data[lo:hi])
-                yield BagMessage(*names[number], log, publish, sequence,
+                yield BagMessage(*channels[number], log, publish, sequence,
                                  (unpack_payload(data) or data) if packed else data)
 
     @property
     def recovered(self) -> str | None:
         """Return what was lost when this bag was recovered from a damaged one; None if nothing."""
         try:
-            found = self.metadata().get('recovery', {})
+            recovery = self.metadata().get('recovery', {})
         except BagError:
             return None
-        if not any(key.startswith('note.') for key in found):
+        if not any(key.startswith('note.') for key in recovery):
             return None
-        bound = 'at least ' if found.get('messages_lost_is') == 'at least' else ''
-        unproven = found.get('messages_unproven', '')
-        return (f'recovered from a damaged bag: {bound}{found.get("messages_lost", "?")} messages '
-                f'and {found.get("bytes_lost", "?")} bytes were lost'
+        bound = 'at least ' if recovery.get('messages_lost_is') == 'at least' else ''
+        unproven = recovery.get('messages_unproven', '')
+        return (f'recovered from a damaged bag: {bound}{recovery.get("messages_lost", "?")} '
+                f'messages and {recovery.get("bytes_lost", "?")} bytes were lost'
                 + (f'; {unproven} messages are in it though their checksum is wrong'
                    if unproven else ''))
 

@@ -107,15 +107,15 @@ def _read_qos(text: str) -> Qos:
     except YamlError:
         return Qos()
     first = profiles[0] if isinstance(profiles, list) and profiles else {}
-    found: dict[str, Any] = {}
+    policies: dict[str, Any] = {}
     for name, words in _NUMBERED.items() if isinstance(first, Mapping) else ():
         word = str(first.get(name))
         if type(first.get(name)) in (str, int) and re.fullmatch(r'\w+', word):
-            found[name] = words.get(word, word)
+            policies[name] = words.get(word, word)
     depth = first.get('depth') if isinstance(first, Mapping) else None
     if type(depth) is int and 0 <= depth < _DEPTHS:
-        found['depth'] = depth
-    return Qos(**found)
+        policies['depth'] = depth
+    return Qos(**policies)
 
 
 @dataclass(slots=True)

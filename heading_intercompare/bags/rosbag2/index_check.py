@@ -90,17 +90,17 @@ def _compare(file: BufferedIOBase, stream: RecordStream, part: Part,
 
 def _read_chunk_indexes(stream: RecordStream, part: Part) -> dict[int, mcap.ChunkIndex]:
     """Return the entries of the index of a closed file, by offset."""
-    found: dict[int, mcap.ChunkIndex] = {}
+    entries: dict[int, mcap.ChunkIndex] = {}
     at = part.end
     while part.incomplete is None and at < stream.size:
         opcode, start, length = record = stream.record(at)
         if opcode == Opcode.CHUNK_INDEX:
             entry = parse_record(mcap.ChunkIndex, stream.content(record))
-            found[entry.chunk_start_offset] = entry
+            entries[entry.chunk_start_offset] = entry
         if opcode == Opcode.FOOTER:
             break
         at = start + length
-    return found
+    return entries
 
 
 def _compare_chunk(chunk: Chunk, read: _Read,
@@ -116,7 +116,7 @@ def _compare_chunk(chunk: Chunk, read: _Read,
         yield f'the message indexes after {place} do not name its messages'
     if entry is None:
         return
-    wrong = [what for what, said, found in (
+    wrong = [what for what, stated, actual in (
         ('length', entry.chunk_length, chunk.end - chunk.start),
         ('log times', (entry.message_start_time, entry.message_end_time),
          (entry.message_start_time, entry.message_end_time) if empty else times),
@@ -124,16 +124,16 @@ def _compare_chunk(chunk: Chunk, read: _Read,
         ('compression', entry.compression, chunk.compression),
         ('places of its message indexes', dict(entry.message_index_offsets),
          _find_message_indexes(chunk, read)),
-    ) if said != found]
+    ) if stated != actual]
     if wrong:
         yield f'the index has other {" and ".join(wrong)} of {place}'
 
 
 def _find_message_indexes(chunk: Chunk, read: _Read) -> dict[int, int]:
     """Return where the message index of each channel after a chunk is."""
-    found, data, at = {}, read(chunk.end, chunk.index_end - chunk.end), 0
+    offsets, data, at = {}, read(chunk.end, chunk.index_end - chunk.end), 0
     while at + INDEX_HEAD.size <= len(data):
         _, length, number, _ = INDEX_HEAD.unpack_from(data, at)
-        found[number] = chunk.end + at
+        offsets[number] = chunk.end + at
         at += HEAD.size + length
-    return found
+    return offsets

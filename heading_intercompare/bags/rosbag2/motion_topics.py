@@ -85,7 +85,7 @@ def find_motion_topics(bag: Readable, rule: MotionRule) -> dict[str, list[tuple[
         one of another type; one line that says which types are read.
 
     """
-    wanted: dict[str, list[tuple[str, str]]] = {}
+    topics: dict[str, list[tuple[str, str]]] = {}
     others: list[str] = []
     default = motion_topics(MotionRule())
     for what, topic in motion_topics(rule).items():
@@ -98,11 +98,11 @@ def find_motion_topics(bag: Readable, rule: MotionRule) -> dict[str, list[tuple[
             raise BagError(f'topic {name} is {kind or "without a schema"}; the {_WORDS[what]} of '
                            f'a ship are {", ".join(MOTION_TYPES[what])}; name another topic with '
                            f'motion.{what}_topic', bag.path)
-        wanted.setdefault(name, []).append((what, kind))
+        topics.setdefault(name, []).append((what, kind))
     if others:
         bag.oddities.append(f'the motion of another graph ({", ".join(others)}) does not count; '
                             'bag_namespace names another')
-    return wanted
+    return topics
 
 
 def read_bag_motion(bag: Readable, rule: MotionRule) -> BagMotion:
@@ -122,10 +122,10 @@ def read_bag_motion(bag: Readable, rule: MotionRule) -> BagMotion:
         As for `find_motion_topics`.
 
     """
-    wanted = find_motion_topics(bag, rule)
-    rows, unreadable = _read(bag, wanted)
-    return BagMotion(rows, {what: name for name, told in wanted.items() for what, _ in told},
-                     unreadable)
+    topics = find_motion_topics(bag, rule)
+    rows, unreadable = _read(bag, topics)
+    return BagMotion(rows, {what: name for name, quantities in topics.items()
+                            for what, _ in quantities}, unreadable)
 
 
 def read_fixes(bag: Readable, topic: str) -> tuple[Motion, int]:
@@ -153,24 +153,24 @@ def read_fixes(bag: Readable, topic: str) -> tuple[Motion, int]:
     return _read(bag, {name: [('fix', kind)]})
 
 
-def _read(bag: Readable, wanted: Mapping[str, Sequence[tuple[str, str]]]) -> tuple[Motion, int]:
-    """Return the rows of some topics, each with what to take and its type; count the others."""
-    if not wanted:
+def _read(bag: Readable, topics: Mapping[str, Sequence[tuple[str, str]]]) -> tuple[Motion, int]:
+    """Return the rows of topics, each with quantities and type; count unreadable messages."""
+    if not topics:
         return Motion.empty(), 0
     chunks: list[Motion] = []
     unreadable = 0
-    waiting: dict[str, list[bytes]] = {name: [] for name in wanted}
+    waiting: dict[str, list[bytes]] = {name: [] for name in topics}
 
     def take(name: str) -> int:
         refused: list[str] = []
-        for what, kind in wanted[name]:
+        for what, kind in topics[name]:
             rows, refused = read_told(kind, what, waiting[name])
             chunks.append(rows)
         waiting[name] = []
         return len(refused)
-    for message in bag.messages(wanted):
+    for message in bag.messages(topics):
         waiting[message.topic].append(message.data)
         if len(waiting[message.topic]) >= _BATCH:
             unreadable += take(message.topic)
-    unreadable += sum(take(name) for name in wanted)
+    unreadable += sum(take(name) for name in topics)
     return Motion.concatenate(chunks), unreadable

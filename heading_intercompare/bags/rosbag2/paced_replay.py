@@ -216,16 +216,16 @@ class Replay:
         """Start the clock."""
         self._pace.begin()
 
-    def pause(self, wanted: bool | None = None) -> str:
+    def pause(self, paused: bool | None = None) -> str:
         """Pause (True), resume (False) or toggle (None); return what was done, in words."""
-        wanted = not self.paused if wanted is None else wanted
-        if wanted == self.paused:
-            return f'{"already paused" if wanted else "not paused,"} at {self.place}'
-        if wanted:
+        paused = not self.paused if paused is None else paused
+        if paused == self.paused:
+            return f'{"already paused" if paused else "not paused,"} at {self.place}'
+        if paused:
             self._pace.pause()
         else:
             self._pace.resume()
-        return f'{"paused" if wanted else "resumed"} at {self.place}'
+        return f'{"paused" if paused else "resumed"} at {self.place}'
 
     def take(self) -> BagMessage | None:
         """Return the next message if it is due; otherwise None. Each is returned once."""

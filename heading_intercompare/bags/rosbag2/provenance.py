@@ -104,10 +104,10 @@ class Note(NamedTuple):
 
 def _parse_note(line: str, now_ns: int) -> Note:
     """Return a note; the line may begin with its time, 2026-03-01T09:00:00Z."""
-    found = _TIMED.fullmatch(line)
-    if found is None:
+    match = _TIMED.fullmatch(line)
+    if match is None:
         return Note(now_ns, line)
-    whole, fraction, text = found.groups()
+    whole, fraction, text = match.groups()
     try:
         moment = datetime.fromisoformat(whole).replace(tzinfo=timezone.utc)
     except ValueError:
@@ -209,12 +209,12 @@ def read_texts(bag: Readable, topic: str) -> list[tuple[int, str]]:
         If the bag cannot be read.
 
     """
-    found = bag.find(topic)
-    if found is None or bag.topics[found].type_name != TEXT_TYPE or not bag.topics[found].count:
+    name = bag.find(topic)
+    if name is None or bag.topics[name].type_name != TEXT_TYPE or not bag.topics[name].count:
         return []
     try:
         return [(message.log_time_ns, decode_text(message.data))
-                for message in bag.messages([found])]
+                for message in bag.messages([name])]
     except MessageError as error:
         raise BagError(error.problem) from None
 
@@ -251,10 +251,10 @@ def read_notes(bag: Readable) -> list[Note]:
     """
     notes = []
     for name, entries in bag.metadata().items():
-        found = is_note(name) and _TIMED.fullmatch(
+        match = is_note(name) and _TIMED.fullmatch(
             f'{entries.get("time", "")} {entries.get("text", "")}')
-        if found:
-            notes.append(_parse_note(found.group(), 0))
+        if match:
+            notes.append(_parse_note(match.group(), 0))
     if not notes:
         written = Notes(lambda name, mapping: None)
         notes = [note for ns, text in read_texts(bag, NOTE_TOPIC)

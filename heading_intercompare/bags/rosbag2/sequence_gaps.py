@@ -40,9 +40,9 @@ class _Message(NamedTuple):
     stamp_ns: int
 
 
-def _beyond(number: int, other: int) -> int:
+def _beyond(number: int, reference: int) -> int:
     """Return how far a 32-bit number is beyond another, counted through the wrap to 0."""
-    return (number - other + 2**31) % 2**32 - 2**31
+    return (number - reference + 2**31) % 2**32 - 2**31
 
 
 @dataclass(slots=True)
@@ -75,7 +75,7 @@ class Numbering:
     _newest: list[_Message] = field(default_factory=list)
     _begun_ns: int | None = None
     _gaps: deque[tuple[_Message, _Message]] = field(default_factory=lambda: deque(maxlen=_GAPS))
-    _found: list[tuple[int, int, int]] = field(default_factory=list)
+    _losses: list[tuple[int, int, int]] = field(default_factory=list)
 
     @classmethod
     def go_on(cls, first: int, newest: int, missing: int) -> 'Numbering':
@@ -137,8 +137,8 @@ class Numbering:
                 self._miss(_Message(int(numbers[at]) - int(steps[at]), int(since[at])),
                            _Message(int(numbers[at]), int(stamps[at])))
             self._newest[-1] = _Message(int(numbers[-1]), int(stamps[-1]))
-        found, self._found = self._found, []
-        return Losses.of(*zip(*found)) if found else _NOTHING
+        losses, self._losses = self._losses, []
+        return Losses.of(*zip(*losses)) if losses else _NOTHING
 
     def take_before(self) -> Losses:
         """
@@ -183,7 +183,7 @@ class Numbering:
 
     def _count(self, before: _Message, behind: _Message, count: int) -> None:
         self.missing += count
-        self._found.append((behind.stamp_ns, before.stamp_ns, count))
+        self._losses.append((behind.stamp_ns, before.stamp_ns, count))
 
     def _begin(self, message: _Message) -> None:
         """Take a number that follows none."""

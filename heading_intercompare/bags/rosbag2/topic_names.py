@@ -84,8 +84,8 @@ def find_topic(present: Collection[str], topic: str, namespace: str = '') -> str
 
 def find_elsewhere(present: Collection[str], topic: str, namespace: str = '') -> list[str]:
     """Return the topics that would be meant in other namespaces; see `find_topic`."""
-    own = find_topic(present, topic, namespace)
-    return [name for name in sorted(present) if name != own and not topic.startswith('/')
+    resolved_name = find_topic(present, topic, namespace)
+    return [name for name in sorted(present) if name != resolved_name and not topic.startswith('/')
             and f'/{name}'.endswith(f'/{topic}')]
 
 

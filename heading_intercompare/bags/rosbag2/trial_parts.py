@@ -39,7 +39,7 @@ def find_parts(paths: Sequence[str]) -> dict[str, list[str]]:
     Returns
     -------
     dict of str to list of str
-        For the first bag of each trial of several bags, the others in their order.
+        For the first bag of each trial of several bags, the other bags in their order.
 
     """
     bags = {Path(os.path.abspath(path)).name: path for path in paths}
@@ -48,16 +48,16 @@ def find_parts(paths: Sequence[str]) -> dict[str, list[str]]:
         name = _read_continues(path) if len(paths) > 1 else None
         if name is not None and bags.get(name, path) != path:
             before[path] = bags[name]
-    found: dict[str, list[str]] = {}
+    parts: dict[str, list[str]] = {}
     for path in paths:
         if path not in before:
             chain = [path]
-            while after := [one for one, earlier in before.items()
-                            if earlier == chain[-1] and one not in chain]:
+            while after := [successor for successor, earlier in before.items()
+                            if earlier == chain[-1] and successor not in chain]:
                 chain.append(after[0])
             if len(chain) > 1:
-                found[path] = chain[1:]
-    return found
+                parts[path] = chain[1:]
+    return parts
 
 
 def name_first() -> str:
@@ -77,22 +77,22 @@ def find_place(output: str) -> tuple[str, str | None]:
     Parameters
     ----------
     output : str
-        The bag wanted.
+        The path of the bag to record.
 
     Returns
     -------
     place : str
-        The same, or the next name that is free.
+        The same name, or the next name that is free.
     continues : str or None
         Name of the newest bag that is there, if its recorder was cut off.
 
     """
-    *there, place = _list_names(output)
+    *bags, place = _list_names(output)
     try:
-        cut_off = bool(there) and BagReader(there[-1]).incomplete is not None
+        cut_off = bool(bags) and BagReader(bags[-1]).incomplete is not None
     except (OSError, ValueError):
         cut_off = False
-    return place, Path(there[-1]).name if cut_off else None
+    return place, Path(bags[-1]).name if cut_off else None
 
 
 def _list_names(output: str) -> list[str]:

@@ -46,18 +46,18 @@ def date_in_name(path: str) -> int | None:
 
     """
     name = os.path.basename(path)
-    found = set()
+    days = set()
     for match in _DATE.finditer(name):
         try:
-            found.add(date_ns(*(int(part) for part in match.groups())))
+            days.add(date_ns(*(int(part) for part in match.groups())))
         except ValueError:
             continue
     for match in _DAY_OF_YEAR.finditer(name):
         try:
-            found.add(year_day_ns(int(match[1]), int(match[2]) + 1))
+            days.add(year_day_ns(int(match[1]), int(match[2]) + 1))
         except ValueError:
             continue
-    return found.pop() if len(found) == 1 else None
+    return days.pop() if len(days) == 1 else None
 
 
 class Days:

@@ -146,10 +146,10 @@ class LineStamps:
         self._days, self._find_order, self._of_log = days, order, of_log
         self._accept_bursts = settings.bursts == 'accept'
         self._zone = None if settings.stamp_zone is None else read_offset(settings.stamp_zone)
-        self._own = (None if settings.stamp_pattern is None else
-                     re.compile(settings.stamp_pattern.encode()))
+        self._own_pattern = (None if settings.stamp_pattern is None else
+                             re.compile(settings.stamp_pattern.encode()))
         named = settings.stamp_format
-        self._tags = named in ('auto', 'tag') and self._own is None
+        self._tags = named in ('auto', 'tag') and self._own_pattern is None
         self._forms = [form for form in FORMATS if form.name == named
                        or named == 'auto' and form.automatic and form.name != 'dmy']
         self._auto = named == 'auto'
@@ -161,7 +161,7 @@ class LineStamps:
         self._seconds: dict[bytes, int] = {}
         self._burst_ns: int | None = None
         self._owner: Name | None = None
-        self._taken: set[Name] = set()
+        self._borrowers: set[Name] = set()
         self._passed: deque[tuple[bytes, bytes, Name | None]] = deque(maxlen=_REMEMBERED)
         self._utc = lru_cache(maxsize=1024)(self._local_to_utc)
         self.borrowed = 0
@@ -193,8 +193,8 @@ class LineStamps:
         """
         if b'\\' not in text:
             return self._find(text)
-        found = self._find(_TAGS.sub(b'', text))
-        return self._find_tag(text) if found is None and self._tags else found
+        stamp = self._find(_TAGS.sub(b'', text))
+        return self._find_tag(text) if stamp is None and self._tags else stamp
 
     def own_ns(self, prefix: bytes, suffix: bytes) -> int | None:
         """Return the stamp of a line's own, before or after its sentence; raises Rejected."""
@@ -207,19 +207,19 @@ class LineStamps:
                 self.form, self.words = self._form_found, b''
                 return ns + (fraction_ns(digits) if digits else 0)
         try:
-            found = self.find(prefix[-KEPT_PREFIX:]) if prefix else None
-            if found is None and suffix:
-                found = self.find(suffix[:KEPT_PREFIX])
+            stamp = self.find(prefix[-KEPT_PREFIX:]) if prefix else None
+            if stamp is None and suffix:
+                stamp = self.find(suffix[:KEPT_PREFIX])
         except ValueError:
             raise Rejected('bad_stamp') from None
-        if found is None:
+        if stamp is None:
             return None
-        self.form, self.words = found.form, found.words
-        return found.ns
+        self.form, self.words = stamp.form, stamp.words
+        return stamp.ns
 
     def cut(self, text: bytes) -> tuple[bytes, bytes]:
         """Return a sentence without checksum and the stamp that follows it, if any."""
-        for form in self._forms if self._own is None else ():
+        for form in self._forms if self._own_pattern is None else ():
             match = compile_form(form.pattern, 'last').match(text)
             if match and match.start(1) > text.find(b','):
                 return text[:match.start(1)].rstrip(b' \t,;'), text[match.start(1):]
@@ -259,17 +259,17 @@ class LineStamps:
             self._open(None)
 
     def _open(self, ns: int | None) -> None:
-        self._burst_ns, self._owner, self._taken = ns, None, set()
+        self._burst_ns, self._owner, self._borrowers = ns, None, set()
         self._passed.clear()
 
     def _borrow(self, name: Name, *, bare: bool) -> int:
         """Return the stamp of the burst for a line without one; raises Rejected."""
         if self._owner is not None:
-            self._taken, self._owner = {self._owner}, None
+            self._borrowers, self._owner = {self._owner}, None
         passed = set()
         while self._passed:
-            prefix, suffix, other = self._passed.pop()
-            passed.add(other)
+            prefix, suffix, passed_name = self._passed.pop()
+            passed.add(passed_name)
             try:
                 ns = self.own_ns(prefix, suffix)
             except Rejected:
@@ -278,17 +278,17 @@ class LineStamps:
             if ns is not None:
                 self._open(ns)
                 break
-        self._taken.update(each for each in passed if each is not None)
+        self._borrowers.update(passed_name for passed_name in passed if passed_name is not None)
         if self._burst_ns is None:
             raise Rejected('no_stamp')
-        if name in self._taken and not self._accept_bursts:
+        if name in self._borrowers and not self._accept_bursts:
             raise Rejected('burst' if bare else 'no_stamp')
-        self._taken.add(name)
+        self._borrowers.add(name)
         self.borrowed += 1
         return self._burst_ns
 
     def _find(self, text: bytes) -> Found | None:
-        if self._own is not None:
+        if self._own_pattern is not None:
             return self._find_own(text)
         if self._locked is not None:
             form, patterns = self._locked
@@ -308,10 +308,10 @@ class LineStamps:
                         continue
                     if self._auto and form.name in NUMERIC_DATES:
                         form = self._choose_order(match)
-                    found = self._read(match, form)
+                    stamp = self._read(match, form)
                     if self._locked is None:
                         self._lock(form)
-                    return found
+                    return stamp
         return None
 
     def _choose_order(self, match: re.Match[bytes]) -> LineFormat:
@@ -384,8 +384,8 @@ class LineStamps:
         return (seconds - int(offset.total_seconds())) * SECOND_NS
 
     def _find_own(self, text: bytes) -> Found | None:
-        assert self._own is not None
-        match = self._own.search(text)
+        assert self._own_pattern is not None
+        match = self._own_pattern.search(text)
         if match is None:
             return None
         kind, ns, zone = read_own(match)

@@ -93,8 +93,9 @@ class WordCounts:
         Returns
         -------
         list of (str, int)
-            The word that tells each from the others, and how many headings it has; empty if the
-            words name no instrument or one, or change so often that they are counters.
+            The word that tells each instrument from the others, and how many headings it has;
+            empty if the words name no instrument or one, or change so often that they are
+            counters.
 
         """
         by_words: Counter[tuple[bytes, ...]] = Counter()
@@ -102,9 +103,9 @@ class WordCounts:
             by_words[words_of(text)] += n
         by_words.pop((), None)
         total = sum(by_words.values())
-        found = {words: n for words, n in by_words.items() if n >= _LEAST_SHARE * total}
-        if not 2 <= len(found) <= _MOST_INSTRUMENTS or len(by_words) > 5 * len(found):
+        instruments = {words: n for words, n in by_words.items() if n >= _LEAST_SHARE * total}
+        if not 2 <= len(instruments) <= _MOST_INSTRUMENTS or len(by_words) > 5 * len(instruments):
             return []
-        shared = set.intersection(*(set(words) for words in found))
+        shared = set.intersection(*(set(words) for words in instruments))
         return sorted((next((word for word in words if word not in shared), words[0]).decode(
-            'ascii', 'replace'), n) for words, n in found.items())
+            'ascii', 'replace'), n) for words, n in instruments.items())

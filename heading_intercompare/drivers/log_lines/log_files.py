@@ -109,10 +109,10 @@ class LogFiles:
 
         """
         if _is_pattern(self.path):
-            found = [path for path in glob.glob(self.path, recursive=True)
+            paths = [path for path in glob.glob(self.path, recursive=True)
                      if os.path.isfile(path)]
         elif os.path.isdir(self.path):
-            found = [os.path.join(folder, name)
+            paths = [os.path.join(folder, name)
                      for folder, folders, names in os.walk(self.path)
                      for name in names
                      if not any(part.startswith('.') for part in os.path.relpath(
@@ -120,9 +120,9 @@ class LogFiles:
         else:
             os.stat(self.path)
             return [self.path]
-        self.dangling = sorted((path for path in found if not os.path.exists(path)),
+        self.dangling = sorted((path for path in paths if not os.path.exists(path)),
                                key=natural_key)
-        filled = sorted((path for path in found if path not in self.dangling
+        filled = sorted((path for path in paths if path not in self.dangling
                          and os.path.getsize(path)), key=natural_key)
         if not filled:
             raise DriverError(f'{self.path}: no file with anything in it')
@@ -133,23 +133,24 @@ class LogFiles:
         """Bytes on the disk of all files."""
         return sum(os.path.getsize(path) for path in self.paths)
 
-    def keep(self, wanted: Callable[[str], bool], key: Callable[[str], int | None]) -> None:
+    def keep(self, is_log: Callable[[str], bool], key: Callable[[str], int | None]) -> None:
         """
-        Drop the files that are not wanted, and put the others in order of time.
+        Drop the files that are not logs, and put the logs in order of time.
 
         Parameters
         ----------
-        wanted : callable
+        is_log : callable
             Tells of the path of a file whether it is a log.
         key : callable
             Returns the first stamp of a file; if one has none, the order of names stays.
 
         """
-        paths = [path for path in self.paths if wanted(path)]
+        paths = [path for path in self.paths if is_log(path)]
         stamps = [key(path) for path in paths]
-        known = [stamp for stamp in stamps if stamp is not None]
-        if len(known) == len(paths):
-            paths = [path for _, path in sorted(zip(known, paths), key=lambda each: each[0])]
+        first_stamps = [stamp for stamp in stamps if stamp is not None]
+        if len(first_stamps) == len(paths):
+            paths = [path for _, path in sorted(zip(first_stamps, paths),
+                                                key=lambda entry: entry[0])]
         self.__dict__['paths'] = paths
 
     def blocks(self, size: int = _BLOCK) -> Iterator[tuple[str | None, bytes]]:
@@ -265,7 +266,7 @@ def _decompress(file: BinaryIO, size: int) -> Iterator[bytes]:
     """Yield the decompressed bytes; EOFError after the last one if the data are cut."""
     head = file.read(6)
     file.seek(0)
-    opener = next((each for magic, each in _OPENERS.items() if head.startswith(magic)), None)
+    opener = next((opener for magic, opener in _OPENERS.items() if head.startswith(magic)), None)
     if opener is None:
         while data := file.read(size):
             yield data

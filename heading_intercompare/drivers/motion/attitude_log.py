@@ -91,9 +91,9 @@ def read_log_attitude(path: str | os.PathLike[str],
     if is_csv_file(files.paths[0]):
         return LoggedAttitude()
     for token, places in _FIELDS.items():
-        found = _read(path, rule, token, places)
-        if len(found.rows):
-            return found
+        attitude = _read(path, rule, token, places)
+        if len(attitude.rows):
+            return attitude
     return LoggedAttitude()
 
 

@@ -72,7 +72,7 @@ class MotionDecoder:
         self._lines = MotionLines(settings, self._counts, files)
         self._held: dict[str, dict[str, MotionColumns]] = {}
         self._since_ns: dict[str, int] = {}
-        self._taken: dict[str, MotionColumns] = {}
+        self._ready_columns: dict[str, MotionColumns] = {}
 
     @property
     def counts(self) -> dict[str, int]:
@@ -103,7 +103,7 @@ class MotionDecoder:
         what = line.told.what
         chosen = self.chosen.get(what)
         if chosen == line.name:
-            self._taken.setdefault(what, MotionColumns()).add(line.stamp_ns, line.told)
+            self._ready_columns.setdefault(what, MotionColumns()).add(line.stamp_ns, line.told)
         elif chosen is not None or self._played:
             self._counts['other'] += 1
         else:
@@ -122,14 +122,14 @@ class MotionDecoder:
         return now_ns - since_ns >= self._learn_ns
 
     def _choose(self, what: str) -> None:
-        """Choose the best of the sentences that tell one thing, and count the others."""
+        """Choose the best of the sentences that tell one thing, and count the other sentences."""
         held = self._held.pop(what)
         best = find_best(held)
         self._counts['other'] += sum(len(rows) for name, rows in held.items() if name != best)
-        self.chosen[what], self._taken[what] = best, held[best]
+        self.chosen[what], self._ready_columns[what] = best, held[best]
 
     def _drain(self) -> Motion:
-        taken, self._taken = self._taken, {}
-        if not taken:
+        columns, self._ready_columns = self._ready_columns, {}
+        if not columns:
             return Motion.empty()
-        return Motion.concatenate([rows.to_motion(what) for what, rows in taken.items()])
+        return Motion.concatenate([rows.to_motion(what) for what, rows in columns.items()])

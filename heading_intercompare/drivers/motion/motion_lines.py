@@ -58,11 +58,11 @@ class MotionColumns:
     def __len__(self) -> int:
         return len(self.stamp_ns)
 
-    def add(self, stamp_ns: int, told: Told) -> None:
+    def add(self, stamp_ns: int, reading: Told) -> None:
         """Add what a sentence tells."""
         self.stamp_ns.append(stamp_ns)
-        self.first.append(told.first)
-        self.second.append(told.second)
+        self.first.append(reading.first)
+        self.second.append(reading.second)
 
     def to_motion(self, what: str) -> Motion:
         """Return the rows, given what they tell."""
@@ -152,12 +152,12 @@ class MotionLines:
     def _take(self, frames: Iterable[Frame]) -> Iterator[MotionLine]:
         for stamp_ns, text in self._stamped(frames, _tells_motion):
             try:
-                found = parse_motion(text)
+                readings = parse_motion(text)
             except Rejected as rejected:
                 self._counts[f'{text[:5].decode("latin-1")}.{rejected.reason}'] += 1
                 continue
-            for told in found:
-                yield MotionLine(text[:5].decode('latin-1'), stamp_ns, told)
+            for reading in readings:
+                yield MotionLine(text[:5].decode('latin-1'), stamp_ns, reading)
 
     def _stamp(self, prefix: bytes, text: bytes, suffix: bytes,
                received_ns: int | None) -> int | None:

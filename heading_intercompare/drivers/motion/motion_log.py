@@ -85,7 +85,7 @@ def read_log_motion(path: str | os.PathLike[str],
     -----
     Of each thing one kind of sentence is taken, from the talker heard first: for courses VTG
     before RMC; for positions GNS, GGA, RMC, GLL. A sentence takes the stamp of its line or of the
-    last line with one. With times of validity it takes its own time, or the time told last.
+    last line with a stamp. With times of validity it takes its own time, or the time told last.
 
     """
     rule = settings or DriverSettings()
@@ -95,11 +95,11 @@ def read_log_motion(path: str | os.PathLike[str],
         return LoggedMotion()
     columns: dict[tuple[str, str], MotionColumns] = {}
     counts: Counter[str] = Counter()
-    for name, stamp_ns, told in _read_lines(MotionLines(rule, counts, files), files):
-        columns.setdefault((told.what, name), MotionColumns()).add(stamp_ns, told)
+    for name, stamp_ns, reading in _read_lines(MotionLines(rule, counts, files), files):
+        columns.setdefault((reading.what, name), MotionColumns()).add(stamp_ns, reading)
     rows, sentences = {}, {}
     for what in (POSITION, COURSE, RATE):
-        names = [name for each, name in columns if each == what]
+        names = [name for quantity, name in columns if quantity == what]
         if names:
             best = find_best(names)
             rows[what], sentences[what] = columns[what, best].to_motion(what), best

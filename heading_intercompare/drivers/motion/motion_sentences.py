@@ -76,10 +76,10 @@ def _angle(fields: list[bytes], index: int, sides: bytes, most: float) -> float:
     text, side = _field(fields, index), _field(fields, index + 1)
     if not text:
         raise Rejected('empty')
-    found = _is_angle(text)
-    if found is None or len(side) != 1 or side not in sides or float(found[2]) >= 60.0:
+    match = _is_angle(text)
+    if match is None or len(side) != 1 or side not in sides or float(match[2]) >= 60.0:
         raise Rejected('bad_field')
-    angle = float(found[1]) + float(found[2]) / 60.0
+    angle = float(match[1]) + float(match[2]) / 60.0
     if angle > most:
         raise Rejected('out_of_range')
     return -angle if side in b'SW' else angle
@@ -117,11 +117,11 @@ def _parse_rmc(fields: list[bytes]) -> list[Told]:
     if _field(fields, 2) != b'A':
         raise Rejected('invalid_mode')
     _check_mode(fields, 12)
-    found = [_position(fields, 3)]
+    readings = [_position(fields, 3)]
     if _field(fields, 7) and _field(fields, 8):
-        found.append(_course(_number(fields, 8, 0.0, 360.0),
-                             _number(fields, 7, 0.0, _FASTEST_KN)))
-    return found
+        readings.append(_course(_number(fields, 8, 0.0, 360.0),
+                                _number(fields, 7, 0.0, _FASTEST_KN)))
+    return readings
 
 
 def _parse_gga(fields: list[bytes]) -> list[Told]:

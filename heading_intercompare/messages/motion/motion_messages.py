@@ -170,8 +170,9 @@ def _motion(type_name: str, what: str, data: BytesLike, start: Integers, size: I
         at = at + _IMU_BEFORE
         kind = _IMU_RATE.newbyteorder(sign)
         check_size(type_name, start, size, at + kind.itemsize)
-        _, _, about_up, known = np.array(gather(data, kind, start + at).T, np.float64, order='C')
-        about_up[known == _UNKNOWN] = np.nan
+        _, _, about_up, covariance = np.array(gather(data, kind, start + at).T, np.float64,
+                                              order='C')
+        about_up[covariance == _UNKNOWN] = np.nan
         return Motion.of_rates(stamps, -np.degrees(about_up))
     kind = _TWIST.newbyteorder(sign)
     check_size(type_name, start, size, at + kind.itemsize)
