@@ -215,10 +215,10 @@ def find_common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, 
     steps = {'rs': rs_step_deg, 'ts': ts_step_deg}
     factors = {'rs': 1.0, 'ts': 1.0, 'ts' if interpolates_ts else 'rs': mean_factor}
     noises = []
-    for sensor, other, spectrum in (('rs', 'ts', power), ('ts', 'rs', whole)):
+    for sensor, partner, spectrum in (('rs', 'ts', power), ('ts', 'rs', whole)):
         step_deg = steps[sensor]
         if step_deg is None and factors[sensor] < 1.0 - _INTERPOLATED:
-            step_deg = steps[other]
+            step_deg = steps[partner]
         # A sensor faster than the pairs folds its noise, which is then as white as it was.
         responses = [interpolated_response(factors[sensor], round(1e9 * step_s),
                                            frequency / frequency[-1])]
@@ -320,8 +320,8 @@ def _segments(stamps: np.ndarray, x: np.ndarray, rs: np.ndarray, factor: ArrayLi
     n = stamps.size
     if n < _LEAST_LENGTH * _LEAST_SEGMENTS // 2:
         return None
-    ts_some = (x[:100_000] + rs[:100_000]) % 360.0
-    every = max(readings_per_pair(stamps, rs), readings_per_pair(stamps, ts_some))
+    ts_deg = (x[:100_000] + rs[:100_000]) % 360.0
+    every = max(readings_per_pair(stamps, rs), readings_per_pair(stamps, ts_deg))
     step = float(np.median(np.diff(stamps[:100_001]))) / 1e9
     if step <= 0.0:
         return None
@@ -340,7 +340,7 @@ def _segments(stamps: np.ndarray, x: np.ndarray, rs: np.ndarray, factor: ArrayLi
     most = min(_MOST_SEGMENTS, _MOST_SAMPLES // length)
     if begins.size > most:
         begins = begins[np.linspace(0, begins.size - 1, most).astype(np.int64)]
-    own, other, factors = [], [], []
+    ts_segments, rs_segments, factors = [], [], []
     for lo in begins.tolist():
         t = (stamps[lo:lo + span] - stamps[lo]) / 1e9
         if t[-1] > 1.25 * span / every * step:
@@ -359,14 +359,15 @@ def _segments(stamps: np.ndarray, x: np.ndarray, rs: np.ndarray, factor: ArrayLi
                 int((length - 1) / slower) + 1)
         if slower > _SLOWER or np.abs(t - even).max() > _UNEVEN * step:
             both = CubicSpline(t, both)(even)
-        own.append(both[:, 0])
-        other.append(both[:, 1])
+        ts_segments.append(both[:, 0])
+        rs_segments.append(both[:, 1])
         if f is not None:
             factors.append(float(f[pick].mean()))
-    if not own:
+    if not ts_segments:
         return None
     step *= slower if slower > _SLOWER else 1.0
-    return step, np.array(own), np.array(other), float(np.mean(factors)) if factors else 1.0
+    return (step, np.array(ts_segments), np.array(rs_segments),
+            float(np.mean(factors)) if factors else 1.0)
 
 
 def _spectra(step_s: float, ts: np.ndarray, rs: np.ndarray,

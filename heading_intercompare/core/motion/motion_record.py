@@ -161,9 +161,9 @@ def leave_out_known(motion: Motion, newest_ns: Mapping[str, int]) -> Motion:
     again gets some rows for a second time.
 
     """
-    known = np.zeros(len(motion), bool)
+    is_known = np.zeros(len(motion), bool)
     for what, column in (('fix', motion.latitude_deg), ('velocity', motion.east_m_s),
                          ('rate', motion.rate_deg_s)):
         if what in newest_ns:
-            known |= np.isfinite(column) & (motion.stamp_ns <= newest_ns[what])
-    return motion[~known]
+            is_known |= np.isfinite(column) & (motion.stamp_ns <= newest_ns[what])
+    return motion[~is_known]
