@@ -254,7 +254,7 @@ class Compliance:
         number = len(finished) + 1
         result = judge_run(
             run, self.settings, number, self._source, looks=self._looks, motion=self.motion.rows,
-            told=lambda share: self._progress(f'{share:.0%} of run {number} judged'))
+            progress=lambda share: self._progress(f'{share:.0%} of run {number} judged'))
         result = replace(result, first_pair=self._first_pair)
         if self._thins:
             result = result.without_lost_share()

@@ -68,7 +68,7 @@ class Diagnostics:
 
 def diagnose(columns: RunColumns, guarded: Guarded, *, drift: Drift, rest: Detrended,
              scan: Scan | None = None,
-             told: Callable[[float], None] = lambda share: None) -> Diagnostics:
+             progress: Callable[[float], None] = lambda share: None) -> Diagnostics:
     """
     Examine a run.
 
@@ -84,7 +84,7 @@ def diagnose(columns: RunColumns, guarded: Guarded, *, drift: Drift, rest: Detre
         The differences without that drift.
     scan : Scan, optional
         Skew scan of the two streams, if available.
-    told : callable
+    progress : callable
         Called with the share of the work that is done, from 0 to 1.
 
     Returns
@@ -108,7 +108,7 @@ def diagnose(columns: RunColumns, guarded: Guarded, *, drift: Drift, rest: Detre
     c, settings = columns, columns.settings
     range_s = settings.alignment.skew_range_s
     estimate = c.skew
-    told(0.3)
+    progress(0.3)
     correlation, step = c.correlation, c.stamps.typical_s
     width = 2 * max(1, round(0.5 * MOVING_AVERAGE_S / step)) + 1 if step else 3
     normal = examine_normality(c.series_deg, c.ts_deg, c.rs_deg, width=width,
@@ -116,7 +116,7 @@ def diagnose(columns: RunColumns, guarded: Guarded, *, drift: Drift, rest: Detre
                                tau=c.series.narrow.tau_1)
     allan = describe_allan(c.x_deg, step,
                            _noise_of_rs(c.x_deg, c.rs_deg, estimate, range_s, c.tracks))
-    told(0.5)
+    progress(0.5)
     moments = Moments.of(c.x_deg)
     block = describe_skew(estimate, moments.variance_deg2, c.limits, scan)
     deviation = _fit_deviation(c.x_deg, c.rs_deg, c.tracks, moments.m2_deg2,
