@@ -171,7 +171,7 @@ class Compliance:
         """Return what is needed to go on later, apart from the pairs of the run in progress."""
         return KeptState(
             cutter=self._cutter.state, newest_ns=self.newest_ns, in_run=self._run is not None,
-            finished=tuple(KeptRun.of(*one) for one in self._finished),
+            finished=tuple(KeptRun.of(*finished) for finished in self._finished),
             n_earlier=self._n_earlier, n_short=self._n_short_before,
             earlier_ns=self._earlier_ns, n_pairs=self._record.n, record_ns=self._record.start_ns,
             record=self._record.state, outside=self._outside, first_pair=self._first_pair,
@@ -191,7 +191,7 @@ class Compliance:
         """
         self._cutter.go_on(state.cutter)
         self.newest_ns, self._earlier_ns = state.newest_ns, state.earlier_ns
-        self._finished = [(one.result(self.settings), one.cut_ns) for one in state.finished]
+        self._finished = [(run.result(self.settings), run.cut_ns) for run in state.finished]
         self._n_earlier, self._n_short_before = state.n_earlier, state.n_short
         self._outside = self._outside or state.outside
         self._record.go_on(state.n_pairs, state.record_ns, *state.record)
@@ -449,7 +449,7 @@ class Intercomparison:
 
     def _begin(self) -> None:
         self.pairer = Pairer(self.compliance.settings)
-        for cut_ns in (each for span in self._table for each in span):
+        for cut_ns in (edge_ns for span in self._table for edge_ns in span):
             self.pairer.ledger.cut_run(cut_ns)
 
     def begin_again(self) -> Pairs:

@@ -137,8 +137,8 @@ def find_outliers(stamp_ns: ArrayLike, x_deg: ArrayLike, *, longest_s: float = 3
     --------
     >>> x = [0.1 * (k % 5) for k in range(100)]
     >>> x[40] = 40.0
-    >>> found = find_outliers(range(100), x)
-    >>> found.index.tolist(), round(found.largest[0].size_deg, 6)
+    >>> outliers = find_outliers(range(100), x)
+    >>> outliers.index.tolist(), round(outliers.largest[0].size_deg, 6)
     ([40], 39.8)
 
     """

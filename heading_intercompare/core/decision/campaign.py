@@ -186,8 +186,8 @@ def judge_together(runs: Sequence[Evidence], limits: Sequence[Limits], risk: Ris
     n_plus = sum(e.n_plus for e, _ in with_spread)
     return Together(
         len(with_spread), pooled.n, math.fsum(e.span_s for e, _ in with_spread), apart_s,
-        pooled.d_deg2, pooled.nu, pooled.f, pooled.slow_allowance_deg2, pooled_upper, between, upper,
-        lower_bound(pooled, variance_risk(risk)),
+        pooled.d_deg2, pooled.nu, pooled.f, pooled.slow_allowance_deg2, pooled_upper, between,
+        upper, lower_bound(pooled, variance_risk(risk)),
         math.fsum(e.n * lim.tightened_limit_deg2 for e, lim in with_spread) / pooled.n,
         with_spread[0][1].rejection_limit_deg2,
         rate_lower(pooled.nu * n_plus / pooled.n, pooled.nu, count_risk(risk)),

@@ -118,9 +118,9 @@ def split_variances(n: int, pairs: Sequence[PairVariance]) -> tuple[SensorVarian
 
     Examples
     --------
-    >>> found = split_variances(3, [PairVariance(0, 1, 5.0, 0.0), PairVariance(0, 2, 10.0, 0.0),
+    >>> split = split_variances(3, [PairVariance(0, 1, 5.0, 0.0), PairVariance(0, 2, 10.0, 0.0),
     ...                             PairVariance(1, 2, 13.0, 0.0)])
-    >>> [round(one.variance_deg2, 6) for one in found]
+    >>> [round(variance.variance_deg2, 6) for variance in split]
     [1.0, 4.0, 9.0]
 
     """

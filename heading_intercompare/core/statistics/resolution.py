@@ -86,8 +86,8 @@ def find_resolution(heading_deg: ArrayLike) -> Resolution:
 
     Examples
     --------
-    >>> found = find_resolution([0.2 * (k % 3) for k in range(40)])
-    >>> round(found.step_deg, 6), found.repeated_share
+    >>> resolution = find_resolution([0.2 * (k % 3) for k in range(40)])
+    >>> round(resolution.step_deg, 6), resolution.repeated_share
     (0.2, 0.0)
 
     """

@@ -268,7 +268,7 @@ def find_apart(ts: Track, rs: Track, range_s: float,
     -------
     search : ClockSearch
         That of up to two hours.
-    found : ClockOffset or None
+    offset : ClockOffset or None
 
     Notes
     -----

@@ -197,8 +197,8 @@ def measure_stamp_steps(stamp_ns: ArrayLike, silence_steps: float = 10.0) -> Sta
 
     Examples
     --------
-    >>> found = measure_stamp_steps([0, 1_000_000_000, 2_000_000_000, 500_000_000, 30_000_000_000])
-    >>> found.backward, found.longest_back_s, found.silences
+    >>> steps = measure_stamp_steps([0, 1_000_000_000, 2_000_000_000, 500_000_000, 30_000_000_000])
+    >>> steps.backward, steps.longest_back_s, steps.silences
     (1, 1.5, 1)
 
     """

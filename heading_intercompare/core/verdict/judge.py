@@ -371,8 +371,9 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
         validity=(), validity_effect='', coverage=coverage,
         looks=tuple(looks),
         paper_outcome=printed.outcome, guarded=guarded, skew=diagnostics.skew,
-        drift=diagnostics.drift, heading_dependence=diagnostics.heading_dependence, normality=diagnostics.normality,
-        stationarity=diagnostics.stationarity, correlation=correlation, allan=diagnostics.allan,
+        drift=diagnostics.drift, heading_dependence=diagnostics.heading_dependence,
+        normality=diagnostics.normality, stationarity=diagnostics.stationarity,
+        correlation=correlation, allan=diagnostics.allan,
         assumptions=diagnostics.assumptions, taken_out=taken_out, motion=checked,
         limit_95=estimate_percentile(
             data.series_deg, 0.0 if settings.variant == 'A' or data.residual_deg is not None
