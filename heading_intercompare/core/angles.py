@@ -35,7 +35,7 @@ _PIECE = 32768
 
 
 def _are_within(angle: np.ndarray, lowest: float, below: float) -> bool:
-    """Tell whether there are any angles, all of them in the half-open range."""
+    """Tell whether there are any angles, and all angles lie in the half-open range."""
     return angle.size > 0 and bool(angle.min() >= lowest) and bool(angle.max() < below)
 
 

@@ -269,7 +269,7 @@ class Used(NamedTuple):
     names: tuple[str, ...] = ()
 
     def has(self, name: str) -> bool:
-        """Tell whether a setting is one of them."""
+        """Tell whether the program uses a setting."""
         return not self.names or any(
             name == prefix or name.startswith(f'{prefix}.') for prefix in self.names)
 

@@ -117,8 +117,8 @@ def _find_apart(ts: Headings, rs: Headings, result: RunResult, settings: Setting
     """
     Return a skew beyond the range of the estimate, seconds; 0 if there is none.
 
-    The pairs show one only if both sensors share enough of them. So the readings are searched if
-    the pairs show no skew at all.
+    The pairs show such a skew only if both sensors share enough pairs. So the readings are
+    searched if the pairs show no skew at all.
     """
     rule, estimate = settings.alignment, result.verdict.skew.estimate
     apart_s = estimate.beyond_s

@@ -116,8 +116,8 @@ class Compliance:
         self._run_key: int | None = None
         self._looks: list[LookVerdict] = []
         self._finished: list[tuple[RunResult, int]] = []
-        # How many runs were too old for the verdict, and how many too short before the newest of
-        # these; its cut.
+        # How many runs were too old for the verdict, how many too short before the newest of the
+        # old runs, and the cut of that run.
         self._n_short_before = self._n_earlier = 0
         self._earlier_ns: int | None = None
         self.rolling = Rolling(settings.window_s)
@@ -338,7 +338,7 @@ class Compliance:
     def _divide(self, ledger: Ledger | None, finished: Sequence[tuple[RunResult, int]],
                 short: Sequence[Stretch], run: RunSeries | None,
                 ) -> tuple[list[RunResult], list[RunResult]]:
-        """Return the runs too old for the verdict and those of it, with shares of the ledger."""
+        """Return the runs too old for the verdict and its runs, with shares of the ledger."""
         results = [result for result, _ in finished]
         if not results:
             return [], []
@@ -379,7 +379,7 @@ class Compliance:
     def _account_for_left_out(self, results: Sequence[RunResult], old: Sequence[RunResult],
                               short: Sequence[Stretch], run: RunSeries | None,
                               ) -> list[RunResult]:
-        """Return the runs, the first with what lies in none of them; all with the record."""
+        """Return the runs, the first with what lies in no run; all runs with the record."""
         if not results:
             return []
         before = self._before if not old else (

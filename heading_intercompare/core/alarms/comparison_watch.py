@@ -51,7 +51,7 @@ COMPARISON_RULES = (
     Rule('outliers', Priority.CAUTION, 10.0), Rule('same_source', clear_s=5.0),
     Rule('clock_step', clear_s=0.0),
     *(Rule(condition.name, clear_s=0.0) for condition in CONDITIONS if condition.is_alarm))
-"""The alarms of a comparison, the graver ones first where one explains another."""
+"""The alarms of a comparison; where one alarm explains another, the graver alarm comes first."""
 
 # The newest readings, which show a rotation at once.
 _RECENT_S, _FEWEST = 1.5, 3
@@ -231,7 +231,7 @@ class ComparisonWatch:
         norms = self._settings.norms
         sigma_deg = max(norms.sigma_max_deg or 0.0, norms.sigma_ref_max_deg or 0.0)
         if frozen.kind != 'frozen' or not frozen.is_plain(sigma_deg):
-            # It may be frozen on a steady course, or at rest alongside.
+            # The sensor may be frozen on a steady course, or at rest alongside.
             repetition.found_deg = None
         else:
             repetition.found_deg = frozen.other_moved_deg

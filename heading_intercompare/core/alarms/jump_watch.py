@@ -103,7 +103,7 @@ class JumpWatch:
         """
         newest_ns = int(window.stamp_ns[-1])
         if explained:
-            # These readings are not the usual ones.
+            # The newest readings are not the usual readings.
             self._jumped, self._not_before_ns = False, newest_ns
             return {'jump': Sign(False), 'outliers': Sign(False)}
         if repeats and not self._jumped:

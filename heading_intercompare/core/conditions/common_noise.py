@@ -87,9 +87,9 @@ class FollowedNoise:
     Attributes
     ----------
     kind : {'common', 'unsure', 'independent', 'not_testable'}
-        'common': the other follows it. 'unsure': it does so significantly, but less than a copy
-        would. 'not_testable': the sensor shows no noise of its own, above its rounding and over
-        most of the frequencies.
+        'common': the other sensor follows it. 'unsure': that sensor does so significantly, but
+        less than a copy would. 'not_testable': the sensor shows no noise of its own, above its
+        rounding and over most of the frequencies.
     band_hz : pair of float or None
         Frequencies at which the sensor shows its noise rather than the motion of the ship.
     noise_deg : float or None
@@ -133,8 +133,8 @@ class CommonNoise:
         """
         Return the conclusion from both directions.
 
-        'common' or 'unsure' if one of them is. 'independent' only if both are: a repeater of a TS
-        without noise may add noise of its own. Otherwise 'not_testable'.
+        'common' or 'unsure' if one direction is. 'independent' only if both directions are: a
+        repeater of a TS without noise may add noise of its own. Otherwise 'not_testable'.
         """
         kinds = self.of_rs.kind, self.of_ts.kind
         for kind in ('common', 'unsure'):
@@ -168,7 +168,7 @@ def find_common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, 
     rs_step_deg, ts_step_deg : float, optional
         Steps in which RS and TS report, degrees. Noise below that of rounding does not count,
         because sensors that round the same motion make the same errors. The step of an
-        interpolated sensor is unknown; that of the other replaces it.
+        interpolated sensor is unknown; the step of the other sensor replaces it.
 
     Returns
     -------

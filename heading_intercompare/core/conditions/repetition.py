@@ -91,7 +91,7 @@ class Windows:
     stamps : ndarray of int64, shape (n,)
         Stamps in increasing order, nanoseconds; n >= 2.
     heading, other_deg : ndarray, shape (n,)
-        Headings of the sensor examined, and of the other one, degrees.
+        Headings of the sensor examined, and of the other sensor, degrees.
     busy : ndarray of bool, shape (n,)
         Whether a reading belongs to a long repetition of the sensor.
     other_step_deg : float

@@ -160,7 +160,7 @@ class Shared:
     Attributes
     ----------
     first_ns, other_ns : int
-        Where they begin in the first run and in the other one, about; stamps.
+        Where the readings begin in the first run and in the other run, about; stamps.
     span_s : float
         For how long they were found, seconds.
     correlation : float

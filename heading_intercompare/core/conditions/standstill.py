@@ -63,8 +63,8 @@ class Frozen:
         Duration of that repetition, seconds, and turn of the other sensor meanwhile, degrees.
     kind : {'alive', 'frozen', 'dead', 'constant', 'not_testable'}
         'frozen': there are such repetitions. 'dead': one value for an hour from a sensor that
-        reports decimals, while the other's value changed. 'constant': the same for nine tenths of
-        a shorter run. 'not_testable': n < 2.
+        reports decimals, while the value of the other sensor changed. 'constant': the same for
+        nine tenths of a shorter run. 'not_testable': n < 2.
     frozen_s : float
         Total duration of these repetitions, seconds.
     resolution_deg : float or None
@@ -175,16 +175,16 @@ def find_frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLik
     stamp_ns : array_like of int, shape (n,)
         Stamps in increasing order, nanoseconds.
     heading_deg, other_deg : array_like, shape (n,)
-        Headings of the sensor examined, and of the other one, finite, degrees.
+        Headings of the sensor examined, and of the other sensor, finite, degrees.
     least_s : float
         Shortest repetition that counts, seconds. A coarse sensor on a steady course repeats
         itself for seconds without a fault.
     moved_deg : float
         Least range of the other sensor within that time, degrees.
     sigma_deg : float, optional
-        Norm of the standard deviation of the other's errors, degrees; default 0. Bounds these
-        errors if the sensor repeats itself for most of the run, so that the rest cannot show
-        them.
+        Norm of the standard deviation of the other sensor's errors, degrees; default 0. Bounds
+        these errors if the sensor repeats itself for most of the run, so that the rest cannot
+        show the errors.
     still_frozen : bool
         Judge only the repetition that goes on at the last reading.
 
@@ -194,9 +194,9 @@ def find_frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLik
 
     Notes
     -----
-    The test takes the range of the other's means over about a second, within the repetition less
-    two seconds and one hold at either end. The margins are needed because a skew, or a sensor
-    slower than its messages, repeats values into and out of a turn.
+    The test takes the range of the other sensor's means over about a second, within the
+    repetition less two seconds and one hold at either end. The margins are needed because a skew,
+    or a sensor slower than its messages, repeats values into and out of a turn.
 
     A working sensor may repeat a value while the ship stays within two of its steps and the other
     sensor rounds by one of its own. The errors of both sensors add twice the range that the

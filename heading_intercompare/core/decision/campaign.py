@@ -85,7 +85,7 @@ class Together:
     span_s : float
         Sum of their lengths, seconds.
     apart_s : float
-        Shortest time between two of them, seconds; negative if they overlap, infinite for one.
+        Shortest time between two runs, seconds; negative if they overlap, infinite for one run.
     d_hat_deg2 : float
         Mean variance, weighted by the number of differences; square degrees. S.12.
     nu, f : float

@@ -70,7 +70,7 @@ class MotionRecord:
         return Motion(*[column.values for column in self._columns.values()])
 
     def after(self, stamp_ns: int, keep: Keep | None = None) -> 'MotionRecord':
-        """Return a record of the rows after a stamp; this one stays as it is."""
+        """Return a record of the rows after a stamp; this record stays as it is."""
         left = MotionRecord(keep)
         rows = self.rows()
         left.take(rows[rows.stamp_ns > stamp_ns])

@@ -226,7 +226,7 @@ def is_slower(ts_step_ns: int | None, rs_step_ns: int | None, slow_ns: int) -> b
     Returns
     -------
     bool or None
-        None if one of them has no step.
+        None if one of the sensors has no step.
 
     Examples
     --------

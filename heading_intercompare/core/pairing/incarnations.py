@@ -98,8 +98,8 @@ class Incarnations:
 
     Notes
     -----
-    A synchronizer that follows a killed one goes on after a ledger of it that was known at its
-    start. That one may not be the last: pairs that the last one counts may have been lost with the
+    A synchronizer that follows a killed one goes on after the ledger that was known at its start.
+    That ledger may not be the last: pairs that the last ledger counts may have been lost with the
     process. So the ledger that counts is the newest after which the successor went on.
 
     """
@@ -125,7 +125,7 @@ class Incarnations:
         self._join(started_ns, newest)
 
     def _join(self, started_ns: int, newest: _Last) -> None:
-        """Count of the incarnation before only what this one did not take again."""
+        """Count of the incarnation before only what its successor did not take again."""
         past = max((before_ns for before_ns in self._last if before_ns < started_ns), default=None)
         if past is None or self._joined == started_ns or not newest.has_begun:
             return
@@ -175,10 +175,10 @@ class Incarnations:
             for segment in _without_pending(ledger.segments, steps[at]):
                 start_ns = segment.start_ns
                 if start_ns is None and newest_ns is not None:
-                    # What an incarnation received before its first cut came after the one before.
+                    # What came before the first cut came after all of the incarnation before.
                     start_ns = newest_ns + 1
                 left = {} if ledger is ledgers[-1] else _LEFT
-                # The one before took these, or the numbers between the two count them.
+                # The incarnation before took such readings, or the numbers between count them.
                 between = steps[at - 1] if at else {}
                 for key, n in segment.counts.items():
                     if key.lost == 'before_start' and key.stream in between:

@@ -219,7 +219,7 @@ class Pairer:
             if direction is None or limit_ns is None or not (end or direction.has_heard(limit_ns)):
                 break
             if len(self._at) and self._at.stamp_ns[0] < limit_ns:
-                # Readings of the next stretch may still change the last pairs of this one.
+                # Readings of the next stretch may still change the last pairs of this stretch.
                 break
             direction.leave()
         return Pairs.concatenate(settled)
@@ -362,7 +362,7 @@ class Pairer:
                 self.ledger.cut(int(before[at]) + 1)
                 self.ledger.cut(int(pairs.stamp_ns[at]))
             for at in self._clock.find_crossed(pairs.stamp_ns, self._last_pair_ns):
-                # The run before ends at the first of these, and the run after begins at the last.
+                # The run before ends at the first such cut, and the run after begins at the last.
                 self.ledger.cut(self._clock.next(int(before[at])))
                 self.ledger.cut(self._clock.last(int(pairs.stamp_ns[at])))
             self._last_pair_ns = int(pairs.stamp_ns[-1])

@@ -78,8 +78,8 @@ class HoldFilter:
     -----
     Where `HoldSearch` finds a hold, the first reading of each value is kept. If a value lasts
     longer than a hold, the sensor has reported it again, so one reading per hold is kept. No
-    reading is dropped elsewhere: a sound sensor with coarse steps repeats values, too, and its
-    first ones lie at the edges of the steps.
+    reading is dropped elsewhere: a sound sensor with coarse steps repeats values, too, and the
+    first reading of each value lies at the edge of a step.
 
     With a constant number of repeats the delay of the poll is constant, and a skew shows it.
     Otherwise the delay wanders over one poll. Then the stamp of a kept reading is taken from a

@@ -74,7 +74,7 @@ class Held:
     is_held : ndarray of bool, shape (n,)
         A hold covers the reading, as far as is known.
     is_open : ndarray of bool, shape (n,)
-        Later readings may still show that one does.
+        Later readings may still show that a hold covers the reading.
     period : ndarray of int64, shape (n,)
         Readings for which each value stands; 0 where that number is not constant, or no hold.
     usual : ndarray, shape (n,)
@@ -84,7 +84,7 @@ class Held:
     poll_ns : ndarray, shape (n,)
         Usual time from one reading to the next there, nanoseconds.
     until_row : ndarray of int64, shape (n,)
-        Number of the reading that showed a hold which covers earlier ones; 0 for none.
+        Number of the reading that showed a hold which covers earlier readings; 0 for none.
 
     """
 
@@ -97,7 +97,7 @@ class Held:
     until_row: Integers
 
     def __getitem__(self, which: slice) -> 'Held':
-        """Return what is known of some of them."""
+        """Return what is known of some of the readings."""
         return Held(*(getattr(self, name)[which] for name in Held.__slots__))
 
 
@@ -127,9 +127,9 @@ class _Times:
     #: Distances of one reading between any changes so far, at both ends.
     first_singles: Integers
     end_singles: Integers
-    #: No hold spans the time from the one before to this one.
+    #: No hold spans what lies between the time before and this time.
     is_apart: np.ndarray
-    #: Nothing was between the start of the stream and this one.
+    #: Nothing was between the start of the stream and this time.
     begins: np.ndarray
     #: The window that ends with the time shows a hold; one shown earlier still lasts.
     passes: np.ndarray

@@ -233,7 +233,7 @@ def _judge_alone(sensor: Sensor, sensors: Sequence[Sensor],
 
 def _complies(sensor: Sensor, pair: PairFigures, sensors: Sequence[Sensor],
               runs: Sequence[RunResult], settings: Settings) -> bool:
-    """Tell whether each run of a pair bounds the variance of one of them within its norm."""
+    """Tell whether each run of a pair bounds the variance of the sensor within its norm."""
     is_first = pair.first == sensor.name
     partner = _of_name(sensors, pair.second if is_first else pair.first)
     pair_settings = settings_of_pair(settings, sensor, partner)

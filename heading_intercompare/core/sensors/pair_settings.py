@@ -102,8 +102,8 @@ def _risk_of_pair(ts: Sensor, rs: Sensor, risk: Risk) -> Risk:
     """
     Return the risks of a judgement on a pair.
 
-    A statement must hold for all errors in the differences. Where the partner has slower ones,
-    or none stated, that of the TS only says how long a run must be.
+    A statement must hold for all errors in the differences. Where the partner has slower errors,
+    or none stated, the statement on the TS only says how long a run must be.
     """
     of_ts = risk_of(ts, risk)
     slowest = slowest_error_s(of_ts)
@@ -159,7 +159,7 @@ def settings_of_tested(settings: Settings, name: str | None) -> Settings:
     Raises
     ------
     SettingsError
-        If it is not among the tested ones, or a sensor has no norm.
+        If the sensor is not among the tested ones, or a sensor has no norm.
 
     """
     if name is None:

@@ -343,7 +343,7 @@ class AllanDeviation:
     deviation : ndarray, shape (k,)
         Root of half the mean squared difference of consecutive averages, in the unit of x.
     terms : ndarray of int, shape (k,)
-        Number of such squared differences, all of them.
+        Number of all such squared differences.
 
     """
 

@@ -255,7 +255,7 @@ class Detrended:
     averages : Averages
         The differences, which a long record averages over short blocks.
     polynomial : Polynomial
-        The polynomial that fits these, and their residuals.
+        The polynomial that fits the averages, and the residuals.
     found : Spread or None
         Spread of the differences about the polynomial; None for fewer than 128.
 

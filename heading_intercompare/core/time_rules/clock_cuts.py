@@ -120,7 +120,7 @@ class ClockCuts:
         stamp_ns : ndarray of int64, shape (n,)
             Increasing stamps, n >= 0.
         before_ns : int
-            The stamp before the first of them.
+            The stamp before the first of `stamp_ns`.
 
         Returns
         -------

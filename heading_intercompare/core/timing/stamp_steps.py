@@ -142,7 +142,7 @@ def _lost_share(pieces: Iterable[np.ndarray], nominal: float | None,
     missing = places = 0.0
     for part in pieces:
         if _TOGETHER * nominal < part.min() and part.max() < _ALL_ONE * nominal:
-            # Each reading came, and no two of them together.
+            # Each reading came, and no two readings together.
             places += part.size
             continue
         times = _multiples(part, nominal)

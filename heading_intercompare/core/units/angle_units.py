@@ -34,7 +34,7 @@ _NAMES = {'deg': ('deg', 'degs', 'degree', 'degrees', '°'),
 _WORD = re.compile(r'[A-Z]?[a-z]+|[A-Z]+|°')
 #: A device that counts 1e-4 rad rounds a full turn up; so does a text of four decimals.
 _ROUNDED_UP = 1.0001
-#: A wrap goes farther than this share of a turn, a step of a ship less far than the other.
+#: A wrap goes farther than the first share of a turn, a step of a ship less far than the second.
 _WRAPS, _GOES = 0.8, 0.15
 _MOST_OTHER = 0.02
 #: Angles in radians that turn without a wrap cover this share of a turn, and most have a fourth

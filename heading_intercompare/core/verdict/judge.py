@@ -143,7 +143,7 @@ class RunResult:
         share : LedgerSegment
             Share of the whole ledger, in which every reading belongs to a run.
         inside : LedgerSegment
-            The part of it between the first and the last pair of the run.
+            The part of the share between the first and the last pair of the run.
         warnings : sequence of str
             Warnings to add.
         set_backs : sequence of SetBack

@@ -103,7 +103,7 @@ def find_left_out(pieces: Iterable[JudgedPiece], stretches: Iterable[Sequence[St
     Parameters
     ----------
     pieces : iterable of JudgedPiece
-        Of all inputs; equal ones count once.
+        Pieces of all inputs; equal pieces count once.
     stretches : iterable of sequence of Stretch
         What is left out, with reasons.
     settings : Settings

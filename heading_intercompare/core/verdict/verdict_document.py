@@ -211,8 +211,8 @@ class Input:
     sha256 : str or None
         Hash of its data; None if it could not be read.
     ts_topic, rs_topic : str or None
-        Topics read, or that made the pairs of a journal or csv. Of a log one is its sentence
-        ('HEHDT'), or 'csv', and the other None.
+        Topics read, or that made the pairs of a journal or csv. Of a log one topic is its sentence
+        ('HEHDT'), or 'csv', and the other topic None.
     notes : tuple of OperatorNote, or None
         Notes of the operator, in time order.
     error : str or None
