@@ -248,8 +248,8 @@ def _find_least(instrument: Instrument, starts: Sequence[float], low_s: float,
     best: _Place | None = None
     settled: list[float] = []
     if len(starts) > _MOST_STARTS:
-        scatter = [math.inf if (at := instrument(start)) is None else scatter_deg(at.t_s, at.x)
-                   for start in starts]
+        scatter = [math.inf if (start_fit := instrument(start)) is None
+                   else scatter_deg(start_fit.t_s, start_fit.x) for start in starts]
         chosen = np.sort(np.argsort(scatter, kind='stable')[:_MOST_STARTS])
         starts = [starts[i] for i in chosen.tolist()]
     for start in starts:
