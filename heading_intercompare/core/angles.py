@@ -35,7 +35,7 @@ _PIECE = 32768
 
 
 def _are_within(angle: np.ndarray, lowest: float, below: float) -> bool:
-    """Tell whether there are any angles, all of them in the half-open range."""
+    """Tell whether there are any angles, and all angles lie in the half-open range."""
     return angle.size > 0 and bool(angle.min() >= lowest) and bool(angle.max() < below)
 
 
@@ -263,10 +263,10 @@ def roll_pitch_from_quaternion(x: ArrayLike, y: ArrayLike, z: ArrayLike, w: Arra
         norm2 = x * x + y * y + z * z + w * w
         roll = np.arctan2(2.0 * (w * x + y * z), w * w - x * x - y * y + z * z)
         pitch = np.arcsin(np.clip(2.0 * (w * y - z * x) / norm2, -1.0, 1.0))
-    known = np.isfinite(norm2) & (norm2 > 0.0)
+    is_rotation = np.isfinite(norm2) & (norm2 > 0.0)
     bow_up = -1.0 if convention == 'enu' else 1.0
-    return (np.degrees(np.where(known, roll, np.nan)),
-            bow_up * np.degrees(np.where(known, pitch, np.nan)))
+    return (np.degrees(np.where(is_rotation, roll, np.nan)),
+            bow_up * np.degrees(np.where(is_rotation, pitch, np.nan)))
 
 
 def quaternion_from_heading(heading_deg: ArrayLike) -> tuple[np.ndarray, np.ndarray]:

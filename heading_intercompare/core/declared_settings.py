@@ -146,18 +146,18 @@ def _groups_of(settings_class: type) -> dict[str, type]:
 @cache
 def list_settings(settings_class: type, prefix: str = '') -> tuple[Setting, ...]:
     """Return the settings of a class and of the classes nested in it, with dotted names."""
-    found: list[Setting] = []
+    declared: list[Setting] = []
     for f in fields(settings_class):
         hint: type = _hints_of(settings_class)[f.name]
         if is_dataclass(hint):
-            found += list_settings(hint, f'{prefix}{f.name}.')
+            declared += list_settings(hint, f'{prefix}{f.name}.')
             continue
         union = get_origin(hint) in (Union, types.UnionType)
         default = f.default if f.default is not MISSING else None
-        found.append(Setting(prefix + f.name, default, f.metadata['help'],
-                             get_args(hint) if union else (hint,),
-                             f.metadata['lo'], f.metadata['hi'], f.metadata['choices']))
-    return tuple(found)
+        declared.append(Setting(prefix + f.name, default, f.metadata['help'],
+                                get_args(hint) if union else (hint,),
+                                f.metadata['lo'], f.metadata['hi'], f.metadata['choices']))
+    return tuple(declared)
 
 
 def _check_value(rule: Setting, value: Any) -> Any:
@@ -201,37 +201,37 @@ def _walk(mapping: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:
             yield f'{prefix}{name}', value
 
 
-def explain_unknown(kind: str, name: str, known: Iterable[str]) -> SettingsError:
+def explain_unknown(kind: str, name: str, names: Iterable[str]) -> SettingsError:
     """Return the error for an unknown name: its replacement, or the nearest known name."""
     if name in _GONE:
         return SettingsError(f'{kind} {name!r} {_GONE[name]}')
-    close = difflib.get_close_matches(name, known, n=1)
+    close = difflib.get_close_matches(name, names, n=1)
     hint = f'; did you mean {close[0]!r}?' if close else ''
     return SettingsError(f'unknown {kind} {name!r}{hint}')
 
 
-def leave_out_gone(given: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
+def leave_out_gone(stored: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
     """
     Remove obsolete settings from those that an earlier version stored.
 
     Parameters
     ----------
-    given : mapping
+    stored : mapping
         Settings by their dotted names.
 
     Returns
     -------
-    kept : dict
+    settings : dict
         The settings that are not obsolete. Unknown names stay.
     gone : list of str
         For each obsolete setting its name and value, and what to do instead.
 
     """
-    return ({name: value for name, value in given.items() if name not in _GONE},
-            [f'{name} = {value} {_GONE[name]}' for name, value in given.items() if name in _GONE])
+    return ({name: value for name, value in stored.items() if name not in _GONE},
+            [f'{name} = {value} {_GONE[name]}' for name, value in stored.items() if name in _GONE])
 
 
-def leave_out_added(given: Mapping[str, Any]) -> dict[str, Any]:
+def leave_out_added(settings: Mapping[str, Any]) -> dict[str, Any]:
     """
     Remove the settings that are newer than version 2.1 of the JSON and change nothing.
 
@@ -239,7 +239,7 @@ def leave_out_added(given: Mapping[str, Any]) -> dict[str, Any]:
 
     Parameters
     ----------
-    given : mapping
+    settings : mapping
         Settings by their dotted names.
 
     Examples
@@ -248,7 +248,7 @@ def leave_out_added(given: Mapping[str, Any]) -> dict[str, Any]:
     {'model': 'NN', 'runs.cut_at_utc': '00:00'}
 
     """
-    return {name: value for name, value in given.items()
+    return {name: value for name, value in settings.items()
             if name not in _ADDED or value != _ADDED[name]}
 
 
@@ -269,9 +269,9 @@ class Used(NamedTuple):
     names: tuple[str, ...] = ()
 
     def has(self, name: str) -> bool:
-        """Tell whether a setting is one of them."""
+        """Tell whether the program uses a setting."""
         return not self.names or any(
-            name == one or name.startswith(f'{one}.') for one in self.names)
+            name == prefix or name.startswith(f'{prefix}.') for prefix in self.names)
 
 
 def from_mapping(settings_class: type, mapping: Mapping[str, Any]) -> Any:
@@ -293,21 +293,21 @@ def from_mapping(settings_class: type, mapping: Mapping[str, Any]) -> Any:
 
     """
     rules = {rule.name: rule for rule in list_settings(settings_class)}
-    given = flatten(mapping)
-    if gone := [name for name in _GONE if name in given and name not in rules]:
+    stated = flatten(mapping)
+    if gone := [name for name in _GONE if name in stated and name not in rules]:
         # All at once: an old file would be refused once for each.
         alike = {why: ', '.join(repr(name) for name in gone if _GONE[name] == why)
                  for why in dict.fromkeys(map(_GONE.__getitem__, gone))}
         raise SettingsError('; '.join(f'setting {names} {why}' for why, names in alike.items()))
     values = {}
-    for name, value in given.items():
+    for name, value in stated.items():
         if name not in rules:
             raise explain_unknown('setting', name, rules)
         values[name] = _check_value(rules[name], value)
     return _build(settings_class, values, '')
 
 
-def name_keywords(settings_class: type, given: Mapping[str, Any]) -> dict[str, Any]:
+def name_keywords(settings_class: type, keywords: Mapping[str, Any]) -> dict[str, Any]:
     """
     Return the dotted names and the values of settings given as keywords.
 
@@ -315,7 +315,7 @@ def name_keywords(settings_class: type, given: Mapping[str, Any]) -> dict[str, A
     ----------
     settings_class : type
         A dataclass whose fields are made by `setting` or are such dataclasses.
-    given : mapping
+    keywords : mapping
         By the last part of the name, or by the whole name with ``_`` for the dot. A group takes
         an object of its class, or a mapping.
 
@@ -332,36 +332,36 @@ def name_keywords(settings_class: type, given: Mapping[str, Any]) -> dict[str, A
             meant.setdefault(keyword, []).append(name)
     groups = _groups_of(settings_class)
     values: dict[str, Any] = {}
-    for keyword, value in given.items():
+    for keyword, value in keywords.items():
         if keyword in groups:
             inner = to_mapping(value) if isinstance(value, groups[keyword]) else value
             if not isinstance(inner, Mapping):
                 raise SettingsError(f'{keyword} = {value!r}: must be {groups[keyword].__name__}'
                                     '(...) or a mapping')
-            found = {f'{keyword}.{name}': each for name, each in flatten(inner).items()}
+            stated = {f'{keyword}.{name}': value for name, value in flatten(inner).items()}
         elif keyword not in meant:
             raise explain_unknown('setting', keyword, [*meant, *groups])
         elif len(meant[keyword]) > 1:
             choices = ' or '.join(name.replace('.', '_') for name in meant[keyword])
             raise SettingsError(f'setting {keyword!r} is in several groups: give {choices}')
         else:
-            found = {meant[keyword][0]: value}
-        if twice := [name for name in found if name in values]:
+            stated = {meant[keyword][0]: value}
+        if twice := [name for name in stated if name in values]:
             raise SettingsError(f'{twice[0]} is given twice')
-        values.update(found)
+        values.update(stated)
     return values
 
 
 def _build(settings_class: type, values: Mapping[str, Any], prefix: str) -> Any:
     hints = _hints_of(settings_class)
-    given = {}
+    arguments = {}
     for f in fields(settings_class):
         name = prefix + f.name
         if is_dataclass(hints[f.name]):
-            given[f.name] = _build(hints[f.name], values, name + '.')
+            arguments[f.name] = _build(hints[f.name], values, name + '.')
         elif name in values:
-            given[f.name] = values[name]
-    return settings_class(**given)
+            arguments[f.name] = values[name]
+    return settings_class(**arguments)
 
 
 def to_mapping(settings: Any) -> dict[str, Any]:
@@ -407,27 +407,27 @@ class Checked:
 
     def __post_init__(self) -> None:
         """Check every field and convert plain values to their declared type."""
-        own = cast(type, type(self))
-        for rule in list_settings(own):
+        settings_class = cast(type, type(self))
+        for rule in list_settings(settings_class):
             if '.' not in rule.name:
                 object.__setattr__(self, rule.name, _check_value(rule, getattr(self, rule.name)))
-        for name, group in _groups_of(own).items():
+        for name, group in _groups_of(settings_class).items():
             if not isinstance(getattr(self, name), group):
                 raise SettingsError(f'{name} = {getattr(self, name)!r}: must be '
                                     f'{group.__name__}(...); from_mapping takes mappings')
 
 
-def fill_in_added(given: Mapping[str, Any]) -> dict[str, Any]:
+def fill_in_added(settings: Mapping[str, Any]) -> dict[str, Any]:
     """
     Return settings of an earlier version with those that were added since, which change nothing.
 
     Parameters
     ----------
-    given : mapping
+    settings : mapping
         Settings by their dotted names.
 
     """
-    return {**_ADDED, **given}
+    return {**_ADDED, **settings}
 
 
 def is_added(name: str) -> bool:

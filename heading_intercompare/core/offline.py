@@ -96,20 +96,20 @@ def _judge_again(ts: Headings, rs: Headings, result: RunResult, settings: Settin
     if apart_s:
         begun = _pair_again(ts, rs, result, settings, source, lost, motion, apart_s)
     ts_then, rs_then = _readings_of(ts, rs, result, settings, 0.0)
-    found = None if apart_s else scan_skew(ts_then, rs_then, settings.alignment.skew_range_s)
+    scan = None if apart_s else scan_skew(ts_then, rs_then, settings.alignment.skew_range_s)
     if begun is None:
-        return _note_alignment(result, found, _NO_RUN)
+        return _note_alignment(result, scan, _NO_RUN)
     estimate = begun.verdict.skew.estimate
     if not estimate.well_determined or estimate.skew_s is None:
         why = estimate.why_not(settings.alignment.skew_range_s)
-        return _note_alignment(result, found,
+        return _note_alignment(result, scan,
                                f'not_aligned: {why}; the run is judged with its stamps unchanged')
     shift_s = apart_s + round(estimate.skew_s * 1e9) / 1e9
     again = _pair_again(ts, rs, result, settings, source, lost, motion, shift_s)
     if again is None:
-        return _note_alignment(result, found, _NO_RUN)
+        return _note_alignment(result, scan, _NO_RUN)
     return _note_alignment(
-        again, found, f'aligned: {settings.alignment.skew_s + shift_s:.3f} s are subtracted from '
+        again, scan, f'aligned: {settings.alignment.skew_s + shift_s:.3f} s are subtracted from '
         f'the TS stamps; without this the outcome was {result.verdict.outcome}')
 
 
@@ -117,8 +117,8 @@ def _find_apart(ts: Headings, rs: Headings, result: RunResult, settings: Setting
     """
     Return a skew beyond the range of the estimate, seconds; 0 if there is none.
 
-    The pairs show one only if both sensors share enough of them. So the readings are searched if
-    the pairs show no skew at all.
+    The pairs show such a skew only if both sensors share enough pairs. So the readings are
+    searched if the pairs show no skew at all.
     """
     rule, estimate = settings.alignment, result.verdict.skew.estimate
     apart_s = estimate.beyond_s
@@ -137,9 +137,9 @@ def _search(ts: Headings, rs: Headings, settings: Settings) -> float | None:
     rs_track = Track(rs, origin_ns)
     if min(len(ts_track), len(rs_track)) < _LEAST_READINGS:
         return None
-    _, found = find_apart(ts_track, rs_track, settings.alignment.clock_range_s,
-                          settings.pairing.longest_gap_s)
-    return None if found is None else found.skew_s
+    _, offset = find_apart(ts_track, rs_track, settings.alignment.clock_range_s,
+                           settings.pairing.longest_gap_s)
+    return None if offset is None else offset.skew_s
 
 
 def name_apart(ts: Headings, rs: Headings, results: Sequence[RunResult],
@@ -244,13 +244,13 @@ def _cut(ts: Headings, rs: Headings, skew_s: float) -> Iterator[tuple[Headings, 
         return
     ends_ns = ts.stamp_ns[_AT_ONCE::_AT_ONCE]
     ts_ends, rs_ends = (
-        [0, *np.searchsorted(each.stamp_ns, ends_ns - round(late_s * 1e9)).tolist(), len(each)]
-        for each, late_s in ((ts, 0.0), (rs, skew_s)))
+        [0, *np.searchsorted(stream.stamp_ns, ends_ns - round(late_s * 1e9)).tolist(), len(stream)]
+        for stream, late_s in ((ts, 0.0), (rs, skew_s)))
     for ts_span, rs_span in zip(pairwise(ts_ends), pairwise(rs_ends)):
         yield ts[slice(*ts_span)], rs[slice(*rs_span)]
 
 
-def _note_alignment(result: RunResult, found: Scan | None, words: str) -> RunResult:
+def _note_alignment(result: RunResult, scan: Scan | None, words: str) -> RunResult:
     verdict = result.verdict
     return replace(result, verdict=replace(
-        verdict, skew=replace(verdict.skew, scan=found), warnings=(*verdict.warnings, words)))
+        verdict, skew=replace(verdict.skew, scan=scan), warnings=(*verdict.warnings, words)))

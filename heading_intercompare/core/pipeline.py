@@ -116,8 +116,8 @@ class Compliance:
         self._run_key: int | None = None
         self._looks: list[LookVerdict] = []
         self._finished: list[tuple[RunResult, int]] = []
-        # How many runs were too old for the verdict, and how many too short before the newest of
-        # these; its cut.
+        # How many runs were too old for the verdict, how many too short before the newest of the
+        # old runs, and the cut of that run.
         self._n_short_before = self._n_earlier = 0
         self._earlier_ns: int | None = None
         self.rolling = Rolling(settings.window_s)
@@ -171,7 +171,7 @@ class Compliance:
         """Return what is needed to go on later, apart from the pairs of the run in progress."""
         return KeptState(
             cutter=self._cutter.state, newest_ns=self.newest_ns, in_run=self._run is not None,
-            finished=tuple(KeptRun.of(*one) for one in self._finished),
+            finished=tuple(KeptRun.of(*finished) for finished in self._finished),
             n_earlier=self._n_earlier, n_short=self._n_short_before,
             earlier_ns=self._earlier_ns, n_pairs=self._record.n, record_ns=self._record.start_ns,
             record=self._record.state, outside=self._outside, first_pair=self._first_pair,
@@ -191,7 +191,7 @@ class Compliance:
         """
         self._cutter.go_on(state.cutter)
         self.newest_ns, self._earlier_ns = state.newest_ns, state.earlier_ns
-        self._finished = [(one.result(self.settings), one.cut_ns) for one in state.finished]
+        self._finished = [(run.result(self.settings), run.cut_ns) for run in state.finished]
         self._n_earlier, self._n_short_before = state.n_earlier, state.n_short
         self._outside = self._outside or state.outside
         self._record.go_on(state.n_pairs, state.record_ns, *state.record)
@@ -254,7 +254,7 @@ class Compliance:
         number = len(finished) + 1
         result = judge_run(
             run, self.settings, number, self._source, looks=self._looks, motion=self.motion.rows,
-            told=lambda share: self._progress(f'{share:.0%} of run {number} judged'))
+            progress=lambda share: self._progress(f'{share:.0%} of run {number} judged'))
         result = replace(result, first_pair=self._first_pair)
         if self._thins:
             result = result.without_lost_share()
@@ -338,7 +338,7 @@ class Compliance:
     def _divide(self, ledger: Ledger | None, finished: Sequence[tuple[RunResult, int]],
                 short: Sequence[Stretch], run: RunSeries | None,
                 ) -> tuple[list[RunResult], list[RunResult]]:
-        """Return the runs too old for the verdict and those of it, with shares of the ledger."""
+        """Return the runs too old for the verdict and its runs, with shares of the ledger."""
         results = [result for result, _ in finished]
         if not results:
             return [], []
@@ -379,7 +379,7 @@ class Compliance:
     def _account_for_left_out(self, results: Sequence[RunResult], old: Sequence[RunResult],
                               short: Sequence[Stretch], run: RunSeries | None,
                               ) -> list[RunResult]:
-        """Return the runs, the first with what lies in none of them; all with the record."""
+        """Return the runs, the first with what lies in no run; all runs with the record."""
         if not results:
             return []
         before = self._before if not old else (
@@ -449,7 +449,7 @@ class Intercomparison:
 
     def _begin(self) -> None:
         self.pairer = Pairer(self.compliance.settings)
-        for cut_ns in (each for span in self._table for each in span):
+        for cut_ns in (edge_ns for span in self._table for edge_ns in span):
             self.pairer.ledger.cut_run(cut_ns)
 
     def begin_again(self) -> Pairs:

@@ -338,9 +338,9 @@ class Antennas(Checked):
         """Check ranges, and that both topics are given or none."""
         Checked.__post_init__(self)
         if (self.fore_topic is None) is not (self.aft_topic is None):
-            given, lacking = (('aft', 'fore') if self.fore_topic is None else ('fore', 'aft'))
+            stated, lacking = (('aft', 'fore') if self.fore_topic is None else ('fore', 'aft'))
             raise SettingsError(f'antennas.{lacking}_topic: must be given with '
-                                f'antennas.{given}_topic')
+                                f'antennas.{stated}_topic')
 
 
 @dataclass(frozen=True, slots=True)
@@ -444,17 +444,17 @@ class Settings(Checked):
     @classmethod
     def from_mapping(cls, mapping: Mapping[str, Any]) -> 'Settings':
         """Return settings from nested or dotted names; see `from_mapping`."""
-        made: Settings = from_mapping(cls, mapping)
-        return made
+        settings: Settings = from_mapping(cls, mapping)
+        return settings
 
     @classmethod
-    def of(cls, **given: Any) -> 'Settings':
+    def of(cls, **keywords: Any) -> 'Settings':
         """
         Return settings from keywords.
 
         Parameters
         ----------
-        given : object
+        keywords : object
             Settings by the last part of their name (``sigma_max_deg=0.5``), or by the whole name
             with ``_`` for the dot (``risk_min_duration_s=1200.0``). A group takes its class, or
             a mapping (``norms={'m_low': 0.9}``).
@@ -472,11 +472,11 @@ class Settings(Checked):
         (0.2, '/gyro/imu')
 
         """
-        return cls.from_mapping(name_keywords(cls, given))
+        return cls.from_mapping(name_keywords(cls, keywords))
 
     def unit_of(self, stream: str) -> str:
         """Return the unit that is stated for the headings of a topic or stream; 'auto' if none."""
-        stated = {one.heading_topic: one.unit for one in read_sensors(self.sensors)} or {
+        stated = {sensor.heading_topic: sensor.unit for sensor in read_sensors(self.sensors)} or {
             self.ts_topic: self.ts_unit, self.rs_topic: self.rs_unit}
         return {name.lstrip('/'): unit for name, unit in stated.items()}.get(
             stream.lstrip('/'), 'auto')

@@ -139,15 +139,15 @@ def _is_of(kind: Any, value: Any) -> bool:
 def _read_dataclass(kind: type, value: Any, where: str) -> Any:
     if not isinstance(value, Mapping):
         raise _make_error(where, value, 'an object')
-    given = {}
+    arguments = {}
     for declared in list_keys(kind):
         name = f'{where}.{declared.name}'.lstrip('.')
         if declared.name in value:
-            given[declared.name] = read_plain(_hints_of(kind)[declared.name],
-                                              value[declared.name], name)
+            arguments[declared.name] = read_plain(_hints_of(kind)[declared.name],
+                                                  value[declared.name], name)
         elif not is_left_out(declared, None):
             raise VerdictError(f'{name} is missing')
-    return kind(**given)
+    return kind(**arguments)
 
 
 def _read_union(parts: tuple[Any, ...], value: Any, where: str) -> Any:
@@ -211,21 +211,21 @@ def check_schema(mapping: Mapping[str, Any], kind: str, newest: int, again: str)
         What to do with a document of an earlier version.
 
     """
-    wanted = f'{kind}{newest}'
+    newest_schema = f'{kind}{newest}'
     schema, version = mapping.get('schema'), mapping.get('schema_version', f'{newest}.0')
-    found = _VERSION.fullmatch(version) if isinstance(version, str) else None
-    if found is None:
+    match = _VERSION.fullmatch(version) if isinstance(version, str) else None
+    if match is None:
         raise VerdictError(f"schema_version = {version!r}: must be text such as '2.1'")
-    name, told = 'schema', schema
+    name, stated = 'schema', schema
     major = schema[len(kind):] if isinstance(schema, str) and schema.startswith(kind) else ''
-    if schema == wanted:
-        name, told, major = 'schema_version', version, found[1]
+    if schema == newest_schema:
+        name, stated, major = 'schema_version', version, match[1]
     if not _VERSION.fullmatch(f'{major}.0'):
-        raise VerdictError(f'schema = {schema!r}: must be {wanted!r}')
+        raise VerdictError(f'schema = {schema!r}: must be {newest_schema!r}')
     if int(major) > newest:
-        raise VerdictError(f'{name} = {told!r}: must be {wanted!r}; a newer version of '
+        raise VerdictError(f'{name} = {stated!r}: must be {newest_schema!r}; a newer version of '
                            'heading_intercompare wrote it: install that version to read it')
     if int(major) < newest:
-        raise VerdictError(f'{name} = {told!r}: must be {wanted!r}; an earlier version of '
-                           'heading_intercompare wrote it, which judged by another rule: '
-                           f'{again}')
+        raise VerdictError(f'{name} = {stated!r}: must be {newest_schema!r}; '
+                           'an earlier version of heading_intercompare wrote it, which judged by '
+                           f'another rule: {again}')

@@ -51,7 +51,7 @@ COMPARISON_RULES = (
     Rule('outliers', Priority.CAUTION, 10.0), Rule('same_source', clear_s=5.0),
     Rule('clock_step', clear_s=0.0),
     *(Rule(condition.name, clear_s=0.0) for condition in CONDITIONS if condition.is_alarm))
-"""The alarms of a comparison, the graver ones first where one explains another."""
+"""The alarms of a comparison; where one alarm explains another, the graver alarm comes first."""
 
 # The newest readings, which show a rotation at once.
 _RECENT_S, _FEWEST = 1.5, 3
@@ -209,7 +209,7 @@ class ComparisonWatch:
         self._due_ns[name] = newest_ns + round(every_s * 1e9)
         return True
 
-    def _look_frozen(self, name: str, heading: Reals, other: Reals, sigma_deg: float) -> Sign:
+    def _look_frozen(self, name: str, heading: Reals, other_deg: Reals, sigma_deg: float) -> Sign:
         """Judge the repetition that goes on now."""
         window, detectors = self._window, self._settings.detectors
         changes = np.flatnonzero(np.abs(heading - heading[-1]) > _EQUAL_DEG)
@@ -221,21 +221,21 @@ class ComparisonWatch:
             self._repeats = True
         if lasted_s < detectors.frozen_s:
             return Sign(False)
-        known = self._repeated[name]
-        moved_deg = float(np.ptp(unwrap_deg(other[first:])))
-        if not known.needs_look(int(window.stamp_ns[first]), self.newest_ns or 0, moved_deg):
-            return known.sign(lasted_s)
-        found = find_frozen(window.stamp_ns, heading, other, least_s=detectors.frozen_s,
-                            moved_deg=detectors.frozen_moved_deg, sigma_deg=sigma_deg,
-                            still_frozen=True)
+        repetition = self._repeated[name]
+        moved_deg = float(np.ptp(unwrap_deg(other_deg[first:])))
+        if not repetition.needs_look(int(window.stamp_ns[first]), self.newest_ns or 0, moved_deg):
+            return repetition.sign(lasted_s)
+        frozen = find_frozen(window.stamp_ns, heading, other_deg, least_s=detectors.frozen_s,
+                             moved_deg=detectors.frozen_moved_deg, sigma_deg=sigma_deg,
+                             still_frozen=True)
         norms = self._settings.norms
         sigma_deg = max(norms.sigma_max_deg or 0.0, norms.sigma_ref_max_deg or 0.0)
-        if found.kind != 'frozen' or not found.is_plain(sigma_deg):
-            # It may be frozen on a steady course, or at rest alongside.
-            known.found_deg = None
+        if frozen.kind != 'frozen' or not frozen.is_plain(sigma_deg):
+            # The sensor may be frozen on a steady course, or at rest alongside.
+            repetition.found_deg = None
         else:
-            known.found_deg = found.other_moved_deg
-        return known.sign(lasted_s)
+            repetition.found_deg = frozen.other_moved_deg
+        return repetition.sign(lasted_s)
 
     def _look_rotated(self) -> Sign:
         window = self._window
@@ -243,16 +243,17 @@ class ComparisonWatch:
         if at < 0:
             return Sign(None)
         x, rs = window.x_deg[at:], window.rs_deg[at:]
-        found = self._find_convention(at)
+        convention = self._find_convention(at)
         turned = float(np.ptp(unwrap_deg(rs)))
         if turned > _TURNING_DEG and float(np.ptp(unwrap_deg(x))) > _ALONG * turned:
             # What turns along is no rotation: a mirrored or frozen sensor passes by 90 degrees.
             return Sign(None)
-        if found.kind == 'mirrored' or found.angle_deg is None:
+        if convention.kind == 'mirrored' or convention.angle_deg is None:
             return Sign(None)
-        return Sign(found.kind == 'offset', f'TS - RS is near {found.angle_deg:.0f} deg: does one '
+        angle_deg = convention.angle_deg
+        return Sign(convention.kind == 'offset', f'TS - RS is near {angle_deg:.0f} deg: does one '
                     'of them report yaw (ENU) as heading, or is one mounted backwards?',
-                    {'angle_deg': found.angle_deg})
+                    {'angle_deg': angle_deg})
 
     def _look_mirrored(self) -> Sign:
         for span_s in _TURN_SPANS_S:
@@ -260,14 +261,16 @@ class ComparisonWatch:
                 self._window.stamp_ns, self._turned_with_ns)))
             if len(self._window) - at < _LEAST_OF_TURN:
                 continue
-            found = self._find_convention(at)
-            if found.turned_deg < _GRAINS * self._step_deg:
+            convention = self._find_convention(at)
+            if convention.turned_deg < _GRAINS * self._step_deg:
                 continue
-            if found.kind == 'mirrored' and found.angle_deg is not None:
+            if convention.kind == 'mirrored' and convention.angle_deg is not None:
                 return Sign(True, 'TS turns against RS, and their sum stays at '
-                            f'{found.angle_deg:.1f} deg: one of them counts counter-clockwise',
-                            {'angle_deg': found.angle_deg, 'turned_deg': found.turned_deg})
-            if found.direction == 'with':
+                            f'{convention.angle_deg:.1f} deg: '
+                            'one of them counts counter-clockwise',
+                            {'angle_deg': convention.angle_deg,
+                             'turned_deg': convention.turned_deg})
+            if convention.direction == 'with':
                 # What was before that says nothing of a mirrored axis now.
                 self._turned_with_ns = int(self._window.stamp_ns[at])
                 return Sign(False)
@@ -293,13 +296,13 @@ class ComparisonWatch:
         if not self._is_due('noise', _NOISE_EVERY_S):
             return Sign(None)
         at = window.find(_NOISE_S)
-        found = find_one_source(
+        source = find_one_source(
             window.stamp_ns[at:], window.x_deg[at:], window.rs_deg[at:],
             factor=window.factor[at:], interpolates_ts=window.interpolates_ts, share=share)
-        if found.kind in ('common', 'suspected'):
+        if source.kind in ('common', 'suspected'):
             return Sign(True, 'the TS follows the noise or the glitches of the RS: both look like '
-                        'one sensor', {'coherence': found.noise.strongest.coherence})
-        if found.kind == 'independent' or readings.suspected is False:
+                        'one sensor', {'coherence': source.noise.strongest.coherence})
+        if source.kind == 'independent' or readings.suspected is False:
             return Sign(False)
         return Sign(None)
 
@@ -307,12 +310,12 @@ class ComparisonWatch:
         window, alignment = self._window, self._settings.alignment
         if alignment.skew == 'off':
             return Sign(None)
-        found = estimate_clock_drift(window.stamp_ns, window.x_deg, window.rs_deg,
+        drift = estimate_clock_drift(window.stamp_ns, window.x_deg, window.rs_deg,
                                      range_s=alignment.skew_range_s,
                                      max_gap_s=self._settings.pairing.longest_gap_s)
-        if found.kind != 'stepped':
-            return Sign(None if found.kind == 'not_testable' else False)
-        step = max(found.steps, key=lambda one: abs(one.after_s - one.before_s))
+        if drift.kind != 'stepped':
+            return Sign(None if drift.kind == 'not_testable' else False)
+        step = max(drift.steps, key=lambda step: abs(step.after_s - step.before_s))
         size_s = step.after_s - step.before_s
         if abs(size_s) < _LEAST_STEP_S:
             return Sign(None)

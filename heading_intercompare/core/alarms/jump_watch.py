@@ -103,7 +103,7 @@ class JumpWatch:
         """
         newest_ns = int(window.stamp_ns[-1])
         if explained:
-            # These readings are not the usual ones.
+            # The newest readings are not the usual readings.
             self._jumped, self._not_before_ns = False, newest_ns
             return {'jump': Sign(False), 'outliers': Sign(False)}
         if repeats and not self._jumped:
@@ -137,14 +137,14 @@ class JumpWatch:
                 stamps, off = stamps[usual], off[usual]
         if off.size < _LEAST:
             return None
-        found = find_outliers(stamps, off, longest_s=_SINGLE_S, step_deg=step_deg)
-        if found.threshold_deg is None:
+        outliers = find_outliers(stamps, off, longest_s=_SINGLE_S, step_deg=step_deg)
+        if outliers.threshold_deg is None:
             return None
         begins = np.linspace(int(window.stamp_ns[0]), int(window.stamp_ns[hi - 1])
                              - round(self._span_s * 1e9), _SWAYS).astype(np.int64)
         sways = [self._sway(window, int(begin), int(begin) + round(self._span_s * 1e9))
                  for begin in begins]
-        return _Base(float(wrap180(center + float(np.median(off)))), found.threshold_deg,
+        return _Base(float(wrap180(center + float(np.median(off)))), outliers.threshold_deg,
                      float(np.median(sways)))
 
     @property
@@ -209,21 +209,21 @@ class JumpWatch:
             return Sign(False)
         usual = np.flatnonzero(np.abs(off[:searched]) <= base.threshold_deg)
         rows = np.concatenate((usual, np.arange(searched, len(window))))
-        found = find_outliers(window.stamp_ns[rows], off[rows], longest_s=_SINGLE_S,
-                              step_deg=step_deg)
+        outliers = find_outliers(window.stamp_ns[rows], off[rows], longest_s=_SINGLE_S,
+                                 step_deg=step_deg)
         # What has not come back yet may be a jump.
         back = np.flatnonzero(np.abs(off) <= base.threshold_deg)
         back_ns = int(window.stamp_ns[back[-1]]) if back.size else 0
-        which = rows[found.index]
+        which = rows[outliers.index]
         stamps = window.stamp_ns[which]
         new = [at for at in which[(stamps > named_ns) & (stamps < back_ns)].tolist()
                if self._stands_out(window, base, at, float(off[at]))]
         if not new:
             return Sign(False)
-        at = max(new, key=lambda one: abs(off[one]))
+        at = max(new, key=lambda row: abs(off[row]))
         return Sign(True, 'isolated differences stand out, the largest by '
                     f'{off[at]:+.3g} deg at {utc(int(window.stamp_ns[at]))} UTC',
-                    {'size_deg': float(off[at]), 'threshold_deg': found.threshold_deg})
+                    {'size_deg': float(off[at]), 'threshold_deg': outliers.threshold_deg})
 
     def _stands_out(self, window: PairWindow, base: _Base, at: int, size_deg: float) -> bool:
         stamp_ns = int(window.stamp_ns[at])

@@ -96,11 +96,11 @@ class MotionWatch:
         if self._due_ns is not None and newest_ns < self._due_ns:
             return {}
         self._due_ns = newest_ns + _EVERY_NS
-        found = check_motion(record.rows(), window.stamp_ns, window.rs_deg + window.x_deg,
+        check = check_motion(record.rows(), window.stamp_ns, window.rs_deg + window.x_deg,
                              window.rs_deg, self._settings.motion)
-        if found.kind == 'agrees':
+        if check.kind == 'agrees':
             return {'motion': Sign(False)}
-        if found.kind != 'contradicts':
+        if check.kind != 'contradicts':
             return {'motion': Sign(None)}
-        return {'motion': Sign(True, describe_motion(found), {
-            'sensor': found.whose, 'evidence': explain_motion(found)})}
+        return {'motion': Sign(True, describe_motion(check), {
+            'sensor': check.whose, 'evidence': explain_motion(check)})}

@@ -119,8 +119,8 @@ class StreamWatch:
             return Sign(None)
         # A slow sensor is silent between its readings.
         step_s = (heard_s - self._first_s[at]) / max(self._received[at] - 1, 1)
-        known = self._received[at] >= _LEAST_READINGS
-        allowed_s = max(self._stale_s, _STEPS * step_s if known else _UNKNOWN_S)
+        shows_step = self._received[at] >= _LEAST_READINGS
+        allowed_s = max(self._stale_s, _STEPS * step_s if shows_step else _UNKNOWN_S)
         return Sign(now_s - heard_s > allowed_s,
                     f'the {name} has been silent for more than {allowed_s:.3g} s')
 

@@ -170,8 +170,8 @@ def _share(large: np.ndarray, at: np.ndarray, reach: int) -> np.ndarray:
     for width in (reach, _LONGEST + 2):
         lo, hi = np.maximum(at - width, 0), np.minimum(at + width + 1, large.size)
         both.append((count[hi] - count[lo], hi - lo))
-    (wide, n), (own, _) = both
-    share: Reals = (wide - own + 1.0) / (n + 1.0)
+    (wide, n), (at_place, _) = both
+    share: Reals = (wide - at_place + 1.0) / (n + 1.0)
     return share
 
 
@@ -202,9 +202,10 @@ def _find_far(heading: np.ndarray, least_deg: float) -> tuple[np.ndarray, np.nda
 def _glitches(stamps: np.ndarray, rs: np.ndarray,
               step_s: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the index of the first reading of each glitch of the RS, and its size, degrees."""
-    some = np.concatenate([_subtract_medians(rs, part.start, part.stop)
-                           for part in pick_stretches(rs.size)])
-    outer = float(np.quantile(np.abs(some[::max(1, some.size // _LOOKED_AT)]), _QUANTILE))
+    deviations = np.concatenate([_subtract_medians(rs, part.start, part.stop)
+                                 for part in pick_stretches(rs.size)])
+    looked_at = deviations[::max(1, deviations.size // _LOOKED_AT)]
+    outer = float(np.quantile(np.abs(looked_at), _QUANTILE))
     beyond = outer / math.log(10.0) * (math.log(0.1 * rs.size) + _SURPLUS)
     least = max(outer + beyond, _GRAIN * (find_resolution(rs).step_deg or 0.0),
                 0.5 * _SHIP_DEG_S2 * step_s ** 2)
@@ -216,14 +217,14 @@ def _glitches(stamps: np.ndarray, rs: np.ndarray,
     high = np.maximum.reduceat(np.abs(how_far), begins) > least
     uneven = np.concatenate(([0], np.cumsum(
         np.abs(np.diff(stamps) / 1e9 - step_s) > _EVEN * step_s)))
-    found, last_ns = [], None
+    glitches, last_ns = [], None
     for lo, hi in zip(begins[high].tolist(), ends[high].tolist()):
         peak = float(how_far[lo + np.argmax(np.abs(how_far[lo:hi]))])
         size = abs(peak)
         before, after = max(0, int(far[lo]) - 2), min(rs.size, int(far[hi - 1]) + 3)
-        own = before + np.flatnonzero(
+        of_glitch = before + np.flatnonzero(
             np.abs(_subtract_medians(rs, before, after)) > _FLANK * size)
-        first, last = int(own[0]), int(own[-1])
+        first, last = int(of_glitch[0]), int(of_glitch[-1])
         # Half of the time out and back, from the reading before to the reading after.
         lasts = 0.5 * (last - first + 2) * step_s
         needed = 0.5 * _SHIP_DEG_S2 * lasts ** 2 / (1.0 - _FLANK)
@@ -233,8 +234,8 @@ def _glitches(stamps: np.ndarray, rs: np.ndarray,
                 or uneven[first - _BESIDE - 1] != uneven[last + _BESIDE]:
             continue
         if last_ns is None or int(stamps[first]) - last_ns > _APART_S * 1e9:
-            found.append((first, peak))
+            glitches.append((first, peak))
             last_ns = int(stamps[first])
-        if len(found) == _MOST:
+        if len(glitches) == _MOST:
             break
-    return np.array([f[0] for f in found], np.int64), np.array([f[1] for f in found])
+    return np.array([f[0] for f in glitches], np.int64), np.array([f[1] for f in glitches])

@@ -87,9 +87,9 @@ class FollowedNoise:
     Attributes
     ----------
     kind : {'common', 'unsure', 'independent', 'not_testable'}
-        'common': the other follows it. 'unsure': it does so significantly, but less than a copy
-        would. 'not_testable': the sensor shows no noise of its own, above its rounding and over
-        most of the frequencies.
+        'common': the other sensor follows it. 'unsure': that sensor does so significantly, but
+        less than a copy would. 'not_testable': the sensor shows no noise of its own, above its
+        rounding and over most of the frequencies.
     band_hz : pair of float or None
         Frequencies at which the sensor shows its noise rather than the motion of the ship.
     noise_deg : float or None
@@ -133,8 +133,8 @@ class CommonNoise:
         """
         Return the conclusion from both directions.
 
-        'common' or 'unsure' if one of them is. 'independent' only if both are: a repeater of a TS
-        without noise may add noise of its own. Otherwise 'not_testable'.
+        'common' or 'unsure' if one direction is. 'independent' only if both directions are: a
+        repeater of a TS without noise may add noise of its own. Otherwise 'not_testable'.
         """
         kinds = self.of_rs.kind, self.of_ts.kind
         for kind in ('common', 'unsure'):
@@ -168,7 +168,7 @@ def find_common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, 
     rs_step_deg, ts_step_deg : float, optional
         Steps in which RS and TS report, degrees. Noise below that of rounding does not count,
         because sensors that round the same motion make the same errors. The step of an
-        interpolated sensor is unknown; that of the other replaces it.
+        interpolated sensor is unknown; the step of the other sensor replaces it.
 
     Returns
     -------
@@ -215,10 +215,10 @@ def find_common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, 
     steps = {'rs': rs_step_deg, 'ts': ts_step_deg}
     factors = {'rs': 1.0, 'ts': 1.0, 'ts' if interpolates_ts else 'rs': mean_factor}
     noises = []
-    for sensor, other, spectrum in (('rs', 'ts', power), ('ts', 'rs', whole)):
+    for sensor, partner, spectrum in (('rs', 'ts', power), ('ts', 'rs', whole)):
         step_deg = steps[sensor]
         if step_deg is None and factors[sensor] < 1.0 - _INTERPOLATED:
-            step_deg = steps[other]
+            step_deg = steps[partner]
         # A sensor faster than the pairs folds its noise, which is then as white as it was.
         responses = [interpolated_response(factors[sensor], round(1e9 * step_s),
                                            frequency / frequency[-1])]
@@ -320,8 +320,8 @@ def _segments(stamps: np.ndarray, x: np.ndarray, rs: np.ndarray, factor: ArrayLi
     n = stamps.size
     if n < _LEAST_LENGTH * _LEAST_SEGMENTS // 2:
         return None
-    ts_some = (x[:100_000] + rs[:100_000]) % 360.0
-    every = max(readings_per_pair(stamps, rs), readings_per_pair(stamps, ts_some))
+    ts_deg = (x[:100_000] + rs[:100_000]) % 360.0
+    every = max(readings_per_pair(stamps, rs), readings_per_pair(stamps, ts_deg))
     step = float(np.median(np.diff(stamps[:100_001]))) / 1e9
     if step <= 0.0:
         return None
@@ -340,7 +340,7 @@ def _segments(stamps: np.ndarray, x: np.ndarray, rs: np.ndarray, factor: ArrayLi
     most = min(_MOST_SEGMENTS, _MOST_SAMPLES // length)
     if begins.size > most:
         begins = begins[np.linspace(0, begins.size - 1, most).astype(np.int64)]
-    own, other, factors = [], [], []
+    ts_segments, rs_segments, factors = [], [], []
     for lo in begins.tolist():
         t = (stamps[lo:lo + span] - stamps[lo]) / 1e9
         if t[-1] > 1.25 * span / every * step:
@@ -359,14 +359,15 @@ def _segments(stamps: np.ndarray, x: np.ndarray, rs: np.ndarray, factor: ArrayLi
                 int((length - 1) / slower) + 1)
         if slower > _SLOWER or np.abs(t - even).max() > _UNEVEN * step:
             both = CubicSpline(t, both)(even)
-        own.append(both[:, 0])
-        other.append(both[:, 1])
+        ts_segments.append(both[:, 0])
+        rs_segments.append(both[:, 1])
         if f is not None:
             factors.append(float(f[pick].mean()))
-    if not own:
+    if not ts_segments:
         return None
     step *= slower if slower > _SLOWER else 1.0
-    return step, np.array(own), np.array(other), float(np.mean(factors)) if factors else 1.0
+    return (step, np.array(ts_segments), np.array(rs_segments),
+            float(np.mean(factors)) if factors else 1.0)
 
 
 def _spectra(step_s: float, ts: np.ndarray, rs: np.ndarray,

@@ -214,8 +214,8 @@ def estimate_mean_difference(x_deg: ArrayLike) -> MeanDifference:
 
     Examples
     --------
-    >>> found = estimate_mean_difference([179.0, -179.0] * 8)
-    >>> round(abs(found.mean_deg), 6), found.resultant > 0.999
+    >>> difference = estimate_mean_difference([179.0, -179.0] * 8)
+    >>> round(abs(difference.mean_deg), 6), difference.resultant > 0.999
     (180.0, True)
 
     """

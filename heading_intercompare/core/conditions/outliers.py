@@ -137,8 +137,8 @@ def find_outliers(stamp_ns: ArrayLike, x_deg: ArrayLike, *, longest_s: float = 3
     --------
     >>> x = [0.1 * (k % 5) for k in range(100)]
     >>> x[40] = 40.0
-    >>> found = find_outliers(range(100), x)
-    >>> found.index.tolist(), round(found.largest[0].size_deg, 6)
+    >>> outliers = find_outliers(range(100), x)
+    >>> outliers.index.tolist(), round(outliers.largest[0].size_deg, 6)
     ([40], 39.8)
 
     """
@@ -158,22 +158,22 @@ def find_outliers(stamp_ns: ArrayLike, x_deg: ArrayLike, *, longest_s: float = 3
     far = none
     if max(moments.max_deg - centre, centre - moments.min_deg) > least:
         far = np.flatnonzero(np.abs(x - centre) > least)
-    found, which, excursions = _find_isolated(stamps, x, centre, far, threshold, longest_s)
-    if not found:
+    outliers, which, excursions = _find_isolated(stamps, x, centre, far, threshold, longest_s)
+    if not outliers:
         return Outliers('none', none, 0, (), threshold, variance, variance, 0.0, excursions)
     rest = np.delete(x, which)
     without = float(np.var(rest, ddof=1)) if rest.size > 1 else None
     share = 1.0 - (without or 0.0) * max(0, rest.size - 1) / (variance * (x.size - 1))
-    found.sort(key=lambda one: -abs(one.size_deg))
-    return Outliers('found', which, len(found), tuple(found[:_NAMED]), threshold, variance,
+    outliers.sort(key=lambda outlier: -abs(outlier.size_deg))
+    return Outliers('found', which, len(outliers), tuple(outliers[:_NAMED]), threshold, variance,
                     without, min(1.0, max(0.0, share)), excursions)
 
 
 def _quantile(x: np.ndarray) -> tuple[float, float]:
     """Return the median, and the 90 % quantile of the distance from it."""
-    some = x[::max(1, x.size // _LOOKED_AT)]
-    centre = float(np.median(some))
-    return centre, float(np.quantile(np.abs(some - centre), _QUANTILE))
+    sample = x[::max(1, x.size // _LOOKED_AT)]
+    centre = float(np.median(sample))
+    return centre, float(np.quantile(np.abs(sample - centre), _QUANTILE))
 
 
 def _find_isolated(stamps: np.ndarray, x: np.ndarray, centre: float, far: np.ndarray,
@@ -190,20 +190,20 @@ def _find_isolated(stamps: np.ndarray, x: np.ndarray, centre: float, far: np.nda
     short = ((stamps[last] - stamps[first]) / 1e9 <= longest_s) | (last - first < _FEW)
     excursions = int(np.count_nonzero(~short))
     first, last = first[short], last[short]
-    found, which = [], []
+    outliers, which = [], []
     for lo in range(0, first.size, _PIECE):
         a, b = first[lo:lo + _PIECE], last[lo:lo + _PIECE]
         level = _level(x, a, b, centre)
-        for one, (start, end) in enumerate(zip(a.tolist(), b.tolist())):
-            off = x[start:end + 1] - level[one]
+        for number, (start, end) in enumerate(zip(a.tolist(), b.tolist())):
+            off = x[start:end + 1] - level[number]
             at = int(np.argmax(np.abs(off)))
             if abs(off[at]) > threshold:
-                found.append(Outlier(start + at, end + 1 - start, int(stamps[start + at]),
-                                     float(off[at])))
+                outliers.append(Outlier(start + at, end + 1 - start, int(stamps[start + at]),
+                                        float(off[at])))
                 which.append(np.arange(start, end + 1))
             else:
                 excursions += 1
-    return found, np.concatenate(which) if which else far[:0], excursions
+    return outliers, np.concatenate(which) if which else far[:0], excursions
 
 
 def _level(x: np.ndarray, first: np.ndarray, last: np.ndarray, centre: float) -> np.ndarray:

@@ -67,10 +67,10 @@ def _part_means(stamps: np.ndarray, values: np.ndarray) -> np.ndarray:
         edges = np.linspace(0, values.size, parts + 1).astype(np.int64)
         return np.add.reduceat(unwrap_deg(values), edges[:-1]) / np.diff(edges)
     # Longer parts would average a swell away, and evenly spaced ones could keep step with it.
-    some = min(parts, _MOST_PARTS)
-    k = np.arange(some)
+    count = min(parts, _MOST_PARTS)
+    k = np.arange(count)
     width = values.size // parts
-    begins = ((k + (_GOLDEN * k) % 1.0) * (parts / some)).astype(np.int64) * values.size // parts
+    begins = ((k + (_GOLDEN * k) % 1.0) * (parts / count)).astype(np.int64) * values.size // parts
     inside = np.arange(0, width, max(1, width // _PER_PART))
     index = np.minimum(begins[:, None] + inside, values.size - 1)
     means: Reals = unwrap_deg(values[index].ravel()).reshape(index.shape).mean(axis=1)
@@ -90,8 +90,8 @@ class Windows:
     ----------
     stamps : ndarray of int64, shape (n,)
         Stamps in increasing order, nanoseconds; n >= 2.
-    heading, other : ndarray, shape (n,)
-        Headings of the sensor examined, and of the other one, degrees.
+    heading, other_deg : ndarray, shape (n,)
+        Headings of the sensor examined, and of the other sensor, degrees.
     busy : ndarray of bool, shape (n,)
         Whether a reading belongs to a long repetition of the sensor.
     other_step_deg : float
@@ -101,13 +101,13 @@ class Windows:
 
     """
 
-    def __init__(self, stamps: np.ndarray, heading: np.ndarray, other: np.ndarray,
+    def __init__(self, stamps: np.ndarray, heading: np.ndarray, other_deg: np.ndarray,
                  busy: np.ndarray, other_step_deg: float, sigma_deg: float | None) -> None:
-        self._stamps, self._heading, self._other = stamps, heading, other
+        self._stamps, self._heading, self._other_deg = stamps, heading, other_deg
         self._before = np.append(0, np.cumsum(busy))
         self._other_step_deg, self._sigma_deg = other_step_deg, sigma_deg
         self._least_s = _LEAST_READINGS * float(np.median(np.diff(stamps[:_LOOKED_AT]))) / 1e9
-        self._known: dict[float, tuple[np.ndarray, int]] = {}
+        self._measured: dict[float, tuple[np.ndarray, int]] = {}
 
     def excess(self, lo: int, hi: int, grain_deg: float) -> tuple[float, float] | None:
         """
@@ -126,7 +126,7 @@ class Windows:
             Range of the other sensor, and the range allowed, degrees. None if it stays within.
 
         """
-        moved = _range_deg(self._stamps[lo:hi], self._other[lo:hi])
+        moved = _range_deg(self._stamps[lo:hi], self._other_deg[lo:hi])
         if moved <= grain_deg:
             return None
         span = max((int(self._stamps[hi - 1]) - int(self._stamps[lo])) / 1e9, self._least_s,
@@ -143,7 +143,7 @@ class Windows:
             rows, apart = self._ranges(length)
             if apart < _LEAST_WINDOWS or length > span:
                 continue
-            most = max((_range_deg(self._stamps[a:b], self._other[a:b])
+            most = max((_range_deg(self._stamps[a:b], self._other_deg[a:b])
                         for a, b in self._make_windows(lo, hi, length, 2)), default=0.0)
             allowed = _allowed_deg(rows, length, most, rounded)
             if most > allowed:
@@ -164,7 +164,7 @@ class Windows:
         allowed = grain_deg + _RANGE_NORMS * sigma
         if moved > allowed:
             return moved, allowed
-        swings = [float(np.var(_part_means(self._stamps[a:b], self._other[a:b]), ddof=1))
+        swings = [float(np.var(_part_means(self._stamps[a:b], self._other_deg[a:b]), ddof=1))
                   for a, b in self._make_windows(lo, hi, _SWING_S, 1)]
         if len(swings) < _LEAST_WINDOWS:
             return None
@@ -187,9 +187,9 @@ class Windows:
 
     def _ranges(self, length_s: float) -> tuple[np.ndarray, int]:
         """Return ranges of sensor, other and difference; and the number of disjoint windows."""
-        if length_s not in self._known:
-            self._known[length_s] = self._measure(round(length_s * 1e9))
-        return self._known[length_s]
+        if length_s not in self._measured:
+            self._measured[length_s] = self._measure(round(length_s * 1e9))
+        return self._measured[length_s]
 
     def _measure(self, length: int) -> tuple[np.ndarray, int]:
         stamps, whole = self._stamps, int(self._stamps[-1]) - int(self._stamps[0])
@@ -202,12 +202,13 @@ class Windows:
         usable &= stamps[np.maximum(hi - 1, 0)] - stamps[np.minimum(lo, hi - 1)] >= 0.5 * length
         lo, hi, begins = lo[usable], hi[usable], begins[usable]
         if lo.size > _WINDOWS:
-            some = np.linspace(0, lo.size - 1, _WINDOWS).astype(np.int64)
-            lo, hi, begins = lo[some], hi[some], begins[some]
+            picked = np.linspace(0, lo.size - 1, _WINDOWS).astype(np.int64)
+            lo, hi, begins = lo[picked], hi[picked], begins[picked]
         rows, apart, end = [], 0, int(stamps[0])
         for a, b, begin in zip(lo.tolist(), hi.tolist(), begins.tolist()):
-            own, other = self._heading[a:b], self._other[a:b]
-            rows.append([_range_deg(stamps[a:b], h) for h in (own, other, own - other)])
+            sensor_deg, other_deg = self._heading[a:b], self._other_deg[a:b]
+            rows.append([_range_deg(stamps[a:b], h)
+                         for h in (sensor_deg, other_deg, sensor_deg - other_deg)])
             if begin >= end:
                 apart, end = apart + 1, begin + length
         return np.array(rows).reshape(-1, 3).T, apart
@@ -215,11 +216,11 @@ class Windows:
 
 def _allowed_deg(rows: np.ndarray, length_s: float, moved_deg: float, grain_deg: float) -> float:
     """Return the range allowed for the other sensor while a working sensor repeats its value."""
-    own, others, errors = rows
+    sensor, others, errors = rows
     alike = (others >= 0.5 * moved_deg) & (others <= 2.0 * moved_deg)
     if length_s >= _FOLLOWS_S and np.count_nonzero(alike) >= _LEAST_WINDOWS:
         # Even at rest, a window without a long repetition holds changes by a step or two.
-        follows = (own >= _FOLLOWS * others) & (own > grain_deg)
+        follows = (sensor >= _FOLLOWS * others) & (sensor > grain_deg)
         if np.mean(follows[alike]) >= _SPAN_SHARE:
             return grain_deg
     return grain_deg + 2.0 * float(np.quantile(errors, _SPAN_SHARE))

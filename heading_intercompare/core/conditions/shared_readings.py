@@ -105,10 +105,10 @@ class Fingerprint:
         at = (since_s / grain_s).astype(np.int64)
         n = int(at[-1]) + 1
         count = np.bincount(at, minlength=n).astype(np.int64)
-        there = np.flatnonzero(count)
+        occupied = np.flatnonzero(count)
         total_deg, turned_deg = (np.bincount(at, weights=column, minlength=n)
                                  for column in (x_deg - np.median(x_deg), unwrap_deg(rs_deg)))
-        around = np.interp(np.arange(n), there, turned_deg[there] / count[there])
+        around = np.interp(np.arange(n), occupied, turned_deg[occupied] / count[occupied])
         # As it is kept, so that a restart changes nothing.
         return cls(int(stamp_ns[0]), grain_s, _STEPS * step_s, _short(total_deg), count,
                    _short(around))
@@ -148,8 +148,8 @@ class Fingerprint:
         n = (len(self.count) - phase) // _GRAINS * _GRAINS
         total, count = (column[phase:phase + n].reshape(-1, _GRAINS).sum(1)
                         for column in (self.total_deg, self.count))
-        found: Reals = np.divide(total, count, out=np.full(len(total), np.nan), where=count > 0)
-        return found
+        averages: Reals = np.divide(total, count, out=np.full(len(total), np.nan), where=count > 0)
+        return averages
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,7 +160,7 @@ class Shared:
     Attributes
     ----------
     first_ns, other_ns : int
-        Where they begin in the first run and in the other one, about; stamps.
+        Where the readings begin in the first run and in the other run, about; stamps.
     span_s : float
         For how long they were found, seconds.
     correlation : float
@@ -182,13 +182,13 @@ def _whiten(run: Fingerprint, phase: int) -> Reals | None:
     and interpolation, and on the deviation of a compass. nan where there is no average.
     """
     x = run.average(phase)
-    there = np.isfinite(x)
-    there[:_ORDER] = False
-    if there.sum() < 2 * _BLOCK:
+    valid = np.isfinite(x)
+    valid[:_ORDER] = False
+    if valid.sum() < 2 * _BLOCK:
         return None
     centred = np.where(np.isfinite(x), x - np.nanmean(x), 0.0)
     # A step or a glitch must not make the filter, nor all of the correlation.
-    scale = float(np.quantile(np.abs(centred[there]), 0.9))
+    scale = float(np.quantile(np.abs(centred[valid]), 0.9))
     if scale == 0.0:
         return None
     centred = np.clip(centred, -4.0 * scale, 4.0 * scale)
@@ -199,23 +199,23 @@ def _whiten(run: Fingerprint, phase: int) -> Reals | None:
     deviation = [shape(order * turned).mean(axis=2) for order in (1.0, 2.0)
                  for shape in (np.sin, np.cos)]
     around = around - around[:, _GRAINS:2 * _GRAINS].mean(axis=1, keepdims=True)
-    known = np.column_stack((*before, around, *deviation, np.ones(len(x))))
-    weights = scipy.linalg.lstsq(known[there], centred[there], lapack_driver='gelsy')[0]
-    rest: Reals = np.where(there, centred - known @ weights, np.nan)
-    if float(np.nanvar(rest)) < _LEAST_REST * float(np.var(centred[there])):
+    regressors = np.column_stack((*before, around, *deviation, np.ones(len(x))))
+    weights = scipy.linalg.lstsq(regressors[valid], centred[valid], lapack_driver='gelsy')[0]
+    rest: Reals = np.where(valid, centred - regressors @ weights, np.nan)
+    if float(np.nanvar(rest)) < _LEAST_REST * float(np.var(centred[valid])):
         return None
     # A few spikes, perhaps at even times, are no copy: all averages of a block must agree.
-    most = _MOST_OF_ONE * float(np.quantile(np.abs(rest[there]), 0.9))
+    most = _MOST_OF_ONE * float(np.quantile(np.abs(rest[valid]), 0.9))
     return np.clip(rest, -most, most)
 
 
 def _normalise(windows: np.ndarray) -> np.ndarray:
     """Return windows, shape (n, block), with mean 0 and sum of squares 1; 0 with many gaps."""
-    there = np.isfinite(windows)
-    enough = there.sum(axis=1) >= _THERE * _BLOCK
-    filled = np.where(there, windows, 0.0)
-    mean = filled.sum(axis=1) / np.maximum(there.sum(axis=1), 1)
-    filled = np.where(there, filled - mean[:, None], 0.0)
+    valid = np.isfinite(windows)
+    enough = valid.sum(axis=1) >= _THERE * _BLOCK
+    filled = np.where(valid, windows, 0.0)
+    mean = filled.sum(axis=1) / np.maximum(valid.sum(axis=1), 1)
+    filled = np.where(valid, filled - mean[:, None], 0.0)
     size = np.sqrt(np.einsum('ij,ij->i', filled, filled))
     good = enough & (size > 0.0)
     scale: Reals = np.divide(1.0, size, out=np.zeros(size.shape), where=good)
@@ -223,13 +223,13 @@ def _normalise(windows: np.ndarray) -> np.ndarray:
 
 
 @lru_cache(maxsize=4096)
-def find_shared(one: str, other: str) -> Shared | None:
+def find_shared(first: str, second: str) -> Shared | None:
     """
     Return the readings that two runs share; None if there are none.
 
     Parameters
     ----------
-    one, other : str
+    first, second : str
         Fingerprints as text.
 
     Notes
@@ -243,42 +243,42 @@ def find_shared(one: str, other: str) -> Shared | None:
     E.25 of ``docs/diagnostics.md``.
 
     """
-    return _compare(Fingerprint.from_text(one), Fingerprint.from_text(other), 0)
+    return _compare(Fingerprint.from_text(first), Fingerprint.from_text(second), 0)
 
 
 def find_repeats(run: Fingerprint) -> Shared | None:
     """Return readings that a run holds twice, E.25, the first place first; None without any."""
-    found = _compare(run, run, _BLOCK)
-    if found is None or found.first_ns < found.other_ns:
-        return found
-    return replace(found, first_ns=found.other_ns, other_ns=found.first_ns)
+    shared = _compare(run, run, _BLOCK)
+    if shared is None or shared.first_ns < shared.other_ns:
+        return shared
+    return replace(shared, first_ns=shared.other_ns, other_ns=shared.first_ns)
 
 
-def _compare(one: Fingerprint, other: Fingerprint, least_lag: int) -> Shared | None:
-    grain_s = max(one.grain_s, other.grain_s)
-    while grain_s * _GRAINS < max(one.least_bin_s, other.least_bin_s):
+def _compare(run: Fingerprint, partner: Fingerprint, least_lag: int) -> Shared | None:
+    grain_s = max(run.grain_s, partner.grain_s)
+    while grain_s * _GRAINS < max(run.least_bin_s, partner.least_bin_s):
         grain_s *= 2.0
     bin_s = grain_s * _GRAINS
-    first, second = one.coarsen(grain_s), other.coarsen(grain_s)
-    given = _whiten(second, 0)
-    if given is None or len(given) < _BLOCK:
+    first, second = run.coarsen(grain_s), partner.coarsen(grain_s)
+    whitened = _whiten(second, 0)
+    if whitened is None or len(whitened) < _BLOCK:
         return None
-    starts = np.unique(np.linspace(0, len(given) - _BLOCK, _MOST_BLOCKS).astype(np.int64)
-                       if len(given) > _MOST_BLOCKS * _BLOCK // 2
-                       else np.arange(0, len(given) - _BLOCK + 1, _BLOCK // 2))
-    blocks = _normalise(given[starts[:, None] + np.arange(_BLOCK)])
-    kept = blocks.any(axis=1)
-    starts, blocks = starts[kept], blocks[kept]
+    starts = np.unique(np.linspace(0, len(whitened) - _BLOCK, _MOST_BLOCKS).astype(np.int64)
+                       if len(whitened) > _MOST_BLOCKS * _BLOCK // 2
+                       else np.arange(0, len(whitened) - _BLOCK + 1, _BLOCK // 2))
+    blocks = _normalise(whitened[starts[:, None] + np.arange(_BLOCK)])
+    usable = blocks.any(axis=1)
+    starts, blocks = starts[usable], blocks[usable]
     best: Shared | None = None
     for phase in range(_GRAINS):
         sought = _whiten(first, phase)
         if sought is None or not len(starts):
             continue
-        found = _search(sought, starts, blocks, least_lag)
-        if found is not None and (best is None or found[3] > best.correlation):
-            at, start, n, correlation = found
-            best = Shared(one.start_ns + round((at * bin_s + phase * grain_s) * 1e9),
-                          other.start_ns + round(start * bin_s * 1e9), n * bin_s, correlation)
+        match = _search(sought, starts, blocks, least_lag)
+        if match is not None and (best is None or match[3] > best.correlation):
+            at, start, n, correlation = match
+            best = Shared(run.start_ns + round((at * bin_s + phase * grain_s) * 1e9),
+                          partner.start_ns + round(start * bin_s * 1e9), n * bin_s, correlation)
     return best
 
 
@@ -303,15 +303,15 @@ def _search(sought: Reals, starts: Integers, blocks: np.ndarray,
                                      alike[rows, columns])))
     mean = np.divide(total, count, out=np.zeros(total.shape), where=count >= _SOME)
     together = int(np.argmax(mean))
-    lag, start, correlation = max(np.concatenate(hits).tolist(), key=lambda one: one[2],
+    lag, start, correlation = max(np.concatenate(hits).tolist(), key=lambda hit: hit[2],
                                   default=(0.0, 0.0, 0.0))
     if mean[together] > _TOGETHER:
         lag = together - offset
     elif correlation < _ALIKE:
         return None
-    mine = np.concatenate([one[one[:, 0] == lag] for one in hits])
-    if not len(mine):
+    at_lag = np.concatenate([hit[hit[:, 0] == lag] for hit in hits])
+    if not len(at_lag):
         return None
-    mine = mine[mine[:, 2] >= _MOSTLY * mine[:, 2].max()]
-    first, last = int(mine[:, 1].min()), int(mine[:, 1].max())
-    return first + int(lag), first, last - first + _BLOCK, float(mine[:, 2].max())
+    at_lag = at_lag[at_lag[:, 2] >= _MOSTLY * at_lag[:, 2].max()]
+    first, last = int(at_lag[:, 1].min()), int(at_lag[:, 1].max())
+    return first + int(lag), first, last - first + _BLOCK, float(at_lag[:, 2].max())

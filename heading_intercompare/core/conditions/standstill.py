@@ -63,8 +63,8 @@ class Frozen:
         Duration of that repetition, seconds, and turn of the other sensor meanwhile, degrees.
     kind : {'alive', 'frozen', 'dead', 'constant', 'not_testable'}
         'frozen': there are such repetitions. 'dead': one value for an hour from a sensor that
-        reports decimals, while the other's value changed. 'constant': the same for nine tenths of
-        a shorter run. 'not_testable': n < 2.
+        reports decimals, while the value of the other sensor changed. 'constant': the same for
+        nine tenths of a shorter run. 'not_testable': n < 2.
     frozen_s : float
         Total duration of these repetitions, seconds.
     resolution_deg : float or None
@@ -140,18 +140,18 @@ def find_coarse_resolution(heading_deg: ArrayLike) -> float | None:
 
     """
     heading = np.asarray(heading_deg, dtype=np.float64)
-    found = find_resolution(heading)
-    step_deg, repeated = found.step_deg, found.repeated_share
+    resolution = find_resolution(heading)
+    step_deg, repeated = resolution.step_deg, resolution.repeated_share
     if step_deg is not None and repeated is not None and repeated < _REPEATED:
         return step_deg
-    some, often = np.unique(np.round(heading[::max(1, heading.size // 1000)], 7),
-                            return_counts=True)
-    some = some[often > 1] if (often > 1).any() else some
+    levels, often = np.unique(np.round(heading[::max(1, heading.size // 1000)], 7),
+                              return_counts=True)
+    levels = levels[often > 1] if (often > 1).any() else levels
     for decimals in range(_MOST_DECIMALS + 1):
-        scaled = some * 10.0 ** decimals
+        scaled = levels * 10.0 ** decimals
         if (np.abs(scaled - np.rint(scaled)) <= _DECIMAL_DEG * 10.0 ** decimals).all():
-            return _find_coarsest(heading, some, 10.0 ** -decimals) if some.size else None
-    return found.step_deg
+            return _find_coarsest(heading, levels, 10.0 ** -decimals) if levels.size else None
+    return resolution.step_deg
 
 
 def _find_coarsest(heading: np.ndarray, values: np.ndarray, unit_deg: float) -> float:
@@ -175,16 +175,16 @@ def find_frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLik
     stamp_ns : array_like of int, shape (n,)
         Stamps in increasing order, nanoseconds.
     heading_deg, other_deg : array_like, shape (n,)
-        Headings of the sensor examined, and of the other one, finite, degrees.
+        Headings of the sensor examined, and of the other sensor, finite, degrees.
     least_s : float
         Shortest repetition that counts, seconds. A coarse sensor on a steady course repeats
         itself for seconds without a fault.
     moved_deg : float
         Least range of the other sensor within that time, degrees.
     sigma_deg : float, optional
-        Norm of the standard deviation of the other's errors, degrees; default 0. Bounds these
-        errors if the sensor repeats itself for most of the run, so that the rest cannot show
-        them.
+        Norm of the standard deviation of the other sensor's errors, degrees; default 0. Bounds
+        these errors if the sensor repeats itself for most of the run, so that the rest cannot
+        show the errors.
     still_frozen : bool
         Judge only the repetition that goes on at the last reading.
 
@@ -194,9 +194,9 @@ def find_frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLik
 
     Notes
     -----
-    The test takes the range of the other's means over about a second, within the repetition less
-    two seconds and one hold at either end. The margins are needed because a skew, or a sensor
-    slower than its messages, repeats values into and out of a turn.
+    The test takes the range of the other sensor's means over about a second, within the
+    repetition less two seconds and one hold at either end. The margins are needed because a skew,
+    or a sensor slower than its messages, repeats values into and out of a turn.
 
     A working sensor may repeat a value while the ship stays within two of its steps and the other
     sensor rounds by one of its own. The errors of both sensors add twice the range that the
@@ -222,12 +222,12 @@ def find_frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLik
     if stamps.size < 2:
         return Frozen(0.0, kind='not_testable')
     heading = np.asarray(heading_deg, dtype=np.float64)
-    other = np.asarray(other_deg, dtype=np.float64)
+    partner = np.asarray(other_deg, dtype=np.float64)
     first, last, hold = _stretches(stamps, heading)
     lasted = (stamps[last] - stamps[first]) / 1e9
     longest = float(lasted.max(initial=0.0))
     step = find_coarse_resolution(heading)
-    kind = _kind(stamps, longest, step, other, least_s)
+    kind = _kind(stamps, longest, step, partner, least_s)
     margin = _MARGIN_S + (hold or 0.0)
     long = np.flatnonzero(lasted >= max(least_s, 2.0 * margin + _PART_S))
     long = long[np.argsort(-lasted[long], kind='stable')][:_LONGEST_STRETCHES]
@@ -239,24 +239,24 @@ def find_frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLik
         busy[lo:hi + 1] = True
     if still_frozen:
         long = long[last[long] == stamps.size - 1]
-    windows = Windows(stamps, heading, other, busy, find_coarse_resolution(other) or 0.0,
+    windows = Windows(stamps, heading, partner, busy, find_coarse_resolution(partner) or 0.0,
                       sigma_deg)
     grain = max(moved_deg, _STEPS * (step or 0.0))
-    found = []
+    frozen = []
     for at in long:
         lo, hi = _cut_margins(stamps, int(first[at]), int(last[at]), margin)
         excess = windows.excess(lo, hi, grain)
         if excess is not None:
-            found.append((*excess, float(lasted[at]), int(stamps[first[at]])))
-    if not found:
+            frozen.append((*excess, float(lasted[at]), int(stamps[first[at]])))
+    if not frozen:
         return alive
-    moved, allowed, duration, start = max(found)
-    return Frozen(longest, len(found), start, duration, moved,
-                  'dead' if kind == 'dead' else 'frozen', sum(f[2] for f in found), step, hold,
+    moved, allowed, duration, start = max(frozen)
+    return Frozen(longest, len(frozen), start, duration, moved,
+                  'dead' if kind == 'dead' else 'frozen', sum(f[2] for f in frozen), step, hold,
                   allowed)
 
 
-def _kind(stamps: np.ndarray, longest_s: float, step: float | None, other: np.ndarray,
+def _kind(stamps: np.ndarray, longest_s: float, step: float | None, partner: np.ndarray,
           least_s: float) -> str:
     """Return the kind that follows from the longest repetition alone."""
     whole_s = (int(stamps[-1]) - int(stamps[0])) / 1e9
@@ -264,7 +264,7 @@ def _kind(stamps: np.ndarray, longest_s: float, step: float | None, other: np.nd
     lasted = longest_s + float(np.median(np.diff(stamps[:_LOOKED_AT]))) / 1e9
     is_dead = lasted >= _DEAD_S
     is_constant = longest_s >= max(least_s, _NEARLY_ALL * whole_s)
-    if not (is_dead or is_constant) or (step is not None and step >= 1.0) or _is_still(other):
+    if not (is_dead or is_constant) or (step is not None and step >= 1.0) or _is_still(partner):
         return 'alive'
     return 'dead' if is_dead else 'constant'
 
@@ -307,10 +307,10 @@ def _range_of(heading: np.ndarray, enough_deg: float = math.inf) -> float:
     """Return the range of headings on the circle; of a few if that already exceeds enough."""
     for every in (max(1, heading.size // _LOOKED_AT), 1):
         off = wrap180(heading[::every] - heading[0])
-        found = float(off.max() - off.min())
-        if found > enough_deg:
+        range_deg = float(off.max() - off.min())
+        if range_deg > enough_deg:
             break
-    return found
+    return range_deg
 
 
 @dataclass(frozen=True, slots=True)

@@ -113,9 +113,9 @@ def find_turn_direction(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndar
     best, clearest = Direction(), 0.0
     width = 1
     while rs.size >= _LEAST_WINDOWS * width:
-        found, clear = _compare(ts, rs, width, min(most, rs.size // 4), uneven)
+        direction, clear = _compare(ts, rs, width, min(most, rs.size // 4), uneven)
         if clear > _CLEARER * clearest:
-            best, clearest = found, clear
+            best, clearest = direction, clear
         width *= 2
     return best
 
@@ -145,11 +145,11 @@ def _compare(ts: np.ndarray, rs: np.ndarray, width: int, most: int,
     n = d_ts.size - 2 * most
     if n < 2:
         return Direction(), 0.0
-    mine = d_ts[most:most + n]
-    power = float(mine @ mine)
-    other = {k: d_rs[most + k:most + k + n] for k in range(-most, most + 1)}
-    products = {k: float(mine @ d) for k, d in other.items()}
-    powers = {k: float(d @ d) for k, d in other.items()}
+    ts_changes = d_ts[most:most + n]
+    power = float(ts_changes @ ts_changes)
+    rs_changes = {k: d_rs[most + k:most + k + n] for k in range(-most, most + 1)}
+    products = {k: float(ts_changes @ d) for k, d in rs_changes.items()}
+    powers = {k: float(d @ d) for k, d in rs_changes.items()}
     up = min(products, key=lambda k: powers[k] - 2.0 * products[k])
     down = min(products, key=lambda k: powers[k] + 2.0 * products[k])
     apart = max(0.0, power + powers[up] - 2.0 * products[up])
@@ -167,7 +167,7 @@ def _compare(ts: np.ndarray, rs: np.ndarray, width: int, most: int,
     shows = turned >= _TURNED_DEG or (
         windows >= _MANY_WINDOWS and turned >= _ABOVE_NOISE * noise and clear > _CLEAR)
     if not shows and windows >= 4 * _MANY_WINDOWS and n >= _LEAST_SAMPLES and clear > _CLEAR:
-        terms = mine * (other[up] + other[down])
+        terms = ts_changes * (rs_changes[up] + rs_changes[down])
         shows = abs(float(terms.sum())) > _SURE * math.sqrt(float(sum_covariance(terms)[0]))
     if not shows:
         return Direction(), 0.0

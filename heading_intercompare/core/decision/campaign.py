@@ -85,7 +85,7 @@ class Together:
     span_s : float
         Sum of their lengths, seconds.
     apart_s : float
-        Shortest time between two of them, seconds; negative if they overlap, infinite for one.
+        Shortest time between two runs, seconds; negative if they overlap, infinite for one run.
     d_hat_deg2 : float
         Mean variance, weighted by the number of differences; square degrees. S.12.
     nu, f : float
@@ -167,12 +167,12 @@ def judge_together(runs: Sequence[Evidence], limits: Sequence[Limits], risk: Ris
     S.12, S.13, S.18, S.19 of ``docs/risk.md``.
 
     """
-    some = [(e, lim) for e, lim in zip(runs, limits) if e.spread is not None]
-    if not some:
+    with_spread = [(e, lim) for e, lim in zip(runs, limits) if e.spread is not None]
+    if not with_spread:
         return None
     spreads = [e.spread for e in runs if e.spread is not None]
-    means_deg = [e.mean_deg for e, _ in some if e.mean_deg is not None]
-    are_many, alpha = len(some) >= LEAST_RUNS, risk.alpha_consumer
+    means_deg = [e.mean_deg for e, _ in with_spread if e.mean_deg is not None]
+    are_many, alpha = len(with_spread) >= LEAST_RUNS, risk.alpha_consumer
     pooled = pool(spreads, by_statement=variant != 'B' and are_many and all(
         spread.times is not None and spread.times >= LEAST_TIMES for spread in spreads))
     upper = pooled_upper = bounded_deg2(upper_bound(pooled, alpha), pooled)
@@ -183,13 +183,13 @@ def judge_together(runs: Sequence[Evidence], limits: Sequence[Limits], risk: Ris
         between = bounded_deg2(between_runs(spreads, means_deg, alpha), pooled)
         scatter = bounded_deg2(scatter_of_runs(spreads, means_deg, alpha), pooled)
         upper = max(between, scatter)
-    n_plus = sum(e.n_plus for e, _ in some)
+    n_plus = sum(e.n_plus for e, _ in with_spread)
     return Together(
-        len(some), pooled.n, math.fsum(e.span_s for e, _ in some), apart_s, pooled.d_deg2,
-        pooled.nu, pooled.f, pooled.slow_allowance_deg2, pooled_upper, between, upper,
-        lower_bound(pooled, variance_risk(risk)),
-        math.fsum(e.n * lim.tightened_limit_deg2 for e, lim in some) / pooled.n,
-        some[0][1].rejection_limit_deg2,
+        len(with_spread), pooled.n, math.fsum(e.span_s for e, _ in with_spread), apart_s,
+        pooled.d_deg2, pooled.nu, pooled.f, pooled.slow_allowance_deg2, pooled_upper, between,
+        upper, lower_bound(pooled, variance_risk(risk)),
+        math.fsum(e.n * lim.tightened_limit_deg2 for e, lim in with_spread) / pooled.n,
+        with_spread[0][1].rejection_limit_deg2,
         rate_lower(pooled.nu * n_plus / pooled.n, pooled.nu, count_risk(risk)),
         scatter, None if pooled.stated is None else pooled.times)
 
@@ -221,14 +221,14 @@ def conclude_every_run(alone: Sequence[Outcome],
     return outcome, 'a_run_indeterminate'
 
 
-def conclude_sensor(found: Together | None, limits: Sequence[Limits], totals_met: bool,
+def conclude_sensor(together: Together | None, limits: Sequence[Limits], totals_met: bool,
                     risk: Risk) -> tuple[Outcome, str]:
     """
     Return the outcome of a campaign that judges the sensor by all runs, and its reason.
 
     Parameters
     ----------
-    found : Together or None
+    together : Together or None
         Of `judge_together`; None if the runs cannot be judged together.
     limits : sequence of Limits
         Limits of the runs.
@@ -244,24 +244,24 @@ def conclude_sensor(found: Together | None, limits: Sequence[Limits], totals_met
     """
     if not limits:
         return Outcome.INDETERMINATE, 'no_run'
-    if found is None:
+    if together is None:
         return Outcome.INDETERMINATE, 'insufficient_data'
-    accept, reject = found.acceptance_limit_deg2, found.rejection_limit_deg2
-    if found.lower_bound_deg2 > reject:
+    accept, reject = together.acceptance_limit_deg2, together.rejection_limit_deg2
+    if together.lower_bound_deg2 > reject:
         return Outcome.NON_COMPLIANT, 'lower_bound_above_rejection_limit'
-    if found.rate_plus_lower > float(limits[0].allowed(1)):
+    if together.rate_plus_lower > float(limits[0].allowed(1)):
         return Outcome.NON_COMPLIANT, 'count_lower_bound_above_allowed'
-    by_means = found.between_upper_bound_deg2 is not None
-    if found.span_s < (least_together_s(risk) if by_means else least_duration_s(risk)):
+    by_means = together.between_upper_bound_deg2 is not None
+    if together.span_s < (least_together_s(risk) if by_means else least_duration_s(risk)):
         return Outcome.INDETERMINATE, 'insufficient_duration'
-    if found.upper_bound_deg2 <= accept:
+    if together.upper_bound_deg2 <= accept:
         if totals_met:
             return Outcome.COMPLIANT, 'upper_bound_within_acceptance_limit'
         return Outcome.INDETERMINATE, 'total_error_not_within_norm'
-    if not by_means and (found.upper_bound_deg2 - found.slow_allowance_deg2 <= accept
-                         or found.d_hat_deg2 <= accept
-                         < found.d_hat_deg2 + found.slow_allowance_deg2):
+    if not by_means and (together.upper_bound_deg2 - together.slow_allowance_deg2 <= accept
+                         or together.d_hat_deg2 <= accept
+                         < together.d_hat_deg2 + together.slow_allowance_deg2):
         return Outcome.INDETERMINATE, 'slow_errors_not_resolved'
-    if found.lower_bound_deg2 > accept and found.upper_bound_deg2 <= reject:
+    if together.lower_bound_deg2 > accept and together.upper_bound_deg2 <= reject:
         return Outcome.INDETERMINATE, 'reference_limited'
     return Outcome.INDETERMINATE, 'data_limited'

@@ -87,5 +87,5 @@ def apply_gk(n: int, mean_deg: float | None, variance_deg2: float | None,
     outcomes = [variance.outcome, counts.outcome]
     if total.outcome is not None:
         outcomes.append(total.outcome)
-    known = variance_deg2 is not None
-    return Printed(variance, counts, total, worst(outcomes) if known else Outcome.INDETERMINATE)
+    together = Outcome.INDETERMINATE if variance_deg2 is None else worst(outcomes)
+    return Printed(variance, counts, total, together)

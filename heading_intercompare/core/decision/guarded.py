@@ -214,9 +214,9 @@ def gather_evidence(cells: Cells, *, n_plus: int, n_plus_plus: int, span_s: floa
                     drift_left_deg2)
 
 
-def bounded_deg2(bound_deg2: float, found: Spread) -> float:
+def bounded_deg2(bound_deg2: float, spread: Spread) -> float:
     """Return a bound of the variance; infinite beyond that of differences of 180 degrees."""
-    most_deg2 = max(found.above.d_deg2, _MOST_DEG ** 2)
+    most_deg2 = max(spread.above.d_deg2, _MOST_DEG ** 2)
     return bound_deg2 if bound_deg2 <= most_deg2 else math.inf
 
 
@@ -258,44 +258,44 @@ def decide(evidence: Evidence, limits: Limits, risk: Risk) -> Guarded:
     rejection.
 
     """
-    found = evidence.spread
+    spread = evidence.spread
     accept, reject = limits.tightened_limit_deg2, limits.rejection_limit_deg2
-    if found is None or evidence.mean_deg is None:
+    if spread is None or evidence.mean_deg is None:
         return _refuse_to_decide(evidence, accept, reject)
     rates = evidence.n_plus / evidence.n, evidence.n_plus_plus / evidence.n
     producer = variance_risk(risk)
-    upper = bounded_deg2(upper_bound(found, risk.alpha_consumer), found)
-    lower = lower_bound(found, producer)
+    upper = bounded_deg2(upper_bound(spread, risk.alpha_consumer), spread)
+    lower = lower_bound(spread, producer)
     least_s = least_duration_s(risk)
     is_long = evidence.span_s >= least_s
-    outcome, reason = decide_variance(found, evidence.span_s, limits, risk,
+    outcome, reason = decide_variance(spread, evidence.span_s, limits, risk,
                                       evidence.drift_left_deg2)
     low_deg, up_deg = (m * limits.sigma_ref_max_deg for m in (limits.m_low, limits.m_up))
-    rate_low = rate_lower(found.nu * rates[0], found.nu, count_risk(risk))
-    rate_up = rate_upper(found.nu * rates[1], found.nu, risk.alpha_consumer)
-    factor = duration_factor(found, accept, reject, risk.alpha_consumer, producer)
+    rate_low = rate_lower(spread.nu * rates[0], spread.nu, count_risk(risk))
+    rate_up = rate_upper(spread.nu * rates[1], spread.nu, risk.alpha_consumer)
+    factor = duration_factor(spread, accept, reject, risk.alpha_consumer, producer)
     if lower <= reject and evidence.span_s > 0.0:
         factor = max(factor, least_s / evidence.span_s)
     if reason == 'drift_left_in':
         # If everything stays as it is, a longer run drifts further.
         factor = math.inf
-    bias_u_deg = math.sqrt(found.mean_variance_deg2 + evidence.offset_u_deg ** 2)
+    bias_u_deg = math.sqrt(spread.mean_variance_deg2 + evidence.offset_u_deg ** 2)
     half_deg = min(_MOST_DEG, -float(scipy.special.stdtrit(MEAN_DOF, 0.025)) * bias_u_deg)
     low_bias_deg, up_bias_deg = evidence.mean_deg - half_deg, evidence.mean_deg + half_deg
     return Guarded(
-        d_hat_deg2=found.d_deg2, nu=found.nu, f=found.f, corner_j=found.corner_j,
-        r_slow=found.r_slow, slow_variance_deg2=found.slow_variance_deg2,
-        slow_allowance_deg2=found.slow_allowance_deg2,
-        stated_times=None if found.stated is None else found.times,
+        d_hat_deg2=spread.d_deg2, nu=spread.nu, f=spread.f, corner_j=spread.corner_j,
+        r_slow=spread.r_slow, slow_variance_deg2=spread.slow_variance_deg2,
+        slow_allowance_deg2=spread.slow_allowance_deg2,
+        stated_times=None if spread.stated is None else spread.times,
         upper_bound_deg2=upper, lower_bound_deg2=lower,
         acceptance_limit_deg2=accept, rejection_limit_deg2=reject,
         sigma_ts_lower_deg=math.sqrt(max(0.0, lower - up_deg ** 2)),
         sigma_ts_upper_deg=math.sqrt(max(0.0, upper - low_deg ** 2)
                                      / limits.ts_variance_factor),
-        confidence_compliant=confidence(found, accept),
-        confidence_non_compliant=1.0 - confidence(found, reject),
+        confidence_compliant=confidence(spread, accept),
+        confidence_non_compliant=1.0 - confidence(spread, reject),
         conformance_probability=mean_confidence(
-            found, math.sqrt(limits.ts_variance_factor) * limits.sigma_max_deg, low_deg, up_deg),
+            spread, math.sqrt(limits.ts_variance_factor) * limits.sigma_max_deg, low_deg, up_deg),
         duration_factor=factor, hours_needed=factor * evidence.span_s / 3600.0,
         m_low_needed=limits.m_low_for(upper) if is_long and lower <= reject else None,
         bias_u_deg=bias_u_deg, bias_interval_deg=(low_bias_deg, up_bias_deg),
@@ -317,14 +317,14 @@ def _refuse_to_decide(evidence: Evidence, accept_deg2: float, reject_deg2: float
         reason='insufficient_data')
 
 
-def decide_variance(found: Spread, span_s: float, limits: Limits, risk: Risk,
+def decide_variance(spread: Spread, span_s: float, limits: Limits, risk: Risk,
                     drift_left_deg2: float = 0.0) -> tuple[Outcome, str]:
     """
     Return the outcome of the variance and a key of `REASONS`.
 
     Parameters
     ----------
-    found : Spread
+    spread : Spread
         The variance with its uncertainty.
     span_s : float
         Time from the first to the last difference, seconds.
@@ -340,8 +340,8 @@ def decide_variance(found: Spread, span_s: float, limits: Limits, risk: Risk,
     It applies the rows of the table of ``docs/risk.md`` in their order.
 
     """
-    upper = upper_bound(found, risk.alpha_consumer)
-    lower = lower_bound(found, variance_risk(risk))
+    upper = upper_bound(spread, risk.alpha_consumer)
+    lower = lower_bound(spread, variance_risk(risk))
     is_long = span_s >= least_duration_s(risk)
     accept, reject = limits.tightened_limit_deg2, limits.rejection_limit_deg2
     if lower > reject:
@@ -349,11 +349,11 @@ def decide_variance(found: Spread, span_s: float, limits: Limits, risk: Risk,
     if not is_long:
         return Outcome.INDETERMINATE, 'insufficient_duration'
     if upper <= accept:
-        if found.d_deg2 + drift_left_deg2 > accept:
+        if spread.d_deg2 + drift_left_deg2 > accept:
             return Outcome.INDETERMINATE, 'drift_left_in'
         return Outcome.COMPLIANT, 'upper_bound_within_acceptance_limit'
-    slow = found.slow_allowance_deg2
-    if upper - slow <= accept or found.above.d_deg2 <= accept < found.above.d_deg2 + slow:
+    slow = spread.slow_allowance_deg2
+    if upper - slow <= accept or spread.above.d_deg2 <= accept < spread.above.d_deg2 + slow:
         return Outcome.INDETERMINATE, 'slow_errors_not_resolved'
     if lower > accept and upper <= reject:
         return Outcome.INDETERMINATE, 'reference_limited'

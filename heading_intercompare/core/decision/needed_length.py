@@ -136,7 +136,7 @@ def _describe_length(reason: str, guarded: Guarded, coverage: Coverage, n: int,
     return ''
 
 
-def describe_need_together(reason: str, found: Together | None,
+def describe_need_together(reason: str, together: Together | None,
                            coverage: Coverage | None) -> str:
     """
     Say what would decide several runs that are judged together.
@@ -145,7 +145,7 @@ def describe_need_together(reason: str, found: Together | None,
     ----------
     reason : str
         Reason for the outcome of the campaign.
-    found : Together or None
+    together : Together or None
         The variance that the runs share.
     coverage : Coverage or None
         Coverage of the runs together.
@@ -164,30 +164,30 @@ def describe_need_together(reason: str, found: Together | None,
     """
     if reason in _NO_LENGTH and reason != 'outliers_decide':
         return _NO_LENGTH[reason]
-    if found is None or coverage is None:
+    if together is None or coverage is None:
         return ''
     if reason == 'insufficient_duration':
         return _measure(coverage.least_duration_s)
     if reason == 'slow_errors_not_resolved':
-        more = LEAST_RUNS - found.runs
+        more = LEAST_RUNS - together.runs
         return (f'measure {more} more {"run" if more == 1 else "runs"} like these, further apart '
                 f'than {span_words(coverage.stated_s or _UNSTATED_APART_S)}' if more > 0
-                else f'{_measure(2.0 * found.span_s)}, or runs further apart than '
+                else f'{_measure(2.0 * together.span_s)}, or runs further apart than '
                 f'{span_words(coverage.stated_s or _UNSTATED_APART_S)} (variant B)')
     if reason != 'data_limited':
         return ''
-    d, slow = found.d_hat_deg2, found.slow_allowance_deg2
-    if found.between_upper_bound_deg2 is not None:
+    d, slow = together.d_hat_deg2, together.slow_allowance_deg2
+    if together.between_upper_bound_deg2 is not None:
         slow = 0.0
-    room = found.acceptance_limit_deg2 - d - slow
+    room = together.acceptance_limit_deg2 - d - slow
     if room > 0.0:
-        root = (found.upper_bound_deg2 - d - slow) / room
-    elif d > found.rejection_limit_deg2:
-        root = (math.log(d / found.lower_bound_deg2)
-                / math.log(d / found.rejection_limit_deg2))
+        root = (together.upper_bound_deg2 - d - slow) / room
+    elif d > together.rejection_limit_deg2:
+        root = (math.log(d / together.lower_bound_deg2)
+                / math.log(d / together.rejection_limit_deg2))
     else:
         return _BETWEEN
-    return f'{_measure(max(1.0, root * root) * found.span_s)} if the errors stay as they are'
+    return f'{_measure(max(1.0, root * root) * together.span_s)} if the errors stay as they are'
 
 
 def _several(coverage: Coverage) -> str:
@@ -207,11 +207,11 @@ def _describe_slow(guarded: Guarded, coverage: Coverage) -> str:
     level = math.sqrt(d / guarded.acceptance_limit_deg2) if d is not None else 1.0
     by_level = next(row for most, row in _CHANCES if ratio is not None and ratio <= most
                     or most == math.inf)
-    chances = next((found for most, found in by_level if level <= most), by_level[-1][1])
-    told = [(factor, chance) for factor, chance in zip((2, 4, 8), chances) if chance >= 0.5]
+    chances = next((of_level for most, of_level in by_level if level <= most), by_level[-1][1])
+    likely = [(factor, chance) for factor, chance in zip((2, 4, 8), chances) if chance >= 0.5]
     lengths = ', or '.join(
         f'{_in_all(max(factor * coverage.span_s, coverage.least_duration_s))} '
-        f'(certifies {100.0 * chance:.0f} of 100 such runs)' for factor, chance in told[:2])
+        f'(certifies {100.0 * chance:.0f} of 100 such runs)' for factor, chance in likely[:2])
     return f'{_several(coverage)}, or measure {lengths}'
 
 

@@ -86,17 +86,17 @@ class Scope:
     @property
     def words(self) -> str:
         """Return headings, latitude, mean and risk in words."""
-        said = [_headings_words(self.headings_deg)] if self.headings_deg else []
+        parts = [_headings_words(self.headings_deg)] if self.headings_deg else []
         if self.latitude_deg is None:
-            said.append('latitude not stated')
+            parts.append('latitude not stated')
         else:
             low, high = self.latitude_deg
-            said.append(f'latitude {low:g}' + (f' to {high:g}' if high != low else '') + ' deg')
+            parts.append(f'latitude {low:g}' + (f' to {high:g}' if high != low else '') + ' deg')
         if not self.mean_is_judged:
-            said.append('the mean is not judged, for no norm is set for it')
+            parts.append('the mean is not judged, for no norm is set for it')
         if self.alpha_consumer != _USUAL_RISK:
-            said.append(f"consumer's risk {self.alpha_consumer:g}")
-        return '; '.join(said)
+            parts.append(f"consumer's risk {self.alpha_consumer:g}")
+        return '; '.join(parts)
 
 
 def _headings_words(starts: Sequence[int]) -> str:

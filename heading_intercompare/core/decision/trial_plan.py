@@ -194,9 +194,9 @@ def plan_trial(settings: Settings, rng: np.random.Generator, *, rate_hz: float =
         return decide_variance(evidence.spread, evidence.span_s, limits, settings.risk)[0]
 
     def together(runs: Sequence[Evidence]) -> Outcome:
-        each = [limits] * len(runs)
-        found = judge_together(runs, each, settings.risk, settings.variant)
-        return conclude_sensor(found, each, True, settings.risk)[0]
+        limits_of_runs = [limits] * len(runs)
+        common = judge_together(runs, limits_of_runs, settings.risk, settings.variant)
+        return conclude_sensor(common, limits_of_runs, True, settings.risk)[0]
 
     def chance(level: float, duration_s: float, outcomes: Sequence[Outcome],
                runs: int = 1) -> Chance:

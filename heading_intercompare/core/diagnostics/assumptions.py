@@ -106,10 +106,10 @@ def _of(key: str, state: str, evidence: str) -> Assumption:
     return Assumption(key, STATEMENTS[key], state, evidence)
 
 
-def is_resolved(found: Spread | None) -> bool:
+def is_resolved(spread: Spread | None) -> bool:
     """Tell whether a record is long enough to distinguish slow errors from a change."""
-    return found is not None and not (found.r_slow > SLOW_RATIO and
-                                      found.slow_variance_deg2 > SLOW_SHARE * found.d_deg2)
+    return spread is not None and not (spread.r_slow > SLOW_RATIO and
+                                       spread.slow_variance_deg2 > SLOW_SHARE * spread.d_deg2)
 
 
 def judge_large_n(n: int, nu: float | None, resolved: bool) -> Assumption:
@@ -258,14 +258,14 @@ def judge_ergodic(runs: Homogeneity | None) -> Assumption:
     return _of('g', VIOLATED, figures)
 
 
-def judge_constant_moments(found: Stationarity, slope: Slope | None, span_h: float,
+def judge_constant_moments(stationarity: Stationarity, slope: Slope | None, span_h: float,
                            dependence: HeadingDependence, resolved: bool | None) -> Assumption:
     """
     Judge (h) by trends of mean and variance, and by a dependence on the heading.
 
     Parameters
     ----------
-    found : Stationarity
+    stationarity : Stationarity
         Stationarity of the differences as analysed.
     slope : Slope or None
         Slope of the same.
@@ -277,18 +277,18 @@ def judge_constant_moments(found: Stationarity, slope: Slope | None, span_h: flo
         Whether the record is long enough for the correlation of the residuals.
 
     """
-    if found.least_p is None:
+    if stationarity.least_p is None:
         return _of('h', NOT_TESTABLE, 'there is too little data')
     if dependence.p is not None and dependence.p < DEPENDENT:
         return _of('h', VIOLATED, 'the difference depends on the heading, by up to '
                    f'{dependence.amplitude_deg:.3g} deg (p = {dependence.p:.2g})')
     trends = [text for p, text in (
-        (found.mean_p, 'the mean'), (found.square_p, 'the variance'),
-        (found.kpss_p, 'the level')) if p is not None and 3.0 * p < SIGNIFICANT]
-    figures = (f'reverse arrangements of {found.blocks} blocks: mean z = {found.mean_z:.2f}, '
-               f'square z = {found.square_z:.2f}')
-    if found.kpss is not None:
-        figures += f'; KPSS {found.kpss:.3f}'
+        (stationarity.mean_p, 'the mean'), (stationarity.square_p, 'the variance'),
+        (stationarity.kpss_p, 'the level')) if p is not None and 3.0 * p < SIGNIFICANT]
+    figures = (f'reverse arrangements of {stationarity.blocks} blocks: '
+               f'mean z = {stationarity.mean_z:.2f}, square z = {stationarity.square_z:.2f}')
+    if stationarity.kpss is not None:
+        figures += f'; KPSS {stationarity.kpss:.3f}'
     if slope is not None and slope.u_deg_per_h is not None:
         figures += (f'; slope {slope.slope_deg_per_h:.3g} deg/h (standard uncertainty '
                     f'{slope.u_deg_per_h:.2g}), {slope.slope_deg_per_h * span_h:.3g} deg over '

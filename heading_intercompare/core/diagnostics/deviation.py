@@ -258,13 +258,13 @@ def fit_deviation(x_deg: ArrayLike, rs_deg: ArrayLike, *, averaged: int = 1,
         math.sqrt(rss / (averaged * n - _TERMS)))
 
 
-def deviation_at(found: HeadingDependence, heading_deg: ArrayLike) -> tuple[Reals, Reals]:
+def deviation_at(dependence: HeadingDependence, heading_deg: ArrayLike) -> tuple[Reals, Reals]:
     """
     Return what the fit gives at some headings: the rows of a deviation card.
 
     Parameters
     ----------
-    found : HeadingDependence
+    dependence : HeadingDependence
         The fitted harmonics.
     heading_deg : array_like, shape (n,)
         Degrees.
@@ -276,11 +276,11 @@ def deviation_at(found: HeadingDependence, heading_deg: ArrayLike) -> tuple[Real
 
     """
     psi = np.ravel(np.asarray(heading_deg, dtype=np.float64))
-    if found.coefficients_deg is None or found.covariance_deg2 is None:
+    if dependence.coefficients_deg is None or dependence.covariance_deg2 is None:
         return np.full(psi.size, np.nan), np.full(psi.size, np.nan)
-    basis, covariance = _basis(psi), np.array(found.covariance_deg2)
+    basis, covariance = _basis(psi), np.array(dependence.covariance_deg2)
     variance = np.einsum('in,ij,jn->n', basis, covariance, basis)
-    return np.array(found.coefficients_deg) @ basis, np.sqrt(np.maximum(variance, 0.0))
+    return np.array(dependence.coefficients_deg) @ basis, np.sqrt(np.maximum(variance, 0.0))
 
 
 def _widening(residual: np.ndarray, turns: float) -> float | None:

@@ -142,16 +142,17 @@ def prepare_run(run: RunSeries, limits: Limits, settings: Settings,
     stamps, x, rs = run.stamp_ns.values, run.x_deg.values, run.rs_deg.values
     lo = 0
     if run.stabilization_s == 'auto':
-        found = fit_warm_up(stamps, x, SETTLED_SHARE * limits.sigma_max_deg)
-        if found is not None and found.stabilization_s > 0.0:
-            until = int(stamps[0]) + round(found.stabilization_s * 1e9)
+        warm_up = fit_warm_up(stamps, x, SETTLED_SHARE * limits.sigma_max_deg)
+        if warm_up is not None and warm_up.stabilization_s > 0.0:
+            until = int(stamps[0]) + round(warm_up.stabilization_s * 1e9)
             lo = int(np.searchsorted(stamps, until))
             stamps, x, rs = stamps[lo:], x[lo:], rs[lo:]
     if not exclusions:
         return PreparedRun.of(stamps, x, rs, settings, lo)
-    kept = find_excluded(stamps, exclusions) < 0
-    stamps, x, rs = stamps[kept], x[kept], rs[kept]
-    taken_out_ns = sum(min(one.end_ns, int(stamps[-1])) - max(one.start_ns, int(stamps[0]))
-                       for one in exclusions if stamps.size
-                       and one.start_ns < int(stamps[-1]) and one.end_ns > int(stamps[0]))
+    stays = find_excluded(stamps, exclusions) < 0
+    stamps, x, rs = stamps[stays], x[stays], rs[stays]
+    taken_out_ns = sum(
+        min(exclusion.end_ns, int(stamps[-1])) - max(exclusion.start_ns, int(stamps[0]))
+        for exclusion in exclusions if stamps.size
+        and exclusion.start_ns < int(stamps[-1]) and exclusion.end_ns > int(stamps[0]))
     return replace(PreparedRun.of(stamps, x, rs, settings, lo), taken_out_s=taken_out_ns / 1e9)

@@ -140,9 +140,9 @@ def estimate_reference_noise(ts_deg: ArrayLike, rs_deg: ArrayLike, *,
         if averages is not None and size == averages[0]:
             _, ts, rs = averages
         d, d_ref = ts[1::2] - ts[:-1:2], rs[1::2] - rs[:-1:2]
-        whole, own, (ts, rs) = _split_octave(ts, rs)
-        variance = own.mean_deg
-        u = math.sqrt((own.variance_deg2 or 0.0) / own.n)
+        whole, rs_terms, (ts, rs) = _split_octave(ts, rs)
+        variance = rs_terms.mean_deg
+        u = math.sqrt((rs_terms.variance_deg2 or 0.0) / rs_terms.n)
         if u < QUIET * whole:
             rows.append((size, whole - variance, variance, u, *_find_following(d, d_ref)))
         size *= 2
@@ -179,7 +179,7 @@ def _split_octave(ts: np.ndarray, rs: np.ndarray,
     """Return the variance of x in an octave, the terms of the RS, and both headings halved."""
     pairs = rs.size // 2
     halves = np.empty(pairs), np.empty(pairs)
-    square, own = 0.0, Moments()
+    square, rs_terms = 0.0, Moments()
     for lo in range(0, pairs, _PIECE):
         hi = min(lo + _PIECE, pairs)
         steps = []
@@ -193,5 +193,5 @@ def _split_octave(ts: np.ndarray, rs: np.ndarray,
         square += float(apart @ apart)
         apart *= d_ref
         apart *= 0.25
-        own += Moments.of(apart)
-    return 0.25 * square / pairs, own, halves
+        rs_terms += Moments.of(apart)
+    return 0.25 * square / pairs, rs_terms, halves

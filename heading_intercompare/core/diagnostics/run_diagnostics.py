@@ -68,7 +68,7 @@ class Diagnostics:
 
 def diagnose(columns: RunColumns, guarded: Guarded, *, drift: Drift, rest: Detrended,
              scan: Scan | None = None,
-             told: Callable[[float], None] = lambda share: None) -> Diagnostics:
+             progress: Callable[[float], None] = lambda share: None) -> Diagnostics:
     """
     Examine a run.
 
@@ -84,7 +84,7 @@ def diagnose(columns: RunColumns, guarded: Guarded, *, drift: Drift, rest: Detre
         The differences without that drift.
     scan : Scan, optional
         Skew scan of the two streams, if available.
-    told : callable
+    progress : callable
         Called with the share of the work that is done, from 0 to 1.
 
     Returns
@@ -108,7 +108,7 @@ def diagnose(columns: RunColumns, guarded: Guarded, *, drift: Drift, rest: Detre
     c, settings = columns, columns.settings
     range_s = settings.alignment.skew_range_s
     estimate = c.skew
-    told(0.3)
+    progress(0.3)
     correlation, step = c.correlation, c.stamps.typical_s
     width = 2 * max(1, round(0.5 * MOVING_AVERAGE_S / step)) + 1 if step else 3
     normal = examine_normality(c.series_deg, c.ts_deg, c.rs_deg, width=width,
@@ -116,7 +116,7 @@ def diagnose(columns: RunColumns, guarded: Guarded, *, drift: Drift, rest: Detre
                                tau=c.series.narrow.tau_1)
     allan = describe_allan(c.x_deg, step,
                            _noise_of_rs(c.x_deg, c.rs_deg, estimate, range_s, c.tracks))
-    told(0.5)
+    progress(0.5)
     moments = Moments.of(c.x_deg)
     block = describe_skew(estimate, moments.variance_deg2, c.limits, scan)
     deviation = _fit_deviation(c.x_deg, c.rs_deg, c.tracks, moments.m2_deg2,
@@ -161,27 +161,28 @@ def _fit_deviation(x_deg: np.ndarray, rs_deg: np.ndarray, tracks: Tracks | None,
                          within_deg2=within_deg2)
 
 
-def _assumptions(found: Diagnostics, columns: RunColumns, guarded: Guarded,
+def _assumptions(diagnostics: Diagnostics, columns: RunColumns, guarded: Guarded,
                  rest: Stationarity, resolved: bool) -> tuple[Assumption, ...]:
     settings, limits = columns.settings, columns.limits
     upper = guarded.upper_bound_deg2
     least, most = (m * limits.sigma_ref_max_deg for m in (limits.m_low, limits.m_up))
-    drift = found.drift
+    drift = diagnostics.drift
     is_whole = columns.residual_deg is None
     return (
         assumptions.judge_large_n(columns.n, guarded.nu, resolved),
-        assumptions.judge_synchronous(found.skew.estimate, settings.alignment.skew_range_s),
+        assumptions.judge_synchronous(diagnostics.skew.estimate, settings.alignment.skew_range_s),
         assumptions.judge_stabilized(drift.warm_up),
-        assumptions.judge_reference_norm(found.allan.reference_noise.sigma_ref_lower_deg,
+        assumptions.judge_reference_norm(diagnostics.allan.reference_noise.sigma_ref_lower_deg,
                                          limits.sigma_ref_max_deg, upper, limits.m_low),
         assumptions.judge_installation(guarded.bias_interval_deg, limits.sigma_max_deg,
                                        settings.variant),
         assumptions.judge_drift_and_stationary(drift.order, rest, resolved),
         assumptions.judge_ergodic(None),
-        assumptions.judge_constant_moments(found.stationarity, drift.line if is_whole else None,
-                                           drift.span_h, found.heading_dependence, resolved),
+        assumptions.judge_constant_moments(
+            diagnostics.stationarity, drift.line if is_whole else None, drift.span_h,
+            diagnostics.heading_dependence, resolved),
         assumptions.judge_correlated_errors(upper, least, columns.source),
-        assumptions.judge_laws(found.normality.difference, settings.model, (least, most)))
+        assumptions.judge_laws(diagnostics.normality.difference, settings.model, (least, most)))
 
 
 def with_runs(checked: Sequence[Assumption], runs: Homogeneity) -> tuple[Assumption, ...]:
@@ -189,8 +190,8 @@ def with_runs(checked: Sequence[Assumption], runs: Homogeneity) -> tuple[Assumpt
     return tuple(assumptions.judge_ergodic(runs) if a.id == 'g' else a for a in checked)
 
 
-def _warnings(found: Diagnostics, range_s: float) -> Iterator[str]:
-    estimate = found.skew.estimate
+def _warnings(diagnostics: Diagnostics, range_s: float) -> Iterator[str]:
+    estimate = diagnostics.skew.estimate
     skew_s, std_deg, aligned_deg = estimate.skew_s, estimate.std_deg, estimate.std_aligned_deg
     if estimate.kind == 'beyond':
         yield f'skew: {estimate.why_not(range_s)}'
@@ -202,16 +203,17 @@ def _warnings(found: Diagnostics, range_s: float) -> Iterator[str]:
             yield (f'skew: the TS data are {abs(skew_s):.3f} s {age} than their stamps '
                    'say, compared with the RS; that makes up '
                    f'{100.0 * share:.0f} % of the variance')
-    warm_up = found.drift.warm_up
+    warm_up = diagnostics.drift.warm_up
     if warm_up is not None and warm_up.stabilization_s > 0.0:
         yield (f'warm_up: the difference is still settling; it is within '
                f'{warm_up.tolerance_deg:.3g} deg {warm_up.settle_s:.4g} s after its first value')
-    steps = [s for s in (found.normality.ts_step_deg, found.normality.rs_step_deg) if s]
-    std = found.normality.difference.std_deg
+    normality = diagnostics.normality
+    steps = [s for s in (normality.ts_step_deg, normality.rs_step_deg) if s]
+    std = normality.difference.std_deg
     if steps and std is not None and std < 0.5 * max(steps):
         yield (f'resolution: the differences scatter by {std:.2g} deg, less than half of the '
                f'{max(steps):.2g} deg step in which a sensor reports')
-    stamps = found.correlation.stamps
+    stamps = diagnostics.correlation.stamps
     if stamps.silences:
         yield (f'silence: the pairs fall silent '
                f'{"once" if stamps.silences == 1 else f"{stamps.silences} times"}, for up to '

@@ -291,7 +291,7 @@ def describe_allan(x_deg: np.ndarray, step_s: float | None, noise: ReferenceNois
     """
     if not step_s:
         return Allan((), (), (), (), noise)
-    found = compute_allan_deviation(x_deg, 1.0 / step_s)
-    return Allan(m=tuple(found.m.tolist()), tau_s=tuple(found.tau_s.tolist()),
-                 deviation_deg=tuple(found.deviation.tolist()),
-                 terms=tuple(found.terms.tolist()), reference_noise=noise)
+    allan = compute_allan_deviation(x_deg, 1.0 / step_s)
+    return Allan(m=tuple(allan.m.tolist()), tau_s=tuple(allan.tau_s.tolist()),
+                 deviation_deg=tuple(allan.deviation.tolist()),
+                 terms=tuple(allan.terms.tolist()), reference_noise=noise)

@@ -95,7 +95,7 @@ def find_baseline_headings(fore: Motion, aft: Motion, rule: Antennas) -> Baselin
     sqrt(2) s, too, so they show it.
 
     """
-    front, back = (_put_in_order(each) for each in (fore, aft))
+    front, back = (_put_in_order(antenna) for antenna in (fore, aft))
     east, north, paired = _baseline_m(front, back)
     length = np.hypot(east, north)
     rejected = {'no_partner': int(np.count_nonzero(~paired))}
@@ -128,9 +128,9 @@ def _baseline_m(front: Motion, back: Motion) -> tuple[Reals, Reals, np.ndarray]:
     if not len(front) or not len(back):
         return np.zeros(len(front)), np.zeros(len(front)), np.zeros(len(front), bool)
     before, after, share = _bracket(back.stamp_ns, front.stamp_ns)
-    here = back.latitude_deg[before], back.longitude_deg[before]
-    east, north = steps_m(here, (front.latitude_deg, front.longitude_deg))
-    step_east, step_north = steps_m(here, (back.latitude_deg[after], back.longitude_deg[after]))
+    aft_deg = back.latitude_deg[before], back.longitude_deg[before]
+    east, north = steps_m(aft_deg, (front.latitude_deg, front.longitude_deg))
+    step_east, step_north = steps_m(aft_deg, (back.latitude_deg[after], back.longitude_deg[after]))
     paired = np.isfinite(share)
     share = np.where(paired, share, 0.0)
     return east - share * step_east, north - share * step_north, paired

@@ -172,7 +172,7 @@ def _find_windows(courses: Motion, rule: MotionRule) -> list[tuple[int, int, flo
         return []
     number = (courses.stamp_ns - courses.stamp_ns[0]) // round(WINDOW_S * _SECOND_NS)
     edges = [*np.flatnonzero(np.diff(number, prepend=-1)).tolist(), len(courses)]
-    found = []
+    windows = []
     for lo, hi in zip(edges[:-1], edges[1:]):
         part = courses[lo:hi]
         half = len(part) // 2
@@ -182,8 +182,8 @@ def _find_windows(courses: Motion, rule: MotionRule) -> list[tuple[int, int, flo
         speed = float(np.hypot(part.east_m_s.mean(), part.north_m_s.mean())) / KNOT_M_S
         bend = wrap180(_course_of(part[half:]) - _course_of(part[:half]))
         if speed >= rule.least_speed_kn - _ROUNDING_KN and abs(float(bend)) <= LARGEST_BEND_DEG:
-            found.append((lo, hi, _course_of(part), speed))
-    return found
+            windows.append((lo, hi, _course_of(part), speed))
+    return windows
 
 
 def _join_windows(windows: Sequence[tuple[int, int, float, float]],

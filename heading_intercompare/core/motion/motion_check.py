@@ -178,7 +178,7 @@ def check_motion(motion: Motion, stamp_ns: Integers, ts_deg: Reals, rs_deg: Real
     astern, is_unsure = _find_astern(legs), False
     if astern.any():
         with_astern = _against_courses(legs, astern, turns)
-        explains = all(each.kind in ('agrees', 'not_testable') for each in with_astern)
+        explains = all(sensor.kind in ('agrees', 'not_testable') for sensor in with_astern)
         if not {ts.kind, rs.kind}.isdisjoint(_PATTERNS) and not (explains and _follow(turns)):
             # A mirrored heading also points astern on some legs, but hardly on all others ahead.
             astern, is_unsure = ahead, explains
@@ -186,23 +186,23 @@ def check_motion(motion: Motion, stamp_ns: Integers, ts_deg: Reals, rs_deg: Real
             ts, rs = with_astern
     duration = np.asarray(legs.duration_s, np.float64)
     longest = np.sort(np.argsort(-duration, kind='stable')[:MOST_LEGS])
-    found = MotionCheck(
+    check = MotionCheck(
         'not_testable', '', len(rows.positions()), len(rows.velocities()),
         len(rows.rates()), len(legs), float(duration.sum()), float(duration[astern].sum()),
         min(legs.bound_deg, default=None), ts, rs, legs.pick(longest.tolist()))
-    return _conclude(found, _tested_s(legs, astern), largest_arc_deg(legs.course_deg), is_unsure)
+    return _conclude(check, _tested_s(legs, astern), largest_arc_deg(legs.course_deg), is_unsure)
 
 
 def _follow(turns: Sequence[TurnRate | None]) -> bool:
     """Tell whether all headings turn with the rate of turn, so that none can be mirrored."""
-    return all(each is not None and each.kind == 'follows' for each in turns)
+    return all(turn is not None and turn.kind == 'follows' for turn in turns)
 
 
 def _find_astern(legs: CourseLegs) -> np.ndarray:
     """Tell of each leg whether the ship seems to go astern, although mostly it goes ahead."""
-    ts, rs = (np.asarray(each, np.float64) for each in (legs.ts_deg, legs.rs_deg))
-    bound, duration = (np.asarray(each, np.float64) for each in (legs.bound_deg,
-                                                                 legs.duration_s))
+    ts, rs = (np.asarray(column, np.float64) for column in (legs.ts_deg, legs.rs_deg))
+    bound, duration = (np.asarray(column, np.float64) for column in (legs.bound_deg,
+                                                                     legs.duration_s))
     back = ((np.abs(wrap180(ts - 180.0)) <= bound) & (np.abs(wrap180(rs - 180.0)) <= bound)
             & (np.abs(wrap180(ts - rs)) <= ASTERN_DEG)
             & (np.abs(ts) > bound) & (np.abs(rs) > bound))
@@ -218,14 +218,14 @@ def _against_courses(legs: CourseLegs, astern: np.ndarray,
 def _against_course(legs: CourseLegs, off: Reals, astern: np.ndarray,
                     turns: TurnRate | None) -> SensorMotion:
     """Judge one heading by its angles off the course, leg by leg."""
-    bound, duration = (np.asarray(each, np.float64)[~astern]
-                       for each in (legs.bound_deg, legs.duration_s))
+    bound, duration = (np.asarray(column, np.float64)[~astern]
+                       for column in (legs.bound_deg, legs.duration_s))
     course = np.asarray(legs.course_deg, np.float64)[~astern]
     off = off[~astern]
     shows = bound < 180.0
     if not shows.any():
         return SensorMotion(turns=turns)
-    bound, duration, course, off = (each[shows] for each in (bound, duration, course, off))
+    bound, duration, course, off = (column[shows] for column in (bound, duration, course, off))
     wrong = np.abs(off) > bound
     against_s = float(duration[wrong].sum())
     mean = _mean_deg(off, duration)
@@ -258,15 +258,15 @@ def _mean_deg(angle_deg: Reals, weight: Reals) -> float:
 
 def _tested_s(legs: CourseLegs, astern: np.ndarray) -> float:
     """Return the time of the legs that can show an error, seconds."""
-    bound, duration = (np.asarray(each, np.float64) for each in (legs.bound_deg,
-                                                                 legs.duration_s))
+    bound, duration = (np.asarray(column, np.float64) for column in (legs.bound_deg,
+                                                                     legs.duration_s))
     return float(duration[(bound < 180.0) & ~astern].sum())
 
 
-def _conclude(found: MotionCheck, tested_s: float, arc_deg: float,
+def _conclude(check: MotionCheck, tested_s: float, arc_deg: float,
               is_unsure: bool) -> MotionCheck:
     """Return the check with its conclusion; if unsure, a ship going astern explains it, too."""
-    sensors = {'ts': found.ts, 'rs': found.rs}
+    sensors = {'ts': check.ts, 'rs': check.rs}
     grades = {name: min(_grade_course(sensor, tested_s), _DOUBT if is_unsure else _SURE)
               for name, sensor in sensors.items()}
     for name, grade in _grade_turns(sensors, arc_deg).items():
@@ -276,9 +276,9 @@ def _conclude(found: MotionCheck, tested_s: float, arc_deg: float,
         tested = any(sensor.kind != 'not_testable' or (
             sensor.turns is not None and sensor.turns.kind != 'not_testable')
             for sensor in sensors.values())
-        return replace(found, kind='agrees' if tested else 'not_testable')
+        return replace(check, kind='agrees' if tested else 'not_testable')
     whose = [name for name, grade in grades.items() if grade == worst]
-    return replace(found, kind='contradicts' if worst == _SURE else 'doubt',
+    return replace(check, kind='contradicts' if worst == _SURE else 'doubt',
                    whose=whose[0] if len(whose) == 1 else 'both')
 
 
@@ -294,8 +294,8 @@ def _grade_course(sensor: SensorMotion, tested_s: float) -> int:
 def _grade_turns(sensors: Mapping[str, SensorMotion], arc_deg: float) -> dict[str, int]:
     """Grade the turns; a rate of turn that neither sensor follows may itself be wrong."""
     turns = {name: sensor.turns for name, sensor in sensors.items() if sensor.turns is not None}
-    wrong = [name for name, each in turns.items() if each.kind in _FAULTY]
-    if any(each.kind == 'follows' for each in turns.values()):
+    wrong = [name for name, turn in turns.items() if turn.kind in _FAULTY]
+    if any(turn.kind == 'follows' for turn in turns.values()):
         return dict.fromkeys(wrong, _SURE)
     if len(wrong) == 2 and is_scaled_alike(*turns.values()):
         return {}
@@ -304,8 +304,8 @@ def _grade_turns(sensors: Mapping[str, SensorMotion], arc_deg: float) -> dict[st
             if sensors[name].kind != 'agrees' or arc_deg < TURNED_DEG}
 
 
-def is_scaled_alike(one: TurnRate, other: TurnRate) -> bool:
+def is_scaled_alike(ts: TurnRate, rs: TurnRate) -> bool:
     """Tell whether both headings turn with the rate by one factor, as if of other units."""
-    if not one.kind == other.kind == 'scaled' or one.slope is None or other.slope is None:
+    if not ts.kind == rs.kind == 'scaled' or ts.slope is None or rs.slope is None:
         return False
-    return abs(one.slope - other.slope) <= _SCALED_ALIKE * max(one.slope, other.slope)
+    return abs(ts.slope - rs.slope) <= _SCALED_ALIKE * max(ts.slope, rs.slope)

@@ -70,7 +70,7 @@ class MotionRecord:
         return Motion(*[column.values for column in self._columns.values()])
 
     def after(self, stamp_ns: int, keep: Keep | None = None) -> 'MotionRecord':
-        """Return a record of the rows after a stamp; this one stays as it is."""
+        """Return a record of the rows after a stamp; this record stays as it is."""
         left = MotionRecord(keep)
         rows = self.rows()
         left.take(rows[rows.stamp_ns > stamp_ns])
@@ -161,9 +161,9 @@ def leave_out_known(motion: Motion, newest_ns: Mapping[str, int]) -> Motion:
     again gets some rows for a second time.
 
     """
-    known = np.zeros(len(motion), bool)
+    is_known = np.zeros(len(motion), bool)
     for what, column in (('fix', motion.latitude_deg), ('velocity', motion.east_m_s),
                          ('rate', motion.rate_deg_s)):
         if what in newest_ns:
-            known |= np.isfinite(column) & (motion.stamp_ns <= newest_ns[what])
-    return motion[~known]
+            is_known |= np.isfinite(column) & (motion.stamp_ns <= newest_ns[what])
+    return motion[~is_known]

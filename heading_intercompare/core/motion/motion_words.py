@@ -32,32 +32,34 @@ _TURNS = {'against': 'turns against the rate of turn',
 _MINUTE_S = 60.0
 
 
-def describe_motion(found: MotionCheck) -> str:
+def describe_motion(check: MotionCheck) -> str:
     """
     Return what is wrong in a few words, for a headline; empty if nothing is.
 
     Parameters
     ----------
-    found : MotionCheck
+    check : MotionCheck
         Of `check_motion`.
 
     """
-    if found.kind not in ('contradicts', 'doubt'):
+    if check.kind not in ('contradicts', 'doubt'):
         return ''
-    sensors = {'ts': found.ts, 'rs': found.rs}
-    blamed = [found.whose] if found.whose != 'both' else ['ts', 'rs']
-    said = [_describe(sensors[name]) for name in blamed]
-    if len(blamed) == 2 and said[0] == said[1]:
-        return _name_both(said[0])
-    words = ' and '.join(f'the {name.upper()} {each}' for name, each in zip(blamed, said))
-    other = {'ts': 'rs', 'rs': 'ts'}.get(found.whose)
-    if other is not None and sensors[other].kind == 'agrees' and sensors[found.whose].against_s:
-        words += f', which the {other.upper()} follows'
+    sensors = {'ts': check.ts, 'rs': check.rs}
+    blamed = [check.whose] if check.whose != 'both' else ['ts', 'rs']
+    descriptions = [_describe(sensors[name]) for name in blamed]
+    if len(blamed) == 2 and descriptions[0] == descriptions[1]:
+        return _name_both(descriptions[0])
+    words = ' and '.join(f'the {name.upper()} {description}'
+                         for name, description in zip(blamed, descriptions))
+    partner = {'ts': 'rs', 'rs': 'ts'}.get(check.whose)
+    if (partner is not None and sensors[partner].kind == 'agrees'
+            and sensors[check.whose].against_s):
+        words += f', which the {partner.upper()} follows'
     return words
 
 
-def _name_both(said: str) -> str:
-    verb, _, rest = said.partition(' ')
+def _name_both(description: str) -> str:
+    verb, _, rest = description.partition(' ')
     plural = {'points': 'point', 'turns': 'turn', 'stays': 'stay', 'does': 'do'}.get(verb, verb)
     return f'TS and RS both {plural} {rest}'
 
@@ -82,26 +84,26 @@ def _apart(one_deg: float, other_deg: float) -> float:
     return (one_deg - other_deg + 180.0) % 360.0 - 180.0
 
 
-def explain_motion(found: MotionCheck) -> str:
+def explain_motion(check: MotionCheck) -> str:
     """
     Return the figures of a check in a sentence.
 
     Parameters
     ----------
-    found : MotionCheck
+    check : MotionCheck
         Of `check_motion`.
 
     """
     parts = []
-    if found.least_bound_deg is None:
+    if check.least_bound_deg is None:
         parts.append('the ship did not go straight and fast enough to compare headings with the '
-                     'course over ground' if found.n_velocities or found.n_positions
+                     'course over ground' if check.n_velocities or check.n_positions
                      else 'there is no course over ground')
     else:
-        legs = '1 straight leg' if found.n_legs == 1 else f'{found.n_legs} straight legs'
-        parts.append(f'{legs} of {found.legs_s / _MINUTE_S:.1f} min; leeway and current explain '
-                     f'at least {found.least_bound_deg:.0f} deg')
-        for name, sensor in (('TS', found.ts), ('RS', found.rs)):
+        legs = '1 straight leg' if check.n_legs == 1 else f'{check.n_legs} straight legs'
+        parts.append(f'{legs} of {check.legs_s / _MINUTE_S:.1f} min; leeway and current explain '
+                     f'at least {check.least_bound_deg:.0f} deg')
+        for name, sensor in (('TS', check.ts), ('RS', check.rs)):
             if sensor.off_deg is None or sensor.largest_deg is None:
                 continue
             sign = '+' if sensor.kind == 'mirrored' else '-'
@@ -109,13 +111,13 @@ def explain_motion(found: MotionCheck) -> str:
                        if sensor.against_s else '')
             parts.append(f'{name} {sign} course is {sensor.off_deg:.1f} deg on average, '
                          f'{name} - course at most {sensor.largest_deg:.1f} deg{against}')
-        if found.astern_s:
-            parts.append(f'the ship seems to go astern for {found.astern_s / _MINUTE_S:.1f} min')
-    turns = [(name, sensor.turns) for name, sensor in (('TS', found.ts), ('RS', found.rs))
+        if check.astern_s:
+            parts.append(f'the ship seems to go astern for {check.astern_s / _MINUTE_S:.1f} min')
+    turns = [(name, sensor.turns) for name, sensor in (('TS', check.ts), ('RS', check.rs))
              if sensor.turns is not None]
-    parts += [f'{name} {_explain_turns(each)}' for name, each in turns]
+    parts += [f'{name} {_explain_turns(rate)}' for name, rate in turns]
     if len(turns) == 2:
-        parts += _doubt_rate(found, turns[0][1], turns[1][1])
+        parts += _doubt_rate(check, turns[0][1], turns[1][1])
     return '; '.join(parts)
 
 
@@ -126,11 +128,11 @@ def _explain_turns(turns: TurnRate) -> str:
             f'{turns.n} spans of 5 s')
 
 
-def _doubt_rate(found: MotionCheck, ts: TurnRate, rs: TurnRate) -> list[str]:
+def _doubt_rate(check: MotionCheck, ts: TurnRate, rs: TurnRate) -> list[str]:
     """Return what is wrong with the rate of turn itself, if anything."""
     if is_scaled_alike(ts, rs):
         return [f'the rate of turn seems to be in another unit, by a factor of {ts.slope:.3g}']
-    if found.kind == 'agrees' and 'follows' not in (ts.kind, rs.kind) and (
+    if check.kind == 'agrees' and 'follows' not in (ts.kind, rs.kind) and (
             {ts.kind, rs.kind} & {'against', 'astray'}):
         return ['the headings follow the course, so the rate of turn is wrong']
     return []

@@ -129,9 +129,9 @@ def find_spikes(values: Reals, least: float) -> np.ndarray:
     padded = np.concatenate((values[half:0:-1], values, values[-2:-2 - half:-1]))
     windows = np.lib.stride_tricks.sliding_window_view(padded, _NEIGHBOURS)
     for first in range(0, values.size, _BATCH):
-        here = windows[first:first + _BATCH]
-        median = np.median(here, axis=1)
-        spread = np.median(np.abs(here - median[:, np.newaxis]), axis=1)
+        batch = windows[first:first + _BATCH]
+        median = np.median(batch, axis=1)
+        spread = np.median(np.abs(batch - median[:, np.newaxis]), axis=1)
         limit = np.maximum(least, _SIGMAS * _SIGMA_PER_MAD * spread)
         spikes[first:first + _BATCH] = np.abs(values[first:first + _BATCH] - median) > limit
     return spikes

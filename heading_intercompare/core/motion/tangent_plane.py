@@ -79,9 +79,9 @@ def steps_m(from_deg: tuple[ArrayLike, ArrayLike],
     (55.8, 0.0)
 
     """
-    here, there = np.asarray(from_deg, np.float64), np.asarray(to_deg, np.float64)
-    middle = 0.5 * (here[0] + there[0])
+    start, end = np.asarray(from_deg, np.float64), np.asarray(to_deg, np.float64)
+    middle = 0.5 * (start[0] + end[0])
     meridian, normal = radii_m(middle)
-    north = meridian * np.radians(there[0] - here[0])
-    east = normal * np.cos(np.radians(middle)) * np.radians(wrap180(there[1] - here[1]))
+    north = meridian * np.radians(end[0] - start[0])
+    east = normal * np.cos(np.radians(middle)) * np.radians(wrap180(end[1] - start[1]))
     return east, north

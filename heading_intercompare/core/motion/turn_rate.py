@@ -179,5 +179,6 @@ def _heading_at(t_s: Reals, heading_deg: Reals, at_s: Reals) -> Reals:
     step_s = t_s[after] - t_s[before]
     good = (at_s >= t_s[before]) & (at_s <= t_s[after]) & (step_s <= _LONGEST_GAP_S)
     share = np.where(good, (at_s - t_s[before]) / np.where(step_s > 0.0, step_s, 1.0), np.nan)
-    found: Reals = heading_deg[before] + share * wrap180(heading_deg[after] - heading_deg[before])
-    return found
+    rise_deg = wrap180(heading_deg[after] - heading_deg[before])
+    heading: Reals = heading_deg[before] + share * rise_deg
+    return heading

@@ -159,17 +159,17 @@ def judge_corrections(corrections: Corrections, settings: Settings, *, common_u_
 
     """
     norm, sigma = systematic_max_deg(settings.norms), sigma_max_deg(settings.norms, settings.model)
-    found = _judge(corrections, settings, norm, sigma, common_u_deg, clock_u_s)
-    if not found.questionable:
-        return found
+    error = _judge(corrections, settings, norm, sigma, common_u_deg, clock_u_s)
+    if not error.questionable:
+        return error
     keep = np.ones(len(corrections), bool)
-    keep[list(found.questionable)] = False
+    keep[list(error.questionable)] = False
     rest = replace(corrections, **{name: getattr(corrections, name)[keep] for name in (
         'row', 'stamp_ns', 'true_deg', 'ts_deg', 'c_minus_o_deg', 'rate_deg_s', 'u_deg')})
     without = _judge(rest, settings, norm, sigma, common_u_deg, clock_u_s)
-    if without.outcome is found.outcome:
-        return found
-    return replace(found, outcome=Outcome.INDETERMINATE, reason='outliers_decide', n_needed=None)
+    if without.outcome is error.outcome:
+        return error
+    return replace(error, outcome=Outcome.INDETERMINATE, reason='outliers_decide', n_needed=None)
 
 
 def _judge(corrections: Corrections, settings: Settings, norm: float | None,
@@ -219,9 +219,9 @@ def _judge(corrections: Corrections, settings: Settings, norm: float | None,
 def _count_needed(mean: float, std: float, budget: Budget, norm: float, alpha: float,
                   n: int) -> int | None:
     """Return how many observations with this mean and scatter would comply; None if none do."""
-    one = max(std, budget.components[0].u_deg * math.sqrt(n))
+    single_u_deg = max(std, budget.components[0].u_deg * math.sqrt(n))
     many = np.arange(n + 1, _MOST_NEEDED + 1)
-    reach = _reach(1.0 - alpha, one / np.sqrt(many), budget.u_shared_deg, many - 1.0)
+    reach = _reach(1.0 - alpha, single_u_deg / np.sqrt(many), budget.u_shared_deg, many - 1.0)
     enough = np.flatnonzero(mean + reach <= norm)
     return int(many[enough[0]]) if enough.size else None
 

@@ -26,7 +26,7 @@ _OUTCOMES = {Outcome.COMPLIANT: 'COMPLIANT', Outcome.NON_COMPLIANT: 'NON-COMPLIA
              Outcome.INDETERMINATE: 'INDETERMINATE'}
 
 
-def explain_outcome(found: SystematicError) -> str:
+def explain_outcome(error: SystematicError) -> str:
     """
     Return the outcome with its reason in a line.
 
@@ -36,54 +36,54 @@ def explain_outcome(found: SystematicError) -> str:
     'INDETERMINATE: 1 observation with a TS reading; at least 2 are needed'
 
     """
-    return f'{_OUTCOMES[found.outcome]}: {_REASONS[found.reason](found)}'
+    return f'{_OUTCOMES[error.outcome]}: {_REASONS[error.reason](error)}'
 
 
-def _why_insufficient(found: SystematicError) -> str:
-    count = 'no observation' if not found.n else f'{found.n} observation'
+def _why_insufficient(error: SystematicError) -> str:
+    count = 'no observation' if not error.n else f'{error.n} observation'
     return f'{count} with a TS reading; at least 2 are needed'
 
 
-def _why_no_norm(found: SystematicError) -> str:
+def _why_no_norm(error: SystematicError) -> str:
     return ('no norm of the systematic error is given: set norms.systematic_max_deg, or '
             'norms.preset (see the command norms)')
 
 
-def _why_compliant(found: SystematicError) -> str:
-    return (f'the systematic error is at most {found.high_deg:.3f} deg, within the norm of '
-            f'{found.norm_deg:.3f} deg')
+def _why_compliant(error: SystematicError) -> str:
+    return (f'the systematic error is at most {error.high_deg:.3f} deg, within the norm of '
+            f'{error.norm_deg:.3f} deg')
 
 
-def _why_broken(found: SystematicError) -> str:
-    return (f'the systematic error is at least {found.low_deg:.3f} deg, above the norm of '
-            f'{found.norm_deg:.3f} deg')
+def _why_broken(error: SystematicError) -> str:
+    return (f'the systematic error is at least {error.low_deg:.3f} deg, above the norm of '
+            f'{error.norm_deg:.3f} deg')
 
 
-def _why_void(found: SystematicError) -> str:
-    return (f'C - O is {found.correction_deg:.1f} deg, beyond detectors.mean_max_deg: a bearing '
+def _why_void(error: SystematicError) -> str:
+    return (f'C - O is {error.correction_deg:.1f} deg, beyond detectors.mean_max_deg: a bearing '
             'the wrong way round, a magnetic one, or the wrong side; check the observations')
 
 
-def _why_outliers(found: SystematicError) -> str:
+def _why_outliers(error: SystematicError) -> str:
     return ('without the observations marked ? the outcome would differ: find out what they are, '
             'or observe more')
 
 
-def _bounds(found: SystematicError) -> str:
-    return (f'the error lies between {found.low_deg:.3f} and {found.high_deg:.3f} deg, the norm '
-            f'is {found.norm_deg:.3f} deg')
+def _bounds(error: SystematicError) -> str:
+    return (f'the error lies between {error.low_deg:.3f} and {error.high_deg:.3f} deg, the norm '
+            f'is {error.norm_deg:.3f} deg')
 
 
-def _why_shared(found: SystematicError) -> str:
-    return (f'{_bounds(found)}; what all observations share is too uncertain, and more of them do '
+def _why_shared(error: SystematicError) -> str:
+    return (f'{_bounds(error)}; what all observations share is too uncertain, and more of them do '
             'not help: a better survey does')
 
 
-def _why_few(found: SystematicError) -> str:
-    said = _bounds(found)
-    if found.n_needed is not None:
-        said += f'; {found.n_needed} such observations would show compliance'
-    return said
+def _why_few(error: SystematicError) -> str:
+    words = _bounds(error)
+    if error.n_needed is not None:
+        words += f'; {error.n_needed} such observations would show compliance'
+    return words
 
 
 _REASONS = {
@@ -93,7 +93,7 @@ _REASONS = {
     'reference_limited': _why_shared, 'data_limited': _why_few}
 
 
-def explain_scatter(found: SystematicError) -> str:
+def explain_scatter(error: SystematicError) -> str:
     """
     Return what the scatter says about the norm of the standard deviation; '' for n < 2.
 
@@ -103,11 +103,11 @@ def explain_scatter(found: SystematicError) -> str:
     chi-square bounds hold only for errors that differ from one observation to the next.
 
     """
-    if found.std_high_deg is None:
+    if error.std_high_deg is None:
         return ''
-    said = (f'cannot decide: the standard deviation. By chi-square with {found.n - 1} degrees of '
-            f'freedom it lies between {found.std_low_deg:.3f} and {found.std_high_deg:.3f} deg')
-    if found.std_norm_deg is not None and found.std_high_deg > found.std_norm_deg:
-        said += f', so it may be above its norm of {found.std_norm_deg:.3f} deg'
-    return (f'{said}. The errors of the observations are in it, and TS errors that last from one '
+    words = (f'cannot decide: the standard deviation. By chi-square with {error.n - 1} degrees of '
+             f'freedom it lies between {error.std_low_deg:.3f} and {error.std_high_deg:.3f} deg')
+    if error.std_norm_deg is not None and error.std_high_deg > error.std_norm_deg:
+        words += f', so it may be above its norm of {error.std_norm_deg:.3f} deg'
+    return (f'{words}. The errors of the observations are in it, and TS errors that last from one '
             'observation to the next are not. Use analyze with a reference sensor.')

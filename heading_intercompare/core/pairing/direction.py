@@ -226,7 +226,7 @@ def is_slower(ts_step_ns: int | None, rs_step_ns: int | None, slow_ns: int) -> b
     Returns
     -------
     bool or None
-        None if one of them has no step.
+        None if one of the sensors has no step.
 
     Examples
     --------
@@ -340,12 +340,12 @@ class Direction:
             ts_step_ns, rs_step_ns = (
                 typical_step_ns(s[slice(*np.searchsorted(s, (start_ns, until_ns)))])
                 for s in (self._stamp_ns['ts'], self._stamp_ns['rs']))
-            found = is_slower(ts_step_ns, rs_step_ns, self._slow_ns)
+            choice = is_slower(ts_step_ns, rs_step_ns, self._slow_ns)
             self._starts.pop(0)
             self.start_ns = start_ns if self.start_ns is None else self.start_ns
-            if found is None and limit_ns is None:
-                found = self._before
-            self.interpolates_ts = found
+            if choice is None and limit_ns is None:
+                choice = self._before
+            self.interpolates_ts = choice
         return self.interpolates_ts is not None
 
     def leave(self) -> None:

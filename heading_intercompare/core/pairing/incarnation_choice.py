@@ -67,7 +67,7 @@ class IncarnationChoice:
         if final:
             self._ended.add(started_ns)
         while len(self._heard_s) > _MOST:
-            oldest = min((one for one in self._heard_s if one != self.current),
+            oldest = min((candidate for candidate in self._heard_s if candidate != self.current),
                          key=self._heard_s.__getitem__)
             del self._heard_s[oldest]
             self._ended.discard(oldest)
@@ -84,7 +84,8 @@ class IncarnationChoice:
         asleep_s = 0.0 if self._looked_s is None else now_s - self._looked_s
         self._looked_s = now_s
         if asleep_s > _ASLEEP_S:
-            self._heard_s = {one: heard_s + asleep_s for one, heard_s in self._heard_s.items()}
+            self._heard_s = {started_ns: heard_s + asleep_s
+                             for started_ns, heard_s in self._heard_s.items()}
         others = self.list_others(now_s)
         if self.current is not None and others and (
                 self.current in self._ended
@@ -96,5 +97,6 @@ class IncarnationChoice:
 
     def list_others(self, now_s: float) -> list[int]:
         """Return the other synchronizers that live, or that ended before they were followed."""
-        return sorted(one for one, heard_s in self._heard_s.items() if one != self.current
-                      and (one in self._ended or now_s - heard_s <= _PATIENCE_S))
+        return sorted(started_ns for started_ns, heard_s in self._heard_s.items()
+                      if started_ns != self.current
+                      and (started_ns in self._ended or now_s - heard_s <= _PATIENCE_S))

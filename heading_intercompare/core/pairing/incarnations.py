@@ -65,26 +65,26 @@ class _Last:
 
     def count_until(self, after: '_Last') -> dict[str, int]:
         """
-        Return how many readings of each sensor came until the next one took its first.
+        Return how many readings of each sensor came until the next incarnation took its first.
 
-        A negative count says how many of the newest ones the next one took again.
+        A negative count says how many of the newest readings the next incarnation took again.
         """
-        found = {}
+        between = {}
         for stream in ('ts', 'rs'):
-            here, there = self.numbers.get(stream), after.numbers.get(stream)
-            if (here and there and here.last_publisher
-                    and here.last_publisher == there.first_publisher
-                    and here.last > 0 and there.first > 0):
-                found[stream] = there.first - here.last - 1
-        return found
+            numbers, next_numbers = self.numbers.get(stream), after.numbers.get(stream)
+            if (numbers and next_numbers and numbers.last_publisher
+                    and numbers.last_publisher == next_numbers.first_publisher
+                    and numbers.last > 0 and next_numbers.first > 0):
+                between[stream] = next_numbers.first - numbers.last - 1
+        return between
 
     @property
     def has_begun(self) -> bool:
-        """Whether it is known where this one began with both streams."""
-        return len(self.numbers) == 2 and all(one.first for one in self.numbers.values())
+        """Whether it is known where this incarnation began with both streams."""
+        return len(self.numbers) == 2 and all(numbers.first for numbers in self.numbers.values())
 
     def joins(self, after: '_Last') -> bool:
-        """Tell whether the next one took again no more than what waited for a partner here."""
+        """Tell whether the next incarnation took again no more than what waited for a partner."""
         counts = self.ledger.total.counts
         return all(-n <= counts.get(LedgerKey.of_pending(stream), 0)
                    for stream, n in self.count_until(after).items())
@@ -98,8 +98,8 @@ class Incarnations:
 
     Notes
     -----
-    A synchronizer that follows a killed one goes on after a ledger of it that was known at its
-    start. That one may not be the last: pairs that the last one counts may have been lost with the
+    A synchronizer that follows a killed one goes on after the ledger that was known at its start.
+    That ledger may not be the last: pairs that the last ledger counts may have been lost with the
     process. So the ledger that counts is the newest after which the successor went on.
 
     """
@@ -125,27 +125,27 @@ class Incarnations:
         self._join(started_ns, newest)
 
     def _join(self, started_ns: int, newest: _Last) -> None:
-        """Count of the incarnation before only what this one did not take again."""
-        past = max((one for one in self._last if one < started_ns), default=None)
+        """Count of the incarnation before only what its successor did not take again."""
+        past = max((before_ns for before_ns in self._last if before_ns < started_ns), default=None)
         if past is None or self._joined == started_ns or not newest.has_begun:
             return
         self._joined = started_ns
         if not self._last[past].joins(newest):
-            self._last[past] = next((one for name, one in reversed(self._earlier) if name == past
-                                     and one.joins(newest)), self._last[past])
+            self._last[past] = next((last for name, last in reversed(self._earlier) if name == past
+                                     and last.joins(newest)), self._last[past])
 
     def __len__(self) -> int:
         return len(self._last)
 
     def copy(self) -> 'Incarnations':
         """Return the same ledgers, to add another one."""
-        made = Incarnations()
-        made._last = dict(self._last)
-        return made
+        ledgers = Incarnations()
+        ledgers._last = dict(self._last)
+        return ledgers
 
     @property
     def _in_order(self) -> list[tuple[int, _Last]]:
-        return sorted(self._last.items(), key=lambda one: one[0])
+        return sorted(self._last.items(), key=lambda numbered: numbered[0])
 
     @property
     def paired(self) -> int:
@@ -166,7 +166,7 @@ class Incarnations:
         newest_ns: int | None = None
         ordered = [last for _, last in self._in_order]
         ledgers = [last.ledger for last in ordered]
-        steps = [*(one.count_until(after) for one, after in zip(ordered, ordered[1:])), {}]
+        steps = [*(before.count_until(after) for before, after in zip(ordered, ordered[1:])), {}]
         for at, ledger in enumerate(ledgers):
             if at and newest_ns is not None:
                 for stream, n in steps[at - 1].items():
@@ -175,21 +175,21 @@ class Incarnations:
             for segment in _without_pending(ledger.segments, steps[at]):
                 start_ns = segment.start_ns
                 if start_ns is None and newest_ns is not None:
-                    # What an incarnation received before its first cut came after the one before.
+                    # What came before the first cut came after all of the incarnation before.
                     start_ns = newest_ns + 1
                 left = {} if ledger is ledgers[-1] else _LEFT
-                # The one before took these, or the numbers between the two count them.
-                known = steps[at - 1] if at else {}
+                # The incarnation before took such readings, or the numbers between count them.
+                between = steps[at - 1] if at else {}
                 for key, n in segment.counts.items():
-                    if key.lost == 'before_start' and key.stream in known:
+                    if key.lost == 'before_start' and key.stream in between:
                         continue
                     counts.setdefault(start_ns, Counter())[left.get(key, key)] += n
                 counts.setdefault(start_ns, Counter())
             newest_ns = max((ns for ns in (newest_ns, ledger.newest_ns) if ns is not None),
                             default=None)
         starts = [None, *sorted(start for start in counts if start is not None)]
-        set_backs = [one for ledger in ledgers for steps in ledger.set_backs.values()
-                     for one in steps]
+        set_backs = [set_back for ledger in ledgers for steps in ledger.set_backs.values()
+                     for set_back in steps]
         return Ledger.from_segments([LedgerSegment(start, dict(counts[start]))
                                      for start in starts], newest_ns, set_backs)
 
@@ -230,12 +230,12 @@ def _without_pending(segments: Sequence[LedgerSegment],
                      again: Mapping[str, int]) -> list[LedgerSegment]:
     """Return segments without the pending readings that the next incarnation took again."""
     left = {LedgerKey.of_pending(stream): max(0, -n) for stream, n in again.items()}
-    found = []
+    settled = []
     for segment in reversed(segments):
         counts = dict(segment.counts)
         for key in left:
-            taken = min(left[key], counts.get(key, 0))
-            counts[key] = counts.get(key, 0) - taken
-            left[key] -= taken
-        found.append(LedgerSegment(segment.start_ns, counts))
-    return found[::-1]
+            retaken = min(left[key], counts.get(key, 0))
+            counts[key] = counts.get(key, 0) - retaken
+            left[key] -= retaken
+        settled.append(LedgerSegment(segment.start_ns, counts))
+    return settled[::-1]

@@ -176,9 +176,9 @@ class _Readings:
         pq, sr, whole = p * q, s * r, (left + after).astype(np.float64)
         c = (-sr * q / (before * whole * left), pq * r / (before * right.astype(float) * step),
              -p * sr / (step * after.astype(float) * left), pq * s / (after * whole * right))
-        here = self._pick(self._turn_deg, 0)
-        rise = -c[0] * self._pick(self._turn_deg, -1) + c[2] * here + c[3] * (
-            here + self._pick(self._turn_deg, 1))
+        turn = self._pick(self._turn_deg, 0)
+        rise = -c[0] * self._pick(self._turn_deg, -1) + c[2] * turn + c[3] * (
+            turn + self._pick(self._turn_deg, 1))
         return _Values(rise, c[0] * c[0] + c[1] * c[1] + c[2] * c[2] + c[3] * c[3])
 
     def _best(self, side: int) -> _Values:
@@ -197,14 +197,14 @@ class _Readings:
         x = (self._stamp_ns[around] - self._stamp_ns[at][:, None]) / self._step_ns
         alike = bool((x == x[0]).all())
         weights = _invert(x[:1] if alike else x, side)
-        own = np.zeros_like(which) if alike else which
+        system = np.zeros_like(which) if alike else which
         s = (t_ns - self._stamp_ns[left]) / self._step_ns
         band = _BAND[side]
-        wanted = [_sinc(band * (x[which, k] - s)) for k in range(2 * side)]
-        wanted += [(s / side) ** p for p in _POWERS]
+        targets = [_sinc(band * (x[which, k] - s)) for k in range(2 * side)]
+        targets += [(s / side) ** p for p in _POWERS]
         c = np.zeros((s.size, 2 * side))
-        for j, column in enumerate(wanted):
-            c += weights[own, :, j] * column[:, None]
+        for j, column in enumerate(targets):
+            c += weights[system, :, j] * column[:, None]
         turns = self._turn_deg[around[:, :-1]]
         rise = np.zeros((at.size, 2 * side))
         for k in range(side, 2 * side):
@@ -299,27 +299,27 @@ def interpolate(stamp_ns: Integers, heading_deg: Reals, is_good: np.ndarray, lef
     reaches = _find_reaches(is_good)[left]
     readings = _Readings(stamp_ns, turns, left, t_ns, step_ns)
     sides = (2, 1) if is_fast else (4, 3, 2) if step_ns <= _MIDDLE_NS else (4, 3)
-    for wanted in (1,) if is_line else sides:
-        open_ = (side == 0) & (reaches >= wanted)
+    for per_side in (1,) if is_line else sides:
+        open_ = (side == 0) & (reaches >= per_side)
         if not open_.any():
             continue
         whole = bool(open_.all())
         at = np.flatnonzero(open_)
-        found = (readings if whole else readings.among(at)).by(wanted)
-        good = found.factor <= LARGEST_FACTOR
+        values = (readings if whole else readings.among(at)).by(per_side)
+        good = values.factor <= LARGEST_FACTOR
         if whole and good.all():
-            side[:], rise, factor = wanted, found.rise_deg, found.factor
+            side[:], rise, factor = per_side, values.rise_deg, values.factor
         else:
-            side[at[good]] = wanted
-            rise[at[good]], factor[at[good]] = found.rise_deg[good], found.factor[good]
+            side[at[good]] = per_side
+            rise[at[good]], factor[at[good]] = values.rise_deg[good], values.factor[good]
     compared = np.empty(0, np.int64)
     if is_line or not is_fast:
         compared = np.flatnonzero(reaches >= sides[0] if is_line else side == sides[0])
     apart = np.zeros((compared.size, len(SHORTER)))
     if compared.size:
-        some = readings.among(compared)
-        best = some.by(sides[0]).rise_deg if is_line else rise[compared]
+        compared_readings = readings.among(compared)
+        best = compared_readings.by(sides[0]).rise_deg if is_line else rise[compared]
         for column, shorter in enumerate(SHORTER):
             if shorter < sides[0]:
-                apart[:, column] = (some.by(shorter).rise_deg - best) ** 2
+                apart[:, column] = (compared_readings.by(shorter).rise_deg - best) ** 2
     return Bridged(side, heading_deg[left] + rise, factor, compared, apart)

@@ -201,8 +201,9 @@ class Ledger:
                       set_backs: Iterable[SetBack] = ()) -> 'Ledger':
         """Return a ledger that holds these segments, taken from the `segments` of another."""
         ledger = cls()
-        for one in set_backs:
-            ledger.set_backs[one.stream] = (*ledger.set_backs.get(one.stream, ()), one)
+        for set_back in set_backs:
+            stream = set_back.stream
+            ledger.set_backs[stream] = (*ledger.set_backs.get(stream, ()), set_back)
         segments = list(segments)
         if segments:
             ledger._starts = np.array([s.start_ns for s in segments[1:]], np.int64)
@@ -297,7 +298,7 @@ class Ledger:
         starts = np.asarray(start_ns, dtype=np.int64)
         shares: list[list[SetBack]] = [[] for _ in range(max(1, len(starts)))]
         for stream in ('ts', 'rs'):
-            for one in self.set_backs.get(stream, ()):
-                at = int(np.searchsorted(starts, one.stamp_ns, side='right')) - 1
-                shares[max(0, at)].append(one)
+            for set_back in self.set_backs.get(stream, ()):
+                at = int(np.searchsorted(starts, set_back.stamp_ns, side='right')) - 1
+                shares[max(0, at)].append(set_back)
         return [tuple(share) for share in shares]

@@ -197,11 +197,11 @@ class Pairer:
 
     def _compare(self, compare: Callable[[Headings, Headings], Matched]) -> None:
         """Count the changes of value that are compared by now, and those that differ."""
-        found = compare(self._ts.accepted, self._rs.accepted)
+        matched = compare(self._ts.accepted, self._rs.accepted)
         for stream in (self._ts, self._rs):
             stream.accepted = Headings.empty()
-        self.ledger.add(LedgerKey.CHANGES_COMPARED, found.compared_ns)
-        self.ledger.add(LedgerKey.CHANGES_DIFFERING, found.differing_ns)
+        self.ledger.add(LedgerKey.CHANGES_COMPARED, matched.compared_ns)
+        self.ledger.add(LedgerKey.CHANGES_DIFFERING, matched.differing_ns)
 
     def _note(self, stream: Stream, stamp_ns: np.ndarray) -> None:
         if self._direction and len(stamp_ns):
@@ -211,18 +211,18 @@ class Pairer:
         """Return the pairs that are decided, stretch by stretch."""
         if self._method == 'nearest':
             return self._settle(*self._nearest(end))
-        found = []
+        settled = []
         while self._choose(end):
-            found.append(self._settle(*self._interpolate(end)))
+            settled.append(self._settle(*self._interpolate(end)))
             direction = self._direction
             limit_ns = direction.limit_ns if direction else None
             if direction is None or limit_ns is None or not (end or direction.has_heard(limit_ns)):
                 break
             if len(self._at) and self._at.stamp_ns[0] < limit_ns:
-                # Readings of the next stretch may still change the last pairs of this one.
+                # Readings of the next stretch may still change the last pairs of this stretch.
                 break
             direction.leave()
-        return Pairs.concatenate(found)
+        return Pairs.concatenate(settled)
 
     def _choose(self, end: bool) -> bool:
         """Choose the sensor to interpolate if possible; tell whether it is chosen."""
@@ -266,17 +266,17 @@ class Pairer:
             between = ~is_node & (left >= first) & (left < stop - 1)
             if step_ns and between.any():
                 which: _Rows = slice(None) if between.all() else np.flatnonzero(between)
-                found = self._bridge(of, slice(first, stop), step_ns, left[which], t[which],
-                                     at.role[:ready], which)
-                of_deg[which], factor[which] = found.heading_deg, found.factor
-                has_pair[which] = found.side > 0
+                bridged = self._bridge(of, slice(first, stop), step_ns, left[which], t[which],
+                                       at.role[:ready], which)
+                of_deg[which], factor[which] = bridged.heading_deg, bridged.factor
+                has_pair[which] = bridged.side > 0
         paired: _Rows = slice(ready) if has_pair.all() else np.flatnonzero(has_pair)
         t, of_deg, factor = t[paired], wrap360(of_deg[paired]), factor[paired]
         at_deg, lag_ns = at.heading_deg[:ready][paired], np.zeros(t.shape, np.int64)
-        one = np.ones(t.shape)
+        unit_factor = np.ones(t.shape)
         if at is self._ts:
-            return ready, paired, Pairs(t, at_deg, of_deg, lag_ns, factor, one)
-        return ready, paired, Pairs(t, of_deg, at_deg, lag_ns, one, factor)
+            return ready, paired, Pairs(t, at_deg, of_deg, lag_ns, factor, unit_factor)
+        return ready, paired, Pairs(t, of_deg, at_deg, lag_ns, unit_factor, factor)
 
     def _find_stretches(self, of: Stream) -> list[tuple[int, int, int | None]]:
         """Return the first reading, the end and the usual step of the stretches of a stream."""
@@ -301,10 +301,10 @@ class Pairer:
                 role: np.ndarray, which: _Rows) -> Bridged:
         """Interpolate within a stretch; note the use of the readings, and how far kernels part."""
         inside = left - part.start
-        found = interpolate(of.stamp_ns[part], of.heading_deg[part],
-                            self._find_good(of, part, step_ns), inside, t, step_ns,
-                            is_line=self._is_line)
-        side = found.side.astype(np.int64)
+        interpolated = interpolate(of.stamp_ns[part], of.heading_deg[part],
+                                   self._find_good(of, part, step_ns), inside, t, step_ns,
+                                   is_line=self._is_line)
+        side = interpolated.side.astype(np.int64)
         n = part.stop - part.start
         used = np.cumsum(np.bincount(inside + 1 - side, minlength=n + 1)
                          - np.bincount(inside + 1 + side, minlength=n + 1))[:n] > 0
@@ -317,12 +317,12 @@ class Pairer:
             self.ledger.add(key, t[side == number])
         bridged = t if side.all() else t[side > 0]
         self.ledger.lose(LedgerKey.STEP, bridged, np.full(bridged.shape, step_ns // 1000))
-        compared = t[found.compared]
+        compared = t[interpolated.compared]
         self.ledger.add(LedgerKey.COMPARED, compared)
-        squares = np.minimum(found.apart_deg2, _FARTHEST_DEG2) / APART_DEG2
+        squares = np.minimum(interpolated.apart_deg2, _FARTHEST_DEG2) / APART_DEG2
         for key, column in zip(_APART, np.rint(squares).astype(np.int64).T):
             self.ledger.lose(key, compared, column)
-        return found
+        return interpolated
 
     def _nearest(self, end: bool) -> tuple[int, np.ndarray, Pairs]:
         """Return the number of decided TS readings, the indices of those paired, and the pairs."""
@@ -334,11 +334,11 @@ class Pairer:
         rivals = np.concatenate(([self._last_settled_ns], t)) \
             if self._last_settled_ns != NEVER else t
         offset = len(rivals) - len(t)
-        wanted, heard = _nearest_index(rivals, r[partner])
+        nearest_rival, heard = _nearest_index(rivals, r[partner])
         decided = closed & heard
         ready = len(t) if end or decided.all() else int(np.argmin(decided))
         lag = r[partner] - t
-        good = (wanted == np.arange(len(t)) + offset) & (np.abs(lag) <= self._tolerance_ns)
+        good = (nearest_rival == np.arange(len(t)) + offset) & (np.abs(lag) <= self._tolerance_ns)
         which = np.flatnonzero(good[:ready])
         rs.role[partner[which]] = PAIRED
         pairs = Pairs.of(t[which], ts.heading_deg[which], rs.heading_deg[partner[which]],
@@ -362,7 +362,7 @@ class Pairer:
                 self.ledger.cut(int(before[at]) + 1)
                 self.ledger.cut(int(pairs.stamp_ns[at]))
             for at in self._clock.find_crossed(pairs.stamp_ns, self._last_pair_ns):
-                # The run before ends at the first of these, and the run after begins at the last.
+                # The run before ends at the first such cut, and the run after begins at the last.
                 self.ledger.cut(self._clock.next(int(before[at])))
                 self.ledger.cut(self._clock.last(int(pairs.stamp_ns[at])))
             self._last_pair_ns = int(pairs.stamp_ns[-1])
@@ -376,14 +376,14 @@ class Pairer:
         max_wait_s = max_wait_ns / 1e9
         before_ns = max(self._ts.last_ns, self._rs.last_ns) - max_wait_ns
         is_open = self._direction is not None and self._direction.interpolates_ts is None
-        for stream, other in ((self._ts, self._rs), (self._rs, self._ts)):
-            behind = other.is_behind(now_s, max_wait_s)
+        for stream, partner in ((self._ts, self._rs), (self._rs, self._ts)):
+            behind = partner.is_behind(now_s, max_wait_s)
             before_s = now_s - (max(self._silent_wait_s, max_wait_s) if behind else max_wait_s)
             late = (stream.came_s < before_s) & (stream.stamp_ns <= before_ns)
             if self._method != 'nearest' or stream is self._rs:
                 # Readings up to the newest one of the other sensor wait only for a choice or for
                 # a held stamp, and so does the reading that closes the last bracket.
-                reach_ns = other.reach_ns(now_s - max_wait_s)
+                reach_ns = partner.reach_ns(now_s - max_wait_s)
                 come = int(np.searchsorted(stream.stamp_ns, reach_ns, side='right'))
                 late[:come + 1 if is_open and come else come] = False
             given_up = np.flatnonzero(late)

@@ -98,8 +98,8 @@ class Stream:
 
     def end(self) -> np.ndarray:
         """Decide what waits at the end of the stream; return the stamps of those kept."""
-        taken = self._holds.take(self._decide(self._jumps.end()))
-        stamps = self._keep_first(taken + self._holds.end(), np.nan)
+        decided = self._holds.take(self._decide(self._jumps.end()))
+        stamps = self._keep_first(decided + self._holds.end(), np.nan)
         self.ledger.lose(LedgerKey.of_gaps(self.name), *self.steps.end())
         return stamps
 

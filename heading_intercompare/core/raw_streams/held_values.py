@@ -78,8 +78,8 @@ class HoldFilter:
     -----
     Where `HoldSearch` finds a hold, the first reading of each value is kept. If a value lasts
     longer than a hold, the sensor has reported it again, so one reading per hold is kept. No
-    reading is dropped elsewhere: a sound sensor with coarse steps repeats values, too, and its
-    first ones lie at the edges of the steps.
+    reading is dropped elsewhere: a sound sensor with coarse steps repeats values, too, and the
+    first reading of each value lies at the edge of a step.
 
     With a constant number of repeats the delay of the poll is constant, and a skew shows it.
     Otherwise the delay wanders over one poll. Then the stamp of a kept reading is taken from a
@@ -154,16 +154,16 @@ class HoldFilter:
             return Unfolded(headings, turned_ns=turned)
         over = row - value_row - state.longest
         again = (over >= 0) & (np.floor(over / state.usual) > np.floor((over - 1) / state.usual))
-        kept = ~is_held | ~repeats | again
-        stamp_ns = self._rise(self._smooth(headings.stamp_ns, kept & is_held, kept & ~repeats,
-                                           is_held, row, state)[kept])
+        stays = ~is_held | ~repeats | again
+        stamp_ns = self._rise(self._smooth(headings.stamp_ns, stays & is_held, stays & ~repeats,
+                                           is_held, row, state)[stays])
         self._held = bool(is_held[-1])
-        held = is_held[kept]
+        held = is_held[stays]
         turned = stamp_ns[np.diff(held, prepend=self._kept_held)]
         if len(held):
             self._kept_held = bool(held[-1])
-        return Unfolded(Headings(stamp_ns, headings.heading_deg[kept]),
-                        headings.stamp_ns[~kept], stamp_ns[held], turned)
+        return Unfolded(Headings(stamp_ns, headings.heading_deg[stays]),
+                        headings.stamp_ns[~stays], stamp_ns[held], turned)
 
     def _begin_at_repeats(self, is_held: np.ndarray, is_early: np.ndarray,
                           repeats: np.ndarray) -> np.ndarray:
@@ -230,7 +230,7 @@ class _PollLine:
             self._origin_ns = int(stamp_ns[0])
         late_ns = (stamp_ns - self._origin_ns).astype(np.float64)
         hold_ns = poll_ns * usual
-        found = stamp_ns.copy()
+        placed_ns = stamp_ns.copy()
         together: list[tuple[int, float]] = []
         for at in range(len(stamp_ns)):
             # A value that lasts is reported again a hold later.
@@ -245,13 +245,13 @@ class _PollLine:
                 together.append((at, step))
             else:
                 self._count, self._late_ns = self._count[-_LINE:], self._late_ns[-_LINE:]
-                self._place(found, [(at, step)], poll_ns[at])
+                self._place(placed_ns, [(at, step)], poll_ns[at])
             if together and (at + 1 == len(stamp_ns) or not is_early[at + 1]):
-                self._place(found, together, poll_ns[at])
+                self._place(placed_ns, together, poll_ns[at])
                 together = []
-        return found
+        return placed_ns
 
-    def _place(self, found: Integers, places: list[tuple[int, float]], poll_ns: float) -> None:
+    def _place(self, placed_ns: Integers, places: list[tuple[int, float]], poll_ns: float) -> None:
         """Put stamps on the line through the newest stamps, unless these are too uneven."""
         assert self._origin_ns is not None
         count, late_ns = self._count, self._late_ns
@@ -264,7 +264,7 @@ class _PollLine:
             is_near = np.abs(late_ns - mean_ns - slope * off) <= poll_ns
             if is_near.all():
                 for at, step in places:
-                    found[at] = self._origin_ns + round(mean_ns + slope * (step - middle))
+                    placed_ns[at] = self._origin_ns + round(mean_ns + slope * (step - middle))
                 return
             if 8 * np.count_nonzero(~is_near) > len(count):
                 return

@@ -60,8 +60,8 @@ def find_period(distances: np.ndarray) -> int:
     """
     periods = np.arange(2, _LONGEST_PERIOD + 1)
     odd = np.count_nonzero(distances[:, None] % periods, axis=0)
-    found = periods[33 * odd <= len(distances)]
-    return int(found[-1]) if len(found) else 1
+    fitting = periods[33 * odd <= len(distances)]
+    return int(fitting[-1]) if len(fitting) else 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +74,7 @@ class Held:
     is_held : ndarray of bool, shape (n,)
         A hold covers the reading, as far as is known.
     is_open : ndarray of bool, shape (n,)
-        Later readings may still show that one does.
+        Later readings may still show that a hold covers the reading.
     period : ndarray of int64, shape (n,)
         Readings for which each value stands; 0 where that number is not constant, or no hold.
     usual : ndarray, shape (n,)
@@ -84,7 +84,7 @@ class Held:
     poll_ns : ndarray, shape (n,)
         Usual time from one reading to the next there, nanoseconds.
     until_row : ndarray of int64, shape (n,)
-        Number of the reading that showed a hold which covers earlier ones; 0 for none.
+        Number of the reading that showed a hold which covers earlier readings; 0 for none.
 
     """
 
@@ -97,7 +97,7 @@ class Held:
     until_row: Integers
 
     def __getitem__(self, which: slice) -> 'Held':
-        """Return what is known of some of them."""
+        """Return what is known of some of the readings."""
         return Held(*(getattr(self, name)[which] for name in Held.__slots__))
 
 
@@ -127,9 +127,9 @@ class _Times:
     #: Distances of one reading between any changes so far, at both ends.
     first_singles: Integers
     end_singles: Integers
-    #: No hold spans the time from the one before to this one.
+    #: No hold spans what lies between the time before and this time.
     is_apart: np.ndarray
-    #: Nothing was between the start of the stream and this one.
+    #: Nothing was between the start of the stream and this time.
     begins: np.ndarray
     #: The window that ends with the time shows a hold; one shown earlier still lasts.
     passes: np.ndarray
@@ -235,35 +235,37 @@ class HoldSearch:
         step = np.minimum(np.minimum.accumulate(np.where(size > 0, size, _TURN)), self._step)
         self._step = int(step[-1])
         old, n = self._changes, len(row)
-        known = len(old.row)
+        n_old = len(old.row)
         now = self._changes = _Changes(
             np.concatenate((old.row, row)), np.concatenate((old.stamp_ns, stamp_ns)),
             np.concatenate((old.size, size)),
             np.concatenate((old.is_large, 2 * size >= _LARGE_2 * step)),
             np.concatenate((old.singles, self._count_singles(row))),
             np.concatenate((old.period, np.ones(n, np.int64))))
-        at = np.arange(max(1, known), known + n)
+        at = np.arange(max(1, n_old), n_old + n)
         at = at[now.is_large[at - 1] & now.is_large[at]]
         at = at[now.stamp_ns[at] - now.stamp_ns[at - 1] <= _BREAK_NS]
         if len(at):
             self._add_times(at)
-        self._find_periods(known)
+        self._find_periods(n_old)
 
     def _count_singles(self, row: Integers) -> Integers:
         """Return the number of distances of one reading up to each of new changes."""
-        known = self._changes
-        last, before = (known.row[-1], known.singles[-1]) if len(known.row) else (row[0] - 2, 0)
+        changes = self._changes
+        last, before = row[0] - 2, 0
+        if len(changes.row):
+            last, before = changes.row[-1], changes.singles[-1]
         singles: Integers = before + np.cumsum(np.diff(row, prepend=last) == 1)
         return singles
 
     def _add_times(self, at: Integers) -> None:
         now, old, n = self._changes, self._times, len(at)
-        known = len(old.end_ns)
+        n_old = len(old.end_ns)
         first_ns, end_ns = now.stamp_ns[at - 1], now.stamp_ns[at]
-        last_ns = np.concatenate((old.end_ns[-1:] if known else [self._begin_ns], end_ns[:-1]))
+        last_ns = np.concatenate((old.end_ns[-1:] if n_old else [self._begin_ns], end_ns[:-1]))
         is_apart = first_ns - last_ns > _BREAK_NS
         begins = np.zeros(n, bool)
-        begins[0] = not known and not is_apart[0]
+        begins[0] = not n_old and not is_apart[0]
         self._times = _Times(
             np.concatenate((old.first_row, now.row[at - 1])),
             np.concatenate((old.end_row, now.row[at])), np.concatenate((old.first_ns, first_ns)),
@@ -276,12 +278,12 @@ class HoldSearch:
             np.concatenate((old.period, np.zeros(n, np.int64))),
             np.concatenate((old.usual, np.ones(n))),
             np.concatenate((old.longest, np.ones(n, np.int64))))
-        self._test(known)
+        self._test(n_old)
 
-    def _test(self, known: int) -> None:
-        """Test the windows that end with the times from `known` on."""
+    def _test(self, first_new: int) -> None:
+        """Test the windows that end with the times from `first_new` on."""
         now = self._times
-        ends = np.arange(max(known, _WINDOW - 1), len(now.end_ns))
+        ends = np.arange(max(first_new, _WINDOW - 1), len(now.end_ns))
         if not len(ends):
             return
         lo = int(ends[0]) - _WINDOW + 1
@@ -385,10 +387,10 @@ class HoldSearch:
             at = np.maximum(at, 0)
         is_open[:] = (at >= 0) & may_pass[np.maximum(at, 0)]
 
-    def _find_periods(self, known: int) -> None:
-        """Find the constant period for the changes from `known` on."""
+    def _find_periods(self, first_new: int) -> None:
+        """Find the constant period for the changes from `first_new` on."""
         now = self._changes
-        ends = np.arange(max(known, _PERIODS), len(now.row))
+        ends = np.arange(max(first_new, _PERIODS), len(now.row))
         if len(ends):
             lo = int(ends[0]) - _PERIODS
             distances = np.diff(now.row[lo:])

@@ -189,7 +189,7 @@ class SequenceMatch:
         width_deg = _OF_STEP * min(units) * _UNIT_DEG + _SLACK_DEG
         if not is_equal:
             width_deg += 0.5 * max(units) * _UNIT_DEG
-        of, at, other = streams[coarse].headings, rows[coarse][:_CHANGES], streams[1 - coarse]
+        of, at, partner = streams[coarse].headings, rows[coarse][:_CHANGES], streams[1 - coarse]
         if _is_steady_turn(of, at, max(units) * _UNIT_DEG):
             return Matched()
         step_ns = min(spacing)
@@ -200,19 +200,19 @@ class SequenceMatch:
         fine_deg = 0.0 if is_equal else min(units) * _UNIT_DEG
 
         def share(of_rows: np.ndarray, delays: Reals) -> tuple[np.ndarray, np.ndarray]:
-            apart = _find_apart(of, of_rows, other.headings, delays, step_ns)
+            apart = _find_apart(of, of_rows, partner.headings, delays, step_ns)
             return _find_differing(apart, width_deg, fine_deg)
 
         if len(delay_ns) > _BEST_DELAYS:
-            some = at[np.linspace(0, len(at) - 1, min(_TRIED, len(at))).astype(int)]
-            order = np.argsort(_differing_share(*share(some, delay_ns)), kind='stable')
+            tried = at[np.linspace(0, len(at) - 1, min(_TRIED, len(at))).astype(int)]
+            order = np.argsort(_differing_share(*share(tried, delay_ns)), kind='stable')
             delay_ns = delay_ns[np.sort(order[:_BEST_DELAYS])]
-        known, differs = share(at, delay_ns)
-        best = int(np.argmin(_differing_share(known, differs)))
-        if np.count_nonzero(known[best]) < min(_LEAST_CHANGES, len(at)):
+        comparable, differs = share(at, delay_ns)
+        best = int(np.argmin(_differing_share(comparable, differs)))
+        if np.count_nonzero(comparable[best]) < min(_LEAST_CHANGES, len(at)):
             return Matched()
         stamp_ns = of.stamp_ns[at]
-        return Matched(stamp_ns[known[best]], stamp_ns[differs[best]])
+        return Matched(stamp_ns[comparable[best]], stamp_ns[differs[best]])
 
 
 def _is_steady_turn(of: Headings, at: np.ndarray, step_deg: float) -> bool:
@@ -226,28 +226,29 @@ def _is_steady_turn(of: Headings, at: np.ndarray, step_deg: float) -> bool:
     return bool(off <= _STEADY_STEPS * step_deg < 0.1 * abs(slope) * t[-1])
 
 
-def _find_apart(of: Headings, rows: np.ndarray, other: Headings, delay_ns: Reals,
+def _find_apart(of: Headings, rows: np.ndarray, partner: Headings, delay_ns: Reals,
                 step_ns: float) -> Reals:
-    """Return the headings around changes minus the other's; nan if it has none near enough."""
+    """Return the headings around changes minus the partner's; nan if it has none near enough."""
     at = np.stack((rows - 1, rows))
     origin_ns = int(of.stamp_ns[0])
-    wanted = (of.stamp_ns[at] - origin_ns)[None] + delay_ns[:, None, None]
-    stamps = (other.stamp_ns - origin_ns).astype(np.float64)
-    right = np.clip(np.searchsorted(stamps, wanted), 1, max(1, len(stamps) - 1))
+    delayed_ns = (of.stamp_ns[at] - origin_ns)[None] + delay_ns[:, None, None]
+    stamps = (partner.stamp_ns - origin_ns).astype(np.float64)
+    right = np.clip(np.searchsorted(stamps, delayed_ns), 1, max(1, len(stamps) - 1))
     if len(stamps) < 2:
-        return np.full(wanted.shape, np.nan)
-    nearest = np.where(stamps[right] - wanted < wanted - stamps[right - 1], right, right - 1)
-    apart = wrap180(of.heading_deg[at][None] - other.heading_deg[nearest])
-    is_near = np.abs(stamps[nearest] - wanted) <= 0.5001 * step_ns
+        return np.full(delayed_ns.shape, np.nan)
+    is_right = stamps[right] - delayed_ns < delayed_ns - stamps[right - 1]
+    nearest = np.where(is_right, right, right - 1)
+    apart = wrap180(of.heading_deg[at][None] - partner.heading_deg[nearest])
+    is_near = np.abs(stamps[nearest] - delayed_ns) <= 0.5001 * step_ns
     return np.where(is_near, apart, np.nan)
 
 
 def _find_differing(apart_deg: Reals, width_deg: float,
                     fine_deg: float) -> tuple[np.ndarray, np.ndarray]:
     """Return which changes can be compared at each delay, and which of them differ."""
-    known = ~np.isnan(apart_deg)
+    has_partner = ~np.isnan(apart_deg)
     ordered = np.sort(apart_deg.reshape(len(apart_deg), -1), axis=1)
-    n = np.count_nonzero(known, axis=(1, 2))
+    n = np.count_nonzero(has_partner, axis=(1, 2))
 
     def quantile(share: float) -> Reals:
         at = np.maximum(0, np.rint(share * (n - 1))).astype(np.int64)
@@ -262,15 +263,15 @@ def _find_differing(apart_deg: Reals, width_deg: float,
     least = np.ones((len(apart_deg), apart_deg.shape[2]), bool)
     for number, constant in enumerate(constants):
         off = np.abs(apart_deg - constant[:, None, None]) > width_deg
-        differs: np.ndarray = np.any(off & known, axis=1)
+        differs: np.ndarray = np.any(off & has_partner, axis=1)
         better = np.count_nonzero(differs, axis=1) < np.count_nonzero(least, axis=1)
         least = differs if not number else np.where(better[:, None], differs, least)
-    comparable: np.ndarray = np.any(known, axis=1)
+    comparable: np.ndarray = np.any(has_partner, axis=1)
     return comparable, least
 
 
-def _differing_share(known: np.ndarray, differs: np.ndarray) -> np.ndarray:
-    """Return the share of changes that differ at each delay; 1 where too few are known."""
-    n = np.count_nonzero(known, axis=1)
+def _differing_share(comparable: np.ndarray, differs: np.ndarray) -> np.ndarray:
+    """Return the share of changes that differ at each delay; 1 with too few to compare."""
+    n = np.count_nonzero(comparable, axis=1)
     enough = n >= max(1, int(n.max(initial=0)) // 2)
     return np.where(enough, np.count_nonzero(differs, axis=1) / np.maximum(n, 1), 1.0)

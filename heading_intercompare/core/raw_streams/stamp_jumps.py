@@ -310,7 +310,7 @@ class JumpFilter(Generic[_Rows]):
 
     def _hold(self, row: int, stamp_ns: int, bound_ns: int, fate: np.ndarray) -> None:
         """Put a stamp in the line from which it goes on, or in a new one."""
-        line = min(self._lines, key=lambda one: abs(stamp_ns - one.last_ns), default=None)
+        line = min(self._lines, key=lambda held: abs(stamp_ns - held.last_ns), default=None)
         if line is not None and abs(stamp_ns - line.last_ns) <= bound_ns:
             if stamp_ns > line.last_ns:
                 line.add(row, stamp_ns)

@@ -45,11 +45,11 @@ def _settle(finding: Finding | None, account: RunAccount) -> Finding:
     error = InterpolationError('none' if account.interpolated is None else 'not_testable')
     if account.inside is not None:
         limits = account.limits
-        known = estimate_interpolation_error(
+        estimated = estimate_interpolation_error(
             account.inside.counts,
             limits.sigma_max_deg if account.interpolated == 'ts' else limits.sigma_ref_max_deg,
             is_line=account.settings.pairing.kernel == 'line')
-        error = error if known.kind == 'none' else known
+        error = error if estimated.kind == 'none' else estimated
     return judge_interpolation(error, account)
 
 

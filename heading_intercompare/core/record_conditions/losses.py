@@ -155,11 +155,11 @@ def _unpaired(inside: LedgerSegment, interpolated: str | None) -> dict[str, int]
                 for stream, key in (('ts', LedgerKey.TS_UNPAIRED), ('rs', LedgerKey.RS_UNUSED))
                 if inside.received(stream)}
     # Most readings of an interpolated sensor may lie between two stamps of the other.
-    kept = {stream: n for stream, n in unpaired.items() if stream != interpolated} or unpaired
-    if not kept:
+    counted = {stream: n for stream, n in unpaired.items() if stream != interpolated} or unpaired
+    if not counted:
         return {}
-    least = min(kept, key=lambda stream: kept[stream] / inside.reported(stream))
-    return {least: kept[least]}
+    least = min(counted, key=lambda stream: counted[stream] / inside.reported(stream))
+    return {least: counted[least]}
 
 
 def judge_losses(shares: Sequence[tuple[str, float]], settings: Settings) -> Finding:

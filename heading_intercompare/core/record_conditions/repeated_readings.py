@@ -73,7 +73,7 @@ def judge_repeated_runs(repeated: dict[int, tuple[int, Shared | None]]) -> Findi
     pairs = [f'{earlier} and {later}' for later, (earlier, _) in repeated.items()]
     words = (f'runs {", ".join(pairs[:3])}{" and others" if len(pairs) > 3 else ""} hold the same '
              'readings, which count once')
-    shared = next((one for _, one in repeated.values() if one is not None), None)
+    shared = next((readings for _, readings in repeated.values() if readings is not None), None)
     return REPEATED_READINGS.find(DOUBTFUL, words, words if shared is None
                                   else f'{words}: {_describe(shared)}')
 

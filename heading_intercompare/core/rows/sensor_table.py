@@ -109,37 +109,40 @@ def read_sensors(text: str | None) -> tuple[Sensor, ...]:
     gnss rs gnss/imu
 
     """
-    found: list[Sensor] = []
-    for name, given in read_rows(text, Sensor, _WORDS):
-        if given.name:
-            raise ValueError(f'{name}: name = {given.name!r}: the first word of the row is the '
+    sensors: list[Sensor] = []
+    for name, row in read_rows(text, Sensor, _WORDS):
+        if row.name:
+            raise ValueError(f'{name}: name = {row.name!r}: the first word of the row is the '
                              'name')
-        sensor: Sensor = replace(given, name=name)
-        _check_new(sensor, found)
-        found.append(sensor)
-    if found and len(found) < _FEWEST:
-        raise ValueError(f'has one sensor, {found[0].name}; it takes at least two')
-    return tuple(found)
+        sensor: Sensor = replace(row, name=name)
+        _check_new(sensor, sensors)
+        sensors.append(sensor)
+    if sensors and len(sensors) < _FEWEST:
+        raise ValueError(f'has one sensor, {sensors[0].name}; it takes at least two')
+    return tuple(sensors)
 
 
 def _check_new(sensor: Sensor, before: list[Sensor]) -> None:
-    for one in before:
-        if one.heading_topic.lstrip('/') == sensor.heading_topic.lstrip('/'):
-            raise ValueError(f'{sensor.name} has the topic {sensor.heading_topic} of {one.name}')
-        if one.is_reference and sensor.is_reference:
-            raise ValueError(f'{one.name} and {sensor.name} are both the reference; there is one '
-                             'or none')
+    for earlier in before:
+        if earlier.heading_topic.lstrip('/') == sensor.heading_topic.lstrip('/'):
+            raise ValueError(f'{sensor.name} has the topic {sensor.heading_topic} '
+                             f'of {earlier.name}')
+        if earlier.is_reference and sensor.is_reference:
+            raise ValueError(f'{earlier.name} and {sensor.name} are both the reference; '
+                             'there is one or none')
 
 
 def find_reference(sensors: tuple[Sensor, ...]) -> Sensor | None:
     """Return the reference of all others; None if there is none."""
-    return next((one for one in sensors if one.is_reference), None)
+    return next((sensor for sensor in sensors if sensor.is_reference), None)
 
 
 def list_tested(sensors: tuple[Sensor, ...]) -> tuple[Sensor, ...]:
     """Return the sensors that are compared with a reference; empty without one."""
     reference = find_reference(sensors)
-    return () if reference is None else tuple(one for one in sensors if one is not reference)
+    if reference is None:
+        return ()
+    return tuple(sensor for sensor in sensors if sensor is not reference)
 
 
 def find_tested(sensors: tuple[Sensor, ...], name: str) -> tuple[Sensor, Sensor]:
@@ -147,11 +150,11 @@ def find_tested(sensors: tuple[Sensor, ...], name: str) -> tuple[Sensor, Sensor]
     reference, tested = find_reference(sensors), list_tested(sensors)
     if reference is None:
         raise SettingsError(f'sensor = {name!r}: no row of sensors has the word rs')
-    for one in tested:
-        if one.name == name:
-            return one, reference
+    for sensor in tested:
+        if sensor.name == name:
+            return sensor, reference
     raise SettingsError(f'sensor = {name!r}: must be one of '
-                        f'{", ".join(one.name for one in tested)}')
+                        f'{", ".join(sensor.name for sensor in tested)}')
 
 
 def simulated_topics(table: str | None, others: Collection[str], ts_topic: str,
@@ -170,9 +173,9 @@ def simulated_topics(table: str | None, others: Collection[str], ts_topic: str,
         What to return otherwise.
 
     """
-    free = sorted((one for one in read_sensors(table) if one.name not in others),
-                  key=lambda one: one.is_reference)
-    topics = [one.heading_topic for one in free] if len(free) == 2 else [ts_topic, rs_topic]
+    free = sorted((sensor for sensor in read_sensors(table) if sensor.name not in others),
+                  key=lambda sensor: sensor.is_reference)
+    topics = [sensor.heading_topic for sensor in free] if len(free) == 2 else [ts_topic, rs_topic]
     return dict(zip(('ts', 'rs'), topics))
 
 

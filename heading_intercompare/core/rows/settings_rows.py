@@ -64,30 +64,30 @@ def read_rows(text: str | None, kind: type,
             if row and not row.startswith('#')]
     for at, row in enumerate(rows, 1):
         try:
-            name, *given = shlex.split(row, comments=True)
+            name, *assignments = shlex.split(row, comments=True)
             if not _NAME.fullmatch(name):
                 raise ValueError(f'{name!r}: a name must begin with a letter, and have only '
                                  'letters, digits and _, at most 40')
             if name.lower() in seen:
                 raise ValueError(f'the name {name} is given twice')
-            found = from_mapping(kind, _read_values(given, rules, words or {}))
+            settings = from_mapping(kind, _read_values(assignments, rules, words or {}))
         except ValueError as error:
             raise ValueError(f'row {at} ({row:.60}): {error}') from error
         seen.add(name.lower())
-        yield name, found
+        yield name, settings
 
 
-def _read_values(given: list[str], rules: Mapping[str, Setting],
+def _read_values(assignments: list[str], rules: Mapping[str, Setting],
                  words: Mapping[str, tuple[str, Any]]) -> dict[str, Any]:
     values: dict[str, Any] = {}
-    for word in given:
+    for word in assignments:
         key, equals, text = word.partition('=')
         value: Any = text
         if word in words:
             key, value = words[word]
         elif not equals:
             raise ValueError(f'{word!r}: must be setting=value'
-                             + ''.join(f', or {one}' for one in words))
+                             + ''.join(f', or {flag}' for flag in words))
         elif key not in rules:
             raise explain_unknown('setting', key, rules)
         else:

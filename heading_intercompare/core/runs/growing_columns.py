@@ -81,10 +81,10 @@ class Column:
             self._reserve(len(chunk))
         lo = 0
         while lo < len(chunk):
-            some = chunk[lo:lo + len(self._open) - self._n_open]
-            self._open[self._n_open:self._n_open + len(some)] = some
-            self._n_open += len(some)
-            lo += len(some)
+            piece = chunk[lo:lo + len(self._open) - self._n_open]
+            self._open[self._n_open:self._n_open + len(piece)] = piece
+            self._n_open += len(piece)
+            lo += len(piece)
             if self._keep is not None and self._n_open == _PAGE:
                 self._turn(self._keep)
 

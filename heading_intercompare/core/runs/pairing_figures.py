@@ -69,10 +69,10 @@ class PairingFigures:
         factors = self.rs_variance_factor, self.ts_variance_factor
         if method == 'nearest' or factors == (1.0, 1.0):
             return None
-        found = {'interpolate': 'rs', 'interpolate_ts': 'ts'}.get(method)
+        interpolated = {'interpolate': 'rs', 'interpolate_ts': 'ts'}.get(method)
         if method == 'auto' and 1.0 in factors:
             return 'ts' if factors[0] == 1.0 else 'rs'
-        return found
+        return interpolated
 
     @classmethod
     def of(cls, share: LedgerSegment, mean_lag_s: float | None, max_lag_s: float | None,

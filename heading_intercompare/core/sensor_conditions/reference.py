@@ -78,8 +78,8 @@ def _settle(finding: Finding | None, account: RunAccount) -> Finding | None:
     excess = _find_rounding(account.step_deg('rs'), account.limits.sigma_ref_max_deg)
     if finding is None or finding.effect == VOID or excess is None:
         return finding
-    found = _weigh(account, excess)
-    return found if found.effect == VOID or finding.effect != HOLDS else finding
+    weighed = _weigh(account, excess)
+    return weighed if weighed.effect == VOID or finding.effect != HOLDS else finding
 
 
 def _weigh(e: Examined | RunAccount, excess: _Excess) -> Finding:

@@ -78,24 +78,24 @@ def _judge(e: Examined) -> Finding:
         effect = VOID if noise.reason else DOUBTFUL
         return SAME_SOURCE.find(effect, 'one sensor twice, or two without error', 'the TS repeats '
                                 f'the RS, reading by reading, and {_NO_NOISE[noise.reason]}')
-    for name, other, single in (('RS', 'TS', noise.of_rs), ('TS', 'RS', noise.of_ts)):
+    for name, partner, single in (('RS', 'TS', noise.of_rs), ('TS', 'RS', noise.of_ts)):
         if single.kind == 'independent':
             return SAME_SOURCE.find(
                 NOT_TESTABLE, '', f'the noise of the {name}, {single.noise_deg:.2g} deg, is not '
-                f'found in the {other} (coherence {single.coherence:.2f}), which shows none of '
+                f'found in the {partner} (coherence {single.coherence:.2f}), which shows none of '
                 'its own to be found the other way')
     return SAME_SOURCE.find(NOT_TESTABLE, '', _NO_NOISE[noise.reason])
 
 
 def _describe(noise: CommonNoise) -> str:
     """Describe the noise that both show; empty if there is none."""
-    strongest, name, other = noise.strongest, 'RS', 'TS'
+    strongest, name, follower = noise.strongest, 'RS', 'TS'
     if strongest is noise.of_ts:
-        name, other = other, name
+        name, follower = follower, name
     if strongest.band_hz is None:
         return ''
     return (f'from {strongest.band_hz[0]:.3g} to {strongest.band_hz[1]:.3g} Hz, above the motion '
-            f'of the ship, the {other} follows the noise of the {name}: coherence '
+            f'of the ship, the {follower} follows the noise of the {name}: coherence '
             f'{strongest.coherence:.2f}')
 
 

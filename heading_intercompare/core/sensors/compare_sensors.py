@@ -41,4 +41,4 @@ def find_sensor_differences(a: SensorsVerdict, b: SensorsVerdict) -> Iterator[st
 
 def _drop_sources(verdict: SensorsVerdict) -> dict[str, Any]:
     return replace(verdict, inputs=(), verdicts={
-        name: drop_sources(one) for name, one in verdict.verdicts.items()}).to_dict()
+        name: drop_sources(of_pair) for name, of_pair in verdict.verdicts.items()}).to_dict()

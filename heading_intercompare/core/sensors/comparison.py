@@ -68,8 +68,9 @@ class SensorsComparison:
         reference = find_reference(self.sensors)
         self.tested: dict[str, Intercomparison] = {}
         self.others = {
-            names: Intercomparison(own, source=source, table=table, sampler=PairSampler())
-            for names, own in settings_of_others(settings).items()}
+            names: Intercomparison(pair_settings, source=source, table=table,
+                                   sampler=PairSampler())
+            for names, pair_settings in settings_of_others(settings).items()}
         self._reference = '' if reference is None else reference.name
         if reference is not None and not only_others:
             for sensor in list_tested(self.sensors):
@@ -89,56 +90,57 @@ class SensorsComparison:
 
         """
         reference = headings.get(self._reference)
-        found = {name: one.update(headings.get(name), reference, now_s)
-                 for name, one in self.tested.items()}
-        for (first, second), other in self.others.items():
-            other.update(headings.get(first), headings.get(second), now_s)
-        return found
+        pairs = {name: comparison.update(headings.get(name), reference, now_s)
+                 for name, comparison in self.tested.items()}
+        for (first, second), comparison in self.others.items():
+            comparison.update(headings.get(first), headings.get(second), now_s)
+        return pairs
 
     def take_motion(self, motion: Motion) -> None:
         """Take motion of the ship, before the runs that it belongs to end."""
-        for one in self.pairs.values():
-            one.take_motion(motion)
+        for comparison in self.pairs.values():
+            comparison.take_motion(motion)
 
     def lose(self, name: str, key: LedgerKey, losses: Losses) -> None:
         """Count readings of a sensor that never came; `key` is that of a TS."""
-        for names, one in self.pairs.items():
+        for names, comparison in self.pairs.items():
             if name in names:
-                one.lose(key if name == names[0] else key.of_stream('rs'), losses)
+                comparison.lose(key if name == names[0] else key.of_stream('rs'), losses)
 
     def mark(self, kind: str, stamp_ns: int) -> None:
         """Start or stop a run of every pair."""
-        for one in self.pairs.values():
-            one.mark(kind, stamp_ns)
+        for comparison in self.pairs.values():
+            comparison.mark(kind, stamp_ns)
 
     def begin_again(self) -> dict[str, Pairs]:
         """Go on as after a restart; see `Intercomparison.begin_again`."""
-        for other in self.others.values():
-            other.begin_again()
-        return {name: one.begin_again() for name, one in self.tested.items()}
+        for comparison in self.others.values():
+            comparison.begin_again()
+        return {name: comparison.begin_again() for name, comparison in self.tested.items()}
 
     def forget_earlier(self) -> None:
         """Forget runs too old for a verdict, and motion that is; join such segments of ledgers."""
-        for one in self.pairs.values():
-            one.pairer.forget_earlier()
-            one.compliance.take_earlier()
-            one.compliance.motion.forget(one.compliance.run_start_ns)
+        for comparison in self.pairs.values():
+            comparison.pairer.forget_earlier()
+            comparison.compliance.take_earlier()
+            comparison.compliance.motion.forget(comparison.compliance.run_start_ns)
 
     def finish(self) -> dict[str, Pairs]:
         """End all streams; return the last pairs of each tested sensor."""
-        found = {name: one.finish() for name, one in self.tested.items()}
-        for other in self.others.values():
-            other.finish()
-        return found
+        pairs = {name: comparison.finish() for name, comparison in self.tested.items()}
+        for comparison in self.others.values():
+            comparison.finish()
+        return pairs
 
     @property
     def pairs(self) -> dict[Names, Intercomparison]:
         """All pairs by the names of their sensors; the reference is second in its pairs."""
-        return {**{(name, self._reference): one for name, one in self.tested.items()},
+        return {**{(name, self._reference): comparison
+                   for name, comparison in self.tested.items()},
                 **self.others}
 
     @property
     def newest_ns(self) -> int | None:
         """Return the newest stamp in any ledger; None before the first reading."""
-        stamps = [one.pairer.ledger.newest_ns for one in self.pairs.values()]
+        stamps = [comparison.pairer.ledger.newest_ns for comparison in self.pairs.values()]
         return max((stamp for stamp in stamps if stamp is not None), default=None)

@@ -86,19 +86,19 @@ def judge_sensors(settings: Settings, verdicts: Mapping[str, Verdict],
     runs: dict[Names, Sequence[RunVerdict]] = {}
     if reference is not None:
         runs |= {(name, reference.name): verdict.runs for name, verdict in verdicts.items()}
-    runs |= {names: [one.verdict for one in found] for names, found in others.items()}
+    runs |= {names: [result.verdict for result in results] for names, results in others.items()}
     missed = problems or {}
-    pairs = [_add_missing(_describe(names, some, settings, sensors, risk / len(runs)),
+    pairs = [_add_missing(_describe(names, judged, settings, sensors, risk / len(runs)),
                           _missing_s(names, runs, reference), missed.get(names, ()))
-             for names, some in runs.items()]
+             for names, judged in runs.items()]
     split = _split(sensors, pairs)
-    norms = [_norm_of(one, sensors, settings) for one in sensors]
-    vote = find_wrong([one.name for one in sensors],
+    norms = [_norm_of(sensor, sensors, settings) for sensor in sensors]
+    vote = find_wrong([sensor.name for sensor in sensors],
                       {pair.names: pair.differs for pair in pairs},
                       [pair.names for pair in pairs if pair.one_source],
-                      [one.name for one, norm, share in zip(sensors, norms, split or ())
+                      [sensor.name for sensor, norm, share in zip(sensors, norms, split or ())
                        if share.interval_deg2[0] > norm ** 2])
-    found = []
+    judgements = []
     for at, sensor in enumerate(sensors):
         outcome: Outcome | None
         if sensor is reference:
@@ -107,38 +107,38 @@ def judge_sensors(settings: Settings, verdicts: Mapping[str, Verdict],
             outcome, effect, line = _judge_against(sensor, reference, verdicts[sensor.name], vote)
         else:
             outcome, effect, line = _judge_alone(sensor, sensors, {
-                names: some for names, some in others.items() if names not in incomplete},
+                names: results for names, results in others.items() if names not in incomplete},
                 pairs, settings, vote)
-        found.append(SensorResult(
+        judgements.append(SensorResult(
             name=sensor.name, role=sensor.role, topic=sensor.heading_topic,
             sigma_max_deg=norms[at], outcome=outcome, headline=line,
             validity_effect=effect, variance=None if split is None else split[at]))
-    tested = [one for one in found if one.outcome is not None]
-    lines = [f'{one.name} {OUTCOME_WORDS[one.outcome.value]}'
-             + {VOID: ', VOID', DOUBTFUL: ', DOUBTFUL', HOLDS: ''}[one.validity_effect]
-             for one in tested if one.outcome is not None]
+    tested = [judgement for judgement in judgements if judgement.outcome is not None]
+    lines = [f'{judgement.name} {OUTCOME_WORDS[judgement.outcome.value]}'
+             + {VOID: ', VOID', DOUBTFUL: ', DOUBTFUL', HOLDS: ''}[judgement.validity_effect]
+             for judgement in tested if judgement.outcome is not None]
     return SensorsVerdict(
-        outcome=worst(one.outcome for one in tested if one.outcome is not None),
+        outcome=worst(judgement.outcome for judgement in tested if judgement.outcome is not None),
         headline=f'{"; ".join(lines)}; {vote.words}',
-        validity_effect=gravest(one.validity_effect for one in tested), settings=settings,
-        inputs=tuple(inputs), sensors=tuple(found), pairs=tuple(pairs), vote=vote, risk=risk,
-        verdicts=dict(verdicts))
+        validity_effect=gravest(judgement.validity_effect for judgement in tested),
+        settings=settings, inputs=tuple(inputs), sensors=tuple(judgements), pairs=tuple(pairs),
+        vote=vote, risk=risk, verdicts=dict(verdicts))
 
 
 def _of_name(sensors: Sequence[Sensor], name: str) -> Sensor:
-    return next(one for one in sensors if one.name == name)
+    return next(sensor for sensor in sensors if sensor.name == name)
 
 
 def _limits(first: Sensor, second: Sensor, settings: Settings) -> Limits:
-    own = settings_of_pair(settings, first, second)
-    return Limits.of(own.norms, own.model)
+    pair_settings = settings_of_pair(settings, first, second)
+    return Limits.of(pair_settings.norms, pair_settings.model)
 
 
 def _norm_of(sensor: Sensor, sensors: Sequence[Sensor], settings: Settings) -> float:
-    other = next(one for one in sensors if one is not sensor)
+    partner = next(partner for partner in sensors if partner is not sensor)
     if sensor.is_reference:
-        return _limits(other, sensor, settings).sigma_ref_max_deg
-    return _limits(sensor, other, settings).sigma_max_deg
+        return _limits(partner, sensor, settings).sigma_ref_max_deg
+    return _limits(sensor, partner, settings).sigma_max_deg
 
 
 def _describe(names: Names, runs: Sequence[RunVerdict], settings: Settings,
@@ -154,7 +154,8 @@ def _missing_s(names: Names, runs: Mapping[Names, Sequence[RunVerdict]],
     """Return how much later a pair begins than both its sensors against the reference."""
     if reference is None or reference.name in names or not runs[names]:
         return 0.0
-    starts = [some[0].start_ns for name in names if (some := runs.get((name, reference.name)))]
+    starts = [of_pair[0].start_ns for name in names
+              if (of_pair := runs.get((name, reference.name)))]
     return (runs[names][0].start_ns - max(starts)) / 1e9 if len(starts) == len(names) else 0.0
 
 
@@ -170,7 +171,7 @@ def _add_missing(pair: PairFigures, missing_s: float, missed: Sequence[str]) -> 
 
 def _split(sensors: Sequence[Sensor],
            pairs: Sequence[PairFigures]) -> tuple[SensorVariance, ...] | None:
-    at = {one.name: number for number, one in enumerate(sensors)}
+    at = {sensor.name: number for number, sensor in enumerate(sensors)}
     return split_variances(len(sensors), [
         PairVariance(at[pair.first], at[pair.second], pair.variance_deg2, pair.u_deg2,
                      pair.first_factor or 1.0, pair.second_factor or 1.0)
@@ -210,20 +211,20 @@ def _judge_alone(sensor: Sensor, sensors: Sequence[Sensor],
         return Outcome.NON_COMPLIANT, HOLDS, f'NON-COMPLIANT: {vote.words}'
     if sensor.name in vote.suspected:
         return Outcome.INDETERMINATE, HOLDS, f'INDETERMINATE: {vote.words}'
-    own = [pair for pair in pairs if sensor.name in pair.names]
-    for pair in sorted(own, key=lambda one: one.validity_effect != HOLDS):
+    own_pairs = [pair for pair in pairs if sensor.name in pair.names]
+    for pair in sorted(own_pairs, key=lambda figures: figures.validity_effect != HOLDS):
         if pair.validity_effect == VOID or not _complies(
                 sensor, pair, sensors, results.get(pair.names, ()), settings):
             continue
-        other = pair.second if pair.first == sensor.name else pair.first
-        line = (f'COMPLIANT, as its differences from {other} show; an error common to both is '
+        partner = pair.second if pair.first == sensor.name else pair.first
+        line = (f'COMPLIANT, as its differences from {partner} show; an error common to both is '
                 'not covered')
         if pair.validity_effect == DOUBTFUL:
             return Outcome.COMPLIANT, DOUBTFUL, f'{line}; DOUBTFUL: {"; ".join(pair.findings)}'
         return Outcome.COMPLIANT, HOLDS, line
-    if own and all(pair.validity_effect == VOID for pair in own):
-        return Outcome.INDETERMINATE, VOID, f'INDETERMINATE, VOID: {own[0].findings[0]}'
-    if not any(pair.n for pair in own):
+    if own_pairs and all(pair.validity_effect == VOID for pair in own_pairs):
+        return Outcome.INDETERMINATE, VOID, f'INDETERMINATE, VOID: {own_pairs[0].findings[0]}'
+    if not any(pair.n for pair in own_pairs):
         return Outcome.INDETERMINATE, HOLDS, 'INDETERMINATE: no run has a pair with it'
     return Outcome.INDETERMINATE, HOLDS, (
         'INDETERMINATE: no difference from another sensor is, with its uncertainty, within its '
@@ -232,19 +233,20 @@ def _judge_alone(sensor: Sensor, sensors: Sequence[Sensor],
 
 def _complies(sensor: Sensor, pair: PairFigures, sensors: Sequence[Sensor],
               runs: Sequence[RunResult], settings: Settings) -> bool:
-    """Tell whether each run of a pair bounds the variance of one of them within its norm."""
+    """Tell whether each run of a pair bounds the variance of the sensor within its norm."""
     is_first = pair.first == sensor.name
-    other = _of_name(sensors, pair.second if is_first else pair.first)
-    own = settings_of_pair(settings, sensor, other)
+    partner = _of_name(sensors, pair.second if is_first else pair.first)
+    pair_settings = settings_of_pair(settings, sensor, partner)
     risk = risk_of(sensor, settings.risk)
     risk = replace(risk, alpha_consumer=risk.alpha_consumer / (len(sensors) - 1))
     for run in runs:
-        found, pairing = run.evidence.spread, run.verdict.pairing
+        spread, pairing = run.evidence.spread, run.verdict.pairing
         factor = pairing.ts_variance_factor if is_first else pairing.rs_variance_factor
-        if found is None:
+        if spread is None:
             return False
-        limits = Limits.of(own.norms, own.model, ts_variance_factor=factor or 1.0)
-        if decide_variance(found, run.evidence.span_s, limits, risk,
+        limits = Limits.of(pair_settings.norms, pair_settings.model,
+                           ts_variance_factor=factor or 1.0)
+        if decide_variance(spread, run.evidence.span_s, limits, risk,
                            run.evidence.drift_left_deg2)[0] is not Outcome.COMPLIANT:
             return False
     return bool(runs)

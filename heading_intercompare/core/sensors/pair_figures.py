@@ -164,28 +164,29 @@ def _pool(spreads: Sequence[Spread], risk: float, consumer: float) -> dict[str, 
 
 def _find_skew(runs: Sequence[RunVerdict]) -> dict[str, float | None]:
     """Return the time skew of the run that determines it best."""
-    known = [(estimate.u_s, estimate.skew_s) for run in runs
+    skews = [(estimate.u_s, estimate.skew_s) for run in runs
              if (estimate := run.skew.estimate).well_determined and estimate.u_s is not None]
-    u_s, skew_s = min(known, key=lambda of_run: of_run[0], default=(None, None))
+    u_s, skew_s = min(skews, key=lambda of_run: of_run[0], default=(None, None))
     return {'skew_s': skew_s, 'skew_u_s': u_s}
 
 
 def _spread_of(run: RunVerdict) -> Spread | None:
     """Return the variance of a run and how well it is known; None if it is not known."""
-    known, order = run.guarded, max(0, len(run.drift_coefficients_deg) - 1)
-    if known.d_hat_deg2 is None or known.nu is None or known.f is None:
+    guarded, order = run.guarded, max(0, len(run.drift_coefficients_deg) - 1)
+    if guarded.d_hat_deg2 is None or guarded.nu is None or guarded.f is None:
         return None
-    ratio, slow = known.r_slow or 0.0, known.slow_variance_deg2 or 0.0
+    ratio, slow = guarded.r_slow or 0.0, guarded.slow_variance_deg2 or 0.0
     # Only the ratio and the difference of these two count, and only if there is a slow part.
     middle = slow / _LOW_MODES / (ratio - 1.0) if slow > 0.0 and 1.0 < ratio < math.inf else 0.0
-    u_deg = known.bias_u_deg or 0.0
+    u_deg = guarded.bias_u_deg or 0.0
     return Spread(
-        run.n, order, known.d_hat_deg2, u_deg ** 2,
-        known.d_hat_deg2 * math.sqrt(2.0 / known.nu) if known.nu else math.inf, known.nu, known.f,
-        math.inf if known.corner_j is None else known.corner_j, middle + slow / _LOW_MODES, middle)
+        run.n, order, guarded.d_hat_deg2, u_deg ** 2,
+        guarded.d_hat_deg2 * math.sqrt(2.0 / guarded.nu) if guarded.nu else math.inf, guarded.nu,
+        guarded.f, math.inf if guarded.corner_j is None else guarded.corner_j,
+        middle + slow / _LOW_MODES, middle)
 
 
 def _average(n: int, parts: Sequence[tuple[int, float | None]]) -> float | None:
     """Return the average of values that weigh by their numbers; None without any."""
-    known = [count / n * value for count, value in parts if value is not None and n]
-    return math.fsum(known) if known else None
+    shares = [count / n * value for count, value in parts if value is not None and n]
+    return math.fsum(shares) if shares else None

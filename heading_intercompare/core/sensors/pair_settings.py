@@ -69,22 +69,22 @@ def settings_of_pair(settings: Settings, ts: Sensor, rs: Sensor) -> Settings:
         if partner is None:
             partner = sigma_max_deg(settings.norms, settings.model)
         norms = replace(norms, sigma_ref_max_deg=partner, sigma_ref_deg=None, m_low=0.0, m_up=1.0)
-    found = replace(
+    of_pair = replace(
         settings, sensors=None, norms=norms, risk=_risk_of_pair(ts, rs, settings.risk),
         installation_offset_deg=ts.installation_offset_deg - rs.installation_offset_deg,
         installation_offset_u_deg=(ts.installation_offset_u_deg ** 2
                                    + rs.installation_offset_u_deg ** 2) ** 0.5,
         ts_topic=ts.heading_topic, rs_topic=rs.heading_topic,
         ts_convention=ts.convention, rs_convention=rs.convention,
-        trial=replace(trial, **{f'{role}_{name}': getattr(one, name)
-                                for role, one in (('ts', ts), ('rs', rs))
-                                for name in ('maker', 'type', 'serial') if getattr(one, name)}))
+        trial=replace(trial, **{f'{role}_{name}': getattr(sensor, name)
+                                for role, sensor in (('ts', ts), ('rs', rs))
+                                for name in ('maker', 'type', 'serial') if getattr(sensor, name)}))
     try:
-        Limits.of(found.norms, found.model)
+        Limits.of(of_pair.norms, of_pair.model)
     except SettingsError as error:
         raise SettingsError(f'sensors, {ts.name} and {rs.name}: {error}; give sigma_max_deg in '
                             'the rows of both') from error
-    return found
+    return of_pair
 
 
 def risk_of(sensor: Sensor, risk: Risk) -> Risk:
@@ -102,16 +102,16 @@ def _risk_of_pair(ts: Sensor, rs: Sensor, risk: Risk) -> Risk:
     """
     Return the risks of a judgement on a pair.
 
-    A statement must hold for all errors in the differences. Where the partner has slower ones,
-    or none stated, that of the TS only says how long a run must be.
+    A statement must hold for all errors in the differences. Where the partner has slower errors,
+    or none stated, the statement on the TS only says how long a run must be.
     """
     of_ts = risk_of(ts, risk)
     slowest = slowest_error_s(of_ts)
     is_silent = rs.slowest_error_s is None and rs.sensor_class is None
     if slowest is None or (rs.is_reference and is_silent):
         return of_ts
-    other = slowest_error_s(risk_of(rs, risk))
-    if other is not None and other <= slowest:
+    of_partner = slowest_error_s(risk_of(rs, risk))
+    if of_partner is not None and of_partner <= slowest:
         return of_ts
     return replace(of_ts, slowest_error_s=None, sensor_class=None,
                    min_duration_s=least_duration_s(of_ts))
@@ -159,7 +159,7 @@ def settings_of_tested(settings: Settings, name: str | None) -> Settings:
     Raises
     ------
     SettingsError
-        If it is not among the tested ones, or a sensor has no norm.
+        If the sensor is not among the tested ones, or a sensor has no norm.
 
     """
     if name is None:

@@ -152,10 +152,10 @@ def vote_signs(names: Iterable[str], vote: Vote, pairs: Sequence[PairNow]) -> di
 
 
 def _see(name: str, vote: Vote, pairs: Sequence[PairNow]) -> Sign:
-    own = [pair for pair in pairs if name in pair.names]
+    own_pairs = [pair for pair in pairs if name in pair.names]
     if name in vote.wrong:
-        largest = max((pair.share for pair in own if pair.share is not None), default=None)
+        largest = max((pair.share for pair in own_pairs if pair.share is not None), default=None)
         return Sign(True, vote.words, {} if largest is None else {'largest_share': largest})
-    if name in vote.suspected or all(pair.differs is None for pair in own):
+    if name in vote.suspected or all(pair.differs is None for pair in own_pairs):
         return Sign(None)
     return Sign(False)

@@ -45,27 +45,27 @@ def _number(value: float | None) -> str:
 def matrix_of(verdict: SensorsVerdict,
               text: Callable[[PairFigures, float], str]) -> list[list[str]]:
     """Return a matrix of texts with names as its first row and column."""
-    names = [one.name for one in verdict.sensors]
+    names = [sensor.name for sensor in verdict.sensors]
     rows = [['', *names]]
     for row in names:
         cells = [row]
         for column in names:
-            found = verdict.find_pair(row, column)
-            cells.append('' if row == column else '-' if found is None else text(*found))
+            pair = verdict.find_pair(row, column)
+            cells.append('' if row == column else '-' if pair is None else text(*pair))
         rows.append(cells)
     return rows
 
 
 def split_words(sensor: SensorResult) -> str:
     """Return the standard deviation of a sensor from the split, with its range."""
-    found = sensor.variance
-    if found is None:
+    variance = sensor.variance
+    if variance is None:
         return '-'
-    low, high = (math.copysign(math.sqrt(abs(v)), v) for v in found.interval_deg2)
-    if found.std_deg is None:
-        return (f'negative variance {found.variance_deg2:.3g} deg2: the errors are correlated, or '
-                'the record is short')
-    return f'{found.std_deg:.4f} ({max(low, 0.0):.4f} .. {max(high, 0.0):.4f})'
+    low, high = (math.copysign(math.sqrt(abs(v)), v) for v in variance.interval_deg2)
+    if variance.std_deg is None:
+        return (f'negative variance {variance.variance_deg2:.3g} deg2: the errors are correlated, '
+                'or the record is short')
+    return f'{variance.std_deg:.4f} ({max(low, 0.0):.4f} .. {max(high, 0.0):.4f})'
 
 
 def sensors_text(verdict: SensorsVerdict) -> str:
@@ -76,21 +76,21 @@ def sensors_text(verdict: SensorsVerdict) -> str:
 def _lines(verdict: SensorsVerdict) -> Iterator[str]:
     yield f'VERDICT on {len(verdict.sensors)} sensors: {verdict.headline}'
     yield ''
-    width = max(len(one.name) for one in verdict.sensors)
-    for one in verdict.sensors:
-        yield f'{one.name:{width}}  norm {one.sigma_max_deg:g} deg: {one.headline}'
+    width = max(len(sensor.name) for sensor in verdict.sensors)
+    for sensor in verdict.sensors:
+        yield f'{sensor.name:{width}}  norm {sensor.sigma_max_deg:g} deg: {sensor.headline}'
     for title, text in SHOWN:
         yield ''
         yield title
         yield from _align(matrix_of(verdict, text))
     if any(pair.differs for pair in verdict.pairs):
         yield '  !: more than both norms explain'
-    if any(one.variance for one in verdict.sensors):
+    if any(sensor.variance for sensor in verdict.sensors):
         yield ''
         yield ('standard deviation of each sensor [deg] (at least 95 % range), if their errors '
                'are uncorrelated')
-        for one in verdict.sensors:
-            yield f'  {one.name:{width}}  {split_words(one)}'
+        for sensor in verdict.sensors:
+            yield f'  {sensor.name:{width}}  {split_words(sensor)}'
     yield ''
     yield f'who is wrong: {verdict.vote.words} (risk {verdict.risk:g} that it names a sound one)'
     for pair in verdict.pairs:

@@ -158,7 +158,7 @@ class SensorsVerdict:
             'settings': make_plain(leave_out_added(self.settings.to_mapping())),
             'inputs': make_plain(self.inputs), 'sensors': make_plain(self.sensors),
             'pairs': make_plain(self.pairs), 'vote': make_plain(self.vote), 'risk': self.risk,
-            'verdicts': {name: one.to_dict() for name, one in self.verdicts.items()},
+            'verdicts': {name: verdict.to_dict() for name, verdict in self.verdicts.items()},
         }
 
     @classmethod
@@ -184,12 +184,12 @@ class SensorsVerdict:
                                                         'settings'))
         except SettingsError as error:
             raise VerdictError(f'settings: {error}') from error
-        given = read_plain(Mapping[str, Any], mapping['verdicts'], 'verdicts')
-        read = {name: Verdict.from_dict(one) for name, one in given.items()}
+        documents = read_plain(Mapping[str, Any], mapping['verdicts'], 'verdicts')
+        read = {name: Verdict.from_dict(document) for name, document in documents.items()}
         verdict = cls(settings=settings, verdicts=read, **{
             name: read_plain(kind, mapping[name], name) for name, kind in _KINDS.items()})
-        if (told := mapping.get('settings_sha256')) != verdict.settings_sha256:
-            raise VerdictError(f'settings_sha256 = {told!r:.70}: the settings have '
+        if (digest := mapping.get('settings_sha256')) != verdict.settings_sha256:
+            raise VerdictError(f'settings_sha256 = {digest!r:.70}: the settings have '
                                f'{verdict.settings_sha256!r}, so they were changed afterwards')
         return verdict
 

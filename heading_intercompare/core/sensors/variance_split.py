@@ -118,9 +118,9 @@ def split_variances(n: int, pairs: Sequence[PairVariance]) -> tuple[SensorVarian
 
     Examples
     --------
-    >>> found = split_variances(3, [PairVariance(0, 1, 5.0, 0.0), PairVariance(0, 2, 10.0, 0.0),
+    >>> split = split_variances(3, [PairVariance(0, 1, 5.0, 0.0), PairVariance(0, 2, 10.0, 0.0),
     ...                             PairVariance(1, 2, 13.0, 0.0)])
-    >>> [round(one.variance_deg2, 6) for one in found]
+    >>> [round(variance.variance_deg2, 6) for variance in split]
     [1.0, 4.0, 9.0]
 
     """
@@ -130,7 +130,7 @@ def split_variances(n: int, pairs: Sequence[PairVariance]) -> tuple[SensorVarian
     variances = np.array([pair.variance_deg2 for pair in pairs])
     uncertainties = np.array([pair.u_deg2 for pair in pairs])
     weights = 1.0 / uncertainties if uncertainties.all() else np.ones(len(pairs))
-    found = []
+    splits = []
     for reduced in (True, False):
         design = np.zeros((len(pairs), n))
         for row, pair in enumerate(pairs):
@@ -140,8 +140,8 @@ def split_variances(n: int, pairs: Sequence[PairVariance]) -> tuple[SensorVarian
             return None
         solve = np.linalg.pinv(weights[:, None] * design) * weights
         estimate, margin = solve @ variances, half * np.abs(solve) @ uncertainties
-        found.append((estimate, estimate - margin, estimate + margin))
-    middle = 0.5 * (found[0][0] + found[1][0])
-    low, high = np.minimum(found[0][1], found[1][1]), np.maximum(found[0][2], found[1][2])
+        splits.append((estimate, estimate - margin, estimate + margin))
+    middle = 0.5 * (splits[0][0] + splits[1][0])
+    low, high = np.minimum(splits[0][1], splits[1][1]), np.maximum(splits[0][2], splits[1][2])
     return tuple(SensorVariance(v, (lo, hi), math.sqrt(v) if v >= 0.0 else None)
                  for v, lo, hi in zip(middle.tolist(), low.tolist(), high.tolist()))

@@ -146,7 +146,7 @@ class _Ballot:
         """Return whether the only sensors that explain all pairs are proven wrong."""
         members = self._members(culprits)
         rest = [at for at in range(len(self.groups)) if at not in culprits]
-        against = [self.differs[frozenset((at, other))] for at in culprits for other in rest]
+        against = [self.differs[frozenset((at, sound))] for at in culprits for sound in rest]
         agree = all(self.differs[frozenset(pair)] is False for pair in combinations(rest, 2))
         if all(against) and agree:
             verb = 'differs' if len(members) == 1 else 'differ'
@@ -168,25 +168,25 @@ def _join(names: Sequence[str], one_source: Iterable[tuple[str, str]]) -> list[N
         together = of[first] | of[second]
         for name in together:
             of[name] = together
-    return list(dict.fromkeys(tuple(name for name in names if name in of[each])
-                              for each in names))
+    return list(dict.fromkeys(tuple(name for name in names if name in of[sensor])
+                              for sensor in names))
 
 
 def _judge(first: Names, second: Names,
            differs: Mapping[tuple[str, str], bool | None]) -> bool | None:
-    """Tell whether two groups differ: if any of their pairs does; None if none was testable."""
-    found = [each for a in first for b in second
-             if (each := differs.get((a, b), differs.get((b, a)))) is not None]
-    return any(found) if found else None
+    """Tell whether two groups differ: if any of their pairs does; None if no pair was testable."""
+    differences = [difference for a in first for b in second
+                   if (difference := differs.get((a, b), differs.get((b, a)))) is not None]
+    return any(differences) if differences else None
 
 
 def _explain(n: int, differing: Sequence[frozenset[int]]) -> list[tuple[int, ...]]:
     """Return the smallest sets of fewer than half that are part of every differing pair."""
     for size in range(1, (n - 1) // 2 + 1):
-        found = [some for some in combinations(range(n), size)
-                 if all(pair & {*some} for pair in differing)]
-        if found:
-            return found
+        culprits = [sensors for sensors in combinations(range(n), size)
+                    if all(pair & {*sensors} for pair in differing)]
+        if culprits:
+            return culprits
     return []
 
 

@@ -184,9 +184,9 @@ class _Lags:
             r[0] = 0.0
             tau_1 = 1.0 + 2.0 * np.cumsum(r)
             tau_2 = 1.0 + 2.0 * np.cumsum(r * r)
-            found = np.flatnonzero(closed(np.arange(m + 1), tau_1, tau_2))
-            if found.size or m == limit:
-                window = int(found[0]) if found.size else m
+            closing_lags = np.flatnonzero(closed(np.arange(m + 1), tau_1, tau_2))
+            if closing_lags.size or m == limit:
+                window = int(closing_lags[0]) if closing_lags.size else m
                 return CorrelationTimes(self.n, window, float(tau_1[window]),
                                         float(tau_2[window]))
             # Squares only add up: the window is at least ten times what they sum to so far.
@@ -343,7 +343,7 @@ class AllanDeviation:
     deviation : ndarray, shape (k,)
         Root of half the mean squared difference of consecutive averages, in the unit of x.
     terms : ndarray of int, shape (k,)
-        Number of such squared differences, all of them.
+        Number of all such squared differences.
 
     """
 

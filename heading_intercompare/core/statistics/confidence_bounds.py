@@ -38,13 +38,13 @@ _LONGEST = 1e12
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(20)
 
 
-def confidence(found: Spread, limit_deg2: float) -> float:
+def confidence(spread: Spread, limit_deg2: float) -> float:
     """
     Return the confidence that the variance is at most a limit.
 
     Parameters
     ----------
-    found : Spread
+    spread : Spread
         Spread of one run, or of several together.
     limit_deg2 : float
         The limit, square degrees, greater than 0.
@@ -57,12 +57,12 @@ def confidence(found: Spread, limit_deg2: float) -> float:
 
     """
     def upper(alpha: float) -> float:
-        return limit_deg2 / upper_bound(found, alpha) - 1.0
+        return limit_deg2 / upper_bound(spread, alpha) - 1.0
 
     def lower(alpha: float) -> float:
-        return lower_bound(found, alpha) / limit_deg2 - 1.0
+        return lower_bound(spread, alpha) / limit_deg2 - 1.0
 
-    if found.d_deg2 == 0.0:
+    if spread.d_deg2 == 0.0:
         return 1.0 - LEAST_RISK
     if upper(0.5) >= 0.0:
         return 1.0 - _risk_where_zero(upper)
@@ -80,14 +80,14 @@ def _risk_where_zero(f: Callable[[float], float]) -> float:
                                           xtol=1e-13))
 
 
-def mean_confidence(found: Spread, sigma_deg: float, low_deg: float,
+def mean_confidence(spread: Spread, sigma_deg: float, low_deg: float,
                     up_deg: float) -> float:
     """
     Return the confidence that the TS meets its norm, with the RS known within an interval.
 
     Parameters
     ----------
-    found : Spread
+    spread : Spread
         Spread of one run, or of several together.
     sigma_deg : float
         Norm of the TS, degrees.
@@ -106,20 +106,20 @@ def mean_confidence(found: Spread, sigma_deg: float, low_deg: float,
     """
     middle, half = 0.5 * (up_deg + low_deg), 0.5 * (up_deg - low_deg)
     if half == 0.0:
-        return confidence(found, sigma_deg ** 2 + middle ** 2)
-    values = [confidence(found, sigma_deg ** 2 + (middle + half * t) ** 2)
+        return confidence(spread, sigma_deg ** 2 + middle ** 2)
+    values = [confidence(spread, sigma_deg ** 2 + (middle + half * t) ** 2)
               for t in _NODES]
     return 0.5 * float(np.dot(_WEIGHTS, values))
 
 
-def duration_factor(found: Spread, accept_deg2: float, reject_deg2: float,
+def duration_factor(spread: Spread, accept_deg2: float, reject_deg2: float,
                     alpha_consumer: float, alpha_producer: float) -> float:
     """
     Return the factor by which the record must grow to decide, other things being equal.
 
     Parameters
     ----------
-    found : Spread
+    spread : Spread
         The variance with its uncertainty.
     accept_deg2, reject_deg2 : float
         Acceptance and rejection limits, square degrees.
@@ -142,13 +142,13 @@ def duration_factor(found: Spread, accept_deg2: float, reject_deg2: float,
     S.15 of ``docs/risk.md``.
 
     """
-    d, s = found.d_deg2, found.s_deg2
+    d, s = spread.d_deg2, spread.s_deg2
     if d > reject_deg2:
-        t = -float(scipy.special.stdtrit(found.student_dof, alpha_producer))
-        a = (t * found.cv / math.log(d / reject_deg2)) ** 2
+        t = -float(scipy.special.stdtrit(spread.student_dof, alpha_producer))
+        a = (t * spread.cv / math.log(d / reject_deg2)) ** 2
         # The root of r^2 = a (r + 1 / f), from exp(-t cv sqrt((1 + 1 / (r f)) / r)).
-        return max(1.0, 0.5 * (a + math.sqrt(a * a + 4.0 * a / found.f)))
-    room = accept_deg2 - d - found.slow_allowance_deg2
+        return max(1.0, 0.5 * (a + math.sqrt(a * a + 4.0 * a / spread.f)))
+    room = accept_deg2 - d - spread.slow_allowance_deg2
     if s == 0.0:
         return 1.0 if room >= 0.0 else math.inf
     if not room > 0.0:
@@ -156,7 +156,7 @@ def duration_factor(found: Spread, accept_deg2: float, reject_deg2: float,
 
     def missing(log_r: float) -> float:
         r = math.exp(log_r)
-        return excess(r * found.f, alpha_consumer, found.student_dof) * s / math.sqrt(r) - room
+        return excess(r * spread.f, alpha_consumer, spread.student_dof) * s / math.sqrt(r) - room
 
     if missing(0.0) <= 0.0:
         return 1.0

@@ -255,7 +255,7 @@ class Detrended:
     averages : Averages
         The differences, which a long record averages over short blocks.
     polynomial : Polynomial
-        The polynomial that fits these, and their residuals.
+        The polynomial that fits the averages, and the residuals.
     found : Spread or None
         Spread of the differences about the polynomial; None for fewer than 128.
 
@@ -305,13 +305,13 @@ def drift_left_deg2(rest: Detrended) -> float | None:
     S.16 of ``docs/risk.md``.
 
     """
-    fit, found = rest.polynomial, rest.found
-    if found is None:
+    fit, spread = rest.polynomial, rest.found
+    if spread is None:
         return None
     r = math.sqrt(math.fsum(c * c / (2 * k + 1) for k, c in enumerate(fit.coefficients_deg)
                             if k > 0))
     t = -float(scipy.special.stdtrit(MEAN_DOF, 0.05))
-    return (r + t * math.sqrt(found.mean_variance_deg2)) ** 2
+    return (r + t * math.sqrt(spread.mean_variance_deg2)) ** 2
 
 
 @dataclass(frozen=True, slots=True)

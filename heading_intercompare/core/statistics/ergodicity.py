@@ -119,8 +119,8 @@ def examine_homogeneity(runs: Sequence[RunFigures]) -> Homogeneity:
     Examples
     --------
     >>> two = [RunFigures(0.0, 0.01, 0.04, 20.0), RunFigures(0.2, 0.01, 0.04, 20.0)]
-    >>> found = examine_homogeneity(two)
-    >>> round(found.q, 9), round(found.between_variance_deg2, 9), found.bartlett
+    >>> homogeneity = examine_homogeneity(two)
+    >>> round(homogeneity.q, 9), round(homogeneity.between_variance_deg2, 9), homogeneity.bartlett
     (2.0, 0.01, 0.0)
 
     """

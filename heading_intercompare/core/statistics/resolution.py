@@ -86,8 +86,8 @@ def find_resolution(heading_deg: ArrayLike) -> Resolution:
 
     Examples
     --------
-    >>> found = find_resolution([0.2 * (k % 3) for k in range(40)])
-    >>> round(found.step_deg, 6), found.repeated_share
+    >>> resolution = find_resolution([0.2 * (k % 3) for k in range(40)])
+    >>> round(resolution.step_deg, 6), resolution.repeated_share
     (0.2, 0.0)
 
     """
@@ -127,9 +127,9 @@ def find_step_seen(heading_deg: ArrayLike) -> float:
 
     """
     heading = np.asarray(heading_deg, dtype=np.float64)
-    some = heading[::max(1, heading.size // _PHASES)]
+    sample = heading[::max(1, heading.size // _PHASES)]
     for step_deg in _STEPS_DEG:
-        if some.size and abs(np.exp(2j * np.pi / step_deg * some).mean()) <= _SEEN:
+        if sample.size and abs(np.exp(2j * np.pi / step_deg * sample).mean()) <= _SEEN:
             return step_deg
     return 0.0
 
@@ -141,8 +141,8 @@ def _common_step(changes: np.ndarray) -> float | None:
     # Refine the candidate with its multiples, small ones first: its error grows with the
     # multiple.
     for most in (4.0, 64.0, np.inf):
-        some = changes[changes <= most * step]
-        multiple = np.rint(some / step)
-        step = float(some @ multiple) / float(multiple @ multiple)
+        small = changes[changes <= most * step]
+        multiple = np.rint(small / step)
+        step = float(small @ multiple) / float(multiple @ multiple)
     off = np.abs(changes / step - np.rint(changes / step))
     return step if np.count_nonzero(off < 0.05) >= _SHARE * changes.size else None

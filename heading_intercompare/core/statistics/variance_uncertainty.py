@@ -215,8 +215,8 @@ def estimate_spread(cells: Cells | CellValues, order: int = 0,
 
     Examples
     --------
-    >>> found = estimate_spread(Cells.of([1.0, -1.0] * 500))
-    >>> round(found.d_deg2, 3), round(found.nu, 6)
+    >>> spread = estimate_spread(Cells.of([1.0, -1.0] * 500))
+    >>> round(spread.d_deg2, 3), round(spread.nu, 6)
     (1.0, 970.873786)
 
     """
@@ -246,10 +246,10 @@ def estimate_spread(cells: Cells | CellValues, order: int = 0,
     corner, slow = _corner(c)
     heavy = max(1.0, record.kurtosis / _NORMAL_KURTOSIS)
     f = min(nu, slow * record.occupied / heavy ** 2)
-    found = Spread(n, order, d, v, s, nu, f, corner, low, middle, kurtosis=record.kurtosis,
-                   times=times)
+    spread = Spread(n, order, d, v, s, nu, f, corner, low, middle, kurtosis=record.kurtosis,
+                    times=times)
     if times is None or times < LEAST_TIMES:
-        return found
+        return spread
     # A gap shows nothing of the errors, so it does not count.
     seen = times * record.occupied
     modes = min(_MOST_MODES, k // 4, max(_FEWEST_MODES, int(seen / _TIMES_PER_MODE)))
@@ -257,9 +257,9 @@ def estimate_spread(cells: Cells | CellValues, order: int = 0,
     largest = (max(record.kurtosis, _NORMAL_KURTOSIS) - 1.0) / seen
     relative = squared(min(float(c[:modes].mean()) / k / d / d + swallowed, largest))
     f = min(2.0 / relative, max(_PER_CORNER * seen / heavy ** 2, 0.5 * f))
-    return replace(found, stated=Above(
+    return replace(spread, stated=Above(
         d, d * math.sqrt(relative), f, modes, _WIDER * (1.0 + _WIDER_PER_TAIL * math.log(heavy)),
-        _allowance_deg2(found, _flat_ratio(times, order))))
+        _allowance_deg2(spread, _flat_ratio(times, order))))
 
 
 def _flat_ratio(times: float, order: int = 0) -> float:
@@ -268,9 +268,9 @@ def _flat_ratio(times: float, order: int = 0) -> float:
     return (1.0 + middle ** 2) / (1.0 + low ** 2)
 
 
-def _allowance_deg2(found: Spread, flat_ratio: float) -> float:
+def _allowance_deg2(spread: Spread, flat_ratio: float) -> float:
     """Return the allowance of S.9 if the record contradicts the statement, otherwise 0."""
-    return found._visible_allowance_deg2 if found.r_slow > _CONTRADICTS * flat_ratio else 0.0
+    return spread._visible_allowance_deg2 if spread.r_slow > _CONTRADICTS * flat_ratio else 0.0
 
 
 def _power(values: np.ndarray, floor: float = 0.0) -> np.ndarray:
@@ -329,13 +329,13 @@ def excess(f: float, alpha: float, student_dof: float = _STUDENT_DOF) -> float:
     return math.sqrt(0.5 * f) * (f / quantile - 1.0) if quantile > 0.0 else math.inf
 
 
-def upper_bound(found: Spread, alpha: float) -> float:
+def upper_bound(spread: Spread, alpha: float) -> float:
     """
     Return the upper confidence bound of the variance.
 
     Parameters
     ----------
-    found : Spread
+    spread : Spread
         The variance with its uncertainty.
     alpha : float
         Risk that the variance exceeds the bound; up to 0.5.
@@ -350,17 +350,17 @@ def upper_bound(found: Spread, alpha: float) -> float:
     S.10, S.17, S.18 of ``docs/risk.md``.
 
     """
-    if found.d_deg2 == 0.0:
+    if spread.d_deg2 == 0.0:
         return 0.0
-    above = found.above
+    above = spread.above
     return (above.d_deg2 + above.allowance_deg2
             + above.widening * excess(above.f, alpha, above.student_dof) * above.s_deg2)
 
 
-def lower_bound(found: Spread, alpha: float) -> float:
+def lower_bound(spread: Spread, alpha: float) -> float:
     """Return the lower confidence bound of the variance, square degrees; S.11."""
-    cv = found.cv * math.sqrt(1.0 + 1.0 / found.f)
-    return found.d_deg2 * math.exp(float(scipy.special.stdtrit(found.student_dof, alpha)) * cv)
+    cv = spread.cv * math.sqrt(1.0 + 1.0 / spread.f)
+    return spread.d_deg2 * math.exp(float(scipy.special.stdtrit(spread.student_dof, alpha)) * cv)
 
 
 def pool(runs: Sequence[Spread], *, by_statement: bool = False) -> Spread:
@@ -394,7 +394,7 @@ def pool(runs: Sequence[Spread], *, by_statement: bool = False) -> Spread:
                          for w, r in zip(weights, runs)) if s > 0.0 else 0.0
     free = math.fsum(r.n - 1 - r.order for r in runs)
     times = [r.times for r in runs if r.times is not None]
-    found = Spread(
+    pooled = Spread(
         n, max(r.order for r in runs), d,
         math.fsum(w * w * r.mean_variance_deg2 for w, r in zip(weights, runs)), s,
         2.0 * (d / s) ** 2 if s > 0.0 else free,
@@ -402,16 +402,16 @@ def pool(runs: Sequence[Spread], *, by_statement: bool = False) -> Spread:
         min(r.corner_j for r in runs), mean([r.low_deg2 for r in runs]),
         mean([r.middle_deg2 for r in runs]), sum(r.student_dof for r in runs),
         mean([r.kurtosis for r in runs]), min(times) if len(times) == len(runs) else None)
-    if not by_statement or found.times is None:
-        return found
+    if not by_statement or pooled.times is None:
+        return pooled
     # What mean and polynomial absorb is low where the errors are not flat over the lowest modes.
     bent = mean([r.d_deg2 + (_bend(t, r.order) - 1.0) * r.absorbed_deg2
                  for r, t in zip(runs, times)])
     ratio = mean([_flat_ratio(t, r.order) for r, t in zip(runs, times)])
-    heavy = max(1.0, found.kurtosis / _NORMAL_KURTOSIS)
-    return replace(found, stated=Above(
-        bent, s, found.f, found.student_dof, 1.0 + _POOLED_PER_TAIL * math.log(heavy),
-        _allowance_deg2(found, ratio)))
+    heavy = max(1.0, pooled.kurtosis / _NORMAL_KURTOSIS)
+    return replace(pooled, stated=Above(
+        bent, s, pooled.f, pooled.student_dof, 1.0 + _POOLED_PER_TAIL * math.log(heavy),
+        _allowance_deg2(pooled, ratio)))
 
 
 def _bend(times: float, order: int) -> float:

@@ -39,15 +39,15 @@ _TIME = re.compile(r'([01][0-9]|2[0-3]):([0-5][0-9])(?::([0-5][0-9]))?', re.ASCI
 
 def _parse_times(text: str) -> list[int]:
     """Return times of the day in nanoseconds after midnight, ascending."""
-    found = []
+    times_ns = []
     for word in text.split(','):
         match = _TIME.fullmatch(word.strip())
         if match is None:
             raise ValueError("must be times of the day such as '00:00,08:00,16:00' (HH:MM or "
                              'HH:MM:SS, in quotes)')
         hours, minutes, seconds = (int(part or 0) for part in match.groups())
-        found.append(((hours * 60 + minutes) * 60 + seconds) * 1_000_000_000)
-    return sorted(set(found))
+        times_ns.append(((hours * 60 + minutes) * 60 + seconds) * 1_000_000_000)
+    return sorted(set(times_ns))
 
 
 class ClockCuts:
@@ -106,10 +106,10 @@ class ClockCuts:
 
     def before(self, stamp_ns: int, n: int) -> int:
         """Return the newest cut at or before a stamp, after stepping back n cuts."""
-        found = self.last(stamp_ns)
+        cut_ns = self.last(stamp_ns)
         for _ in range(n):
-            found = self.last(found - 1)
-        return found
+            cut_ns = self.last(cut_ns - 1)
+        return cut_ns
 
     def find_crossed(self, stamp_ns: NDArray[np.int64], before_ns: int) -> NDArray[np.int64]:
         """
@@ -120,7 +120,7 @@ class ClockCuts:
         stamp_ns : ndarray of int64, shape (n,)
             Increasing stamps, n >= 0.
         before_ns : int
-            The stamp before the first of them.
+            The stamp before the first of `stamp_ns`.
 
         Returns
         -------

@@ -84,11 +84,11 @@ def read_exclusions(text: str | None) -> tuple[Exclusion, ...]:
 
     """
     rows = list(_read_rows(text or ''))
-    found = sorted(rows, key=lambda row: (row[1].start_ns, row[1].end_ns))
-    for (_, first), (at, second) in zip(found, found[1:]):
+    ordered = sorted(rows, key=lambda row: (row[1].start_ns, row[1].end_ns))
+    for (_, first), (at, second) in zip(ordered, ordered[1:]):
         if second.start_ns < first.end_ns:
             raise ValueError(f'row {at}: {second} overlaps {first}; join them to one row')
-    return tuple(exclusion for _, exclusion in found)
+    return tuple(exclusion for _, exclusion in ordered)
 
 
 def _read_rows(text: str) -> Iterator[tuple[int, Exclusion]]:
@@ -145,7 +145,8 @@ def find_excluded(stamp_ns: 'NDArray[np.int64]',
     ndarray of int64, shape (n,)
 
     """
-    found = stamp_ns * 0 - 1
-    for at, one in enumerate(exclusions):
-        found[stamp_ns.searchsorted(one.start_ns):stamp_ns.searchsorted(one.end_ns)] = at
-    return found
+    numbers = stamp_ns * 0 - 1
+    for at, exclusion in enumerate(exclusions):
+        begin = stamp_ns.searchsorted(exclusion.start_ns)
+        numbers[begin:stamp_ns.searchsorted(exclusion.end_ns)] = at
+    return numbers

@@ -110,17 +110,17 @@ def pairs_per_reading(factor: ArrayLike) -> float:
     1.429
 
     """
-    some = np.asarray(factor, dtype=np.float64)[:_PHASES]
-    if some.size < _PHASES // 32:
+    factors = np.asarray(factor, dtype=np.float64)[:_PHASES]
+    if factors.size < _PHASES // 32:
         return 1.0
-    if float(np.std(some)) < _LEAST_CHANGE:
+    if float(np.std(factors)) < _LEAST_CHANGE:
         return 1.0
-    power = np.abs(np.fft.rfft((some - some.mean()) * np.hanning(some.size))) ** 2
+    power = np.abs(np.fft.rfft((factors - factors.mean()) * np.hanning(factors.size))) ** 2
     at = int(np.argmax(power))
     near = slice(max(0, at - 2), at + 3)
     if power[near].sum() < _LEAST_POWER * power.sum():
         return 1.0
-    folded = float(np.arange(power.size)[near] @ power[near] / power[near].sum()) / some.size
+    folded = float(np.arange(power.size)[near] @ power[near] / power[near].sum()) / factors.size
     return 1.0 / (1.0 - min(0.5, folded))
 
 

@@ -184,8 +184,8 @@ def estimate_clock_drift(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLik
     stamps, x, rs = np.asarray(stamp_ns), np.asarray(x_deg), np.asarray(rs_deg)
     if abs(near_s) > REACH_S:
         moved = move_pairs(stamps, x, rs, near_s)
-        found = estimate_clock_drift(*moved, range_s=range_s, max_gap_s=max_gap_s)
-        return _move_back(found, near_s, stamps, moved[0])
+        drift = estimate_clock_drift(*moved, range_s=range_s, max_gap_s=max_gap_s)
+        return _move_back(drift, near_s, stamps, moved[0])
     if x.size < _LEAST_SAMPLES or stamps[-1] == stamps[0]:
         return ClockDrift('not_testable')
     ts_track, rs_track = (coarsen(track, _BLOCK_S)
@@ -202,11 +202,11 @@ def estimate_clock_drift(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLik
         middle = (lo + hi) // 2
         lo, hi = max(lo, middle - _MOST_SAMPLES // 2), min(hi, middle + _MOST_SAMPLES // 2)
         part = _cut(ts_track, lo, hi)
-        one = _skew_of(part, rs_track, _extrapolate(parts, float(part.t_s.mean()), near_s),
-                       range_s,
-                       max_gap_s)
-        if one is not None:
-            parts.append(one)
+        skew = _skew_of(part, rs_track, _extrapolate(parts, float(part.t_s.mean()), near_s),
+                        range_s,
+                        max_gap_s)
+        if skew is not None:
+            parts.append(skew)
     if len(parts) < _FEWEST_PARTS:
         return ClockDrift('not_testable', tuple(parts))
     line = _line(parts, float(ts_track.t_s[0]) + 0.5 * span)
@@ -214,22 +214,22 @@ def estimate_clock_drift(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLik
     return replace(line, kind='stepped', steps=steps) if steps else line
 
 
-def _move_back(found: ClockDrift, by_s: float, stamps: Integers, moved: Integers) -> ClockDrift:
+def _move_back(drift: ClockDrift, by_s: float, stamps: Integers, moved: Integers) -> ClockDrift:
     """Return the drift of moved pairs as that of the pairs themselves."""
     if not moved.size:
-        return found
+        return drift
     first_s = (int(moved[0]) - int(stamps[0])) / 1e9
     skew_s = None
-    if found.skew_s is not None and found.slope_s_per_h is not None:
+    if drift.skew_s is not None and drift.slope_s_per_h is not None:
         # From the middle of the moved pairs to that of all.
         later_s = (int(stamps[0]) + int(stamps[-1]) - int(moved[0]) - int(moved[-1])) / 2e9
-        skew_s = found.skew_s + by_s + found.slope_s_per_h / 3600.0 * later_s
+        skew_s = drift.skew_s + by_s + drift.slope_s_per_h / 3600.0 * later_s
     return replace(
-        found, skew_s=skew_s,
-        parts=tuple(replace(one, time_s=one.time_s + first_s, skew_s=one.skew_s + by_s)
-                    for one in found.parts),
-        steps=tuple(ClockStep(one.time_s + first_s, one.before_s + by_s, one.after_s + by_s)
-                    for one in found.steps))
+        drift, skew_s=skew_s,
+        parts=tuple(replace(part, time_s=part.time_s + first_s, skew_s=part.skew_s + by_s)
+                    for part in drift.parts),
+        steps=tuple(ClockStep(step.time_s + first_s, step.before_s + by_s, step.after_s + by_s)
+                    for step in drift.steps))
 
 
 def _cut(track: Track, lo: int, hi: int) -> Track:
@@ -237,15 +237,15 @@ def _cut(track: Track, lo: int, hi: int) -> Track:
     return Track.of(track.t_s[lo:hi], track.heading_deg[lo:hi])
 
 
-def _extrapolate(found: list[SkewOfPart], at_s: float, near_s: float) -> float:
+def _extrapolate(parts: list[SkewOfPart], at_s: float, near_s: float) -> float:
     """Return the skew at a time, by the line through the last parts."""
-    if not found:
+    if not parts:
         return near_s
-    if len(found) == 1:
-        return found[0].skew_s
-    last = found[-4:]
-    t = np.array([one.time_s for one in last])
-    slope = np.polyfit(t - t[-1], [one.skew_s for one in last], 1)
+    if len(parts) == 1:
+        return parts[0].skew_s
+    last = parts[-4:]
+    t = np.array([part.time_s for part in last])
+    slope = np.polyfit(t - t[-1], [part.skew_s for part in last], 1)
     return float(np.polyval(slope, at_s - t[-1]))
 
 
@@ -256,21 +256,21 @@ def _skew_of(ts: Track, rs: Track, expected_s: float, range_s: float,
     place = find_skew(instrument, expected_s, range_s)
     if place is None or place[1].u_s > _CLEAR * range_s:
         return None
-    d, found = place
-    return SkewOfPart(float(found.t_s.mean()), d, found.u_s, found.rate_std_deg_s)
+    d, fit = place
+    return SkewOfPart(float(fit.t_s.mean()), d, fit.u_s, fit.rate_std_deg_s)
 
 
-def _steps(found: list[SkewOfPart], ts: Track, rs: Track) -> tuple[ClockStep, ...]:
+def _steps(parts: list[SkewOfPart], ts: Track, rs: Track) -> tuple[ClockStep, ...]:
     """Return the sudden changes of the skew; none if a line describes it as well."""
-    precise = _MUCH * float(np.median([one.u_s for one in found]))
+    precise = _MUCH * float(np.median([part.u_s for part in parts]))
     groups: list[list[SkewOfPart]] = []
-    for one in found:
-        if one.u_s > max(precise, _FLOOR_S):
+    for part in parts:
+        if part.u_s > max(precise, _FLOOR_S):
             continue
-        if groups and not _differ(groups[-1][-1], one):
-            groups[-1].append(one)
+        if groups and not _differ(groups[-1][-1], part):
+            groups[-1].append(part)
         else:
-            groups.append([one])
+            groups.append([part])
     # A part that contains the step shows neither skew, or an uncertain one.
     levels: list[list[SkewOfPart]] = []
     for group in groups:
@@ -280,12 +280,12 @@ def _steps(found: list[SkewOfPart], ts: Track, rs: Track) -> tuple[ClockStep, ..
             levels[-1] += group
         else:
             levels.append(group)
-    kept = [one for level in levels for one in level]
-    if len(levels) < 2 or len(kept) < _LEAST_KEPT * len(found):
+    on_levels = [part for level in levels for part in level]
+    if len(levels) < 2 or len(on_levels) < _LEAST_KEPT * len(parts):
         return ()
-    dof = len(kept) - len(levels)
+    dof = len(on_levels) - len(levels)
     flat = sum(_misfit(level, 0) for level in levels) / dof
-    if 4.0 * flat > _misfit(kept, 1) / (len(kept) - 2):
+    if 4.0 * flat > _misfit(on_levels, 1) / (len(on_levels) - 2):
         return ()
     steps = [_step(before, after, ts, rs) for before, after in zip(levels, levels[1:])]
     # A skew off by a period of the swell fits nearly as well.
@@ -302,28 +302,29 @@ def _is_better(level: list[SkewOfPart], skew_s: float, other_s: float, ts: Track
     half = 0.5 * _LEAST_PART_S
     inside = (ts.t_s >= level[0].time_s - half) & (ts.t_s <= level[-1].time_s + half)
     t = ts.t_s[inside]
-    own, other = (scatter_deg(t, ts.heading_deg[inside] - rs.at(t - d)) for d in (skew_s, other_s))
-    return own < _BETTER * other
+    scatter, other_scatter = (scatter_deg(t, ts.heading_deg[inside] - rs.at(t - d))
+                              for d in (skew_s, other_s))
+    return scatter < _BETTER * other_scatter
 
 
-def _differ(one: SkewOfPart, other: SkewOfPart) -> bool:
+def _differ(first: SkewOfPart, second: SkewOfPart) -> bool:
     """Tell whether the skews of two parts surely differ, by more than a tenth of a second."""
-    return abs(one.skew_s - other.skew_s) > max(_LEAST_STEP_S,
-                                                _SURE * math.hypot(one.u_s, other.u_s))
+    return abs(first.skew_s - second.skew_s) > max(_LEAST_STEP_S,
+                                                   _SURE * math.hypot(first.u_s, second.u_s))
 
 
 def _misfit(parts: list[SkewOfPart], order: int) -> float:
     """Return the weighted sum of squares of skews about their mean or line."""
-    t = np.array([one.time_s for one in parts])
-    d = np.array([one.skew_s for one in parts])
-    root = 1.0 / np.maximum([one.u_s for one in parts], _FLOOR_S)
+    t = np.array([part.time_s for part in parts])
+    d = np.array([part.skew_s for part in parts])
+    root = 1.0 / np.maximum([part.u_s for part in parts], _FLOOR_S)
     fit = np.polyfit(t - t.mean(), d, order, w=root)
     return float(np.sum((root * (d - np.polyval(fit, t - t.mean()))) ** 2))
 
 
 def _step(before: list[SkewOfPart], after: list[SkewOfPart], ts: Track, rs: Track) -> ClockStep:
     """Return a step, at the time that minimises the sum of squares of both levels."""
-    levels = [float(np.median([one.skew_s for one in side])) for side in (before, after)]
+    levels = [float(np.median([part.skew_s for part in side])) for side in (before, after)]
     lo, hi = before[-1].time_s, after[0].time_s
     t = ts.t_s[(ts.t_s >= lo) & (ts.t_s <= hi)]
     at_s = 0.5 * (lo + hi)
@@ -342,11 +343,11 @@ def _squares(t_s: Reals, skew_s: float, ts: Track, rs: Track) -> Reals:
     return squares
 
 
-def _line(found: list[SkewOfPart], middle_s: float) -> ClockDrift:
+def _line(parts: list[SkewOfPart], middle_s: float) -> ClockDrift:
     """Return the weighted line through the skews; its level is that in the middle of the run."""
-    t = np.array([one.time_s for one in found]) / 3600.0
-    d = np.array([one.skew_s for one in found])
-    u = np.array([one.u_s for one in found])
+    t = np.array([part.time_s for part in parts]) / 3600.0
+    d = np.array([part.skew_s for part in parts])
+    u = np.array([part.u_s for part in parts])
     u = np.maximum(u, max(_FLOOR_S, float(np.median(u)) / 3.0))
     w = 1.0 / u ** 2
     t0 = float(w @ t / w.sum())
@@ -358,7 +359,7 @@ def _line(found: list[SkewOfPart], middle_s: float) -> ClockDrift:
     u_slope = math.sqrt(max(1.0, scatter) / power)
     half = student_95(dof) * u_slope
     drifting = abs(slope) > -float(scipy.special.stdtrit(dof, 0.5 * _RISK)) * u_slope
-    rate2 = float(np.mean([one.rate_std_deg_s ** 2 for one in found]))
-    return ClockDrift('drifting' if drifting else 'steady', tuple(found),
+    rate2 = float(np.mean([part.rate_std_deg_s ** 2 for part in parts]))
+    return ClockDrift('drifting' if drifting else 'steady', tuple(parts),
                       level + slope * (middle_s / 3600.0 - t0), slope, u_slope,
                       (slope - half, slope + half), slope ** 2 * float(np.var(t)) * rate2)

@@ -99,10 +99,10 @@ TURNS = Band(300.0, 0.9, 150.0, 4.5)
 
 @dataclass(frozen=True, slots=True)
 class _Motion:
-    """The motion at even times, without slow turns; 0 where `known` is 0."""
+    """The motion at even times, without slow turns; 0 where `covered` is 0."""
 
     deg: Reals
-    known: Reals
+    covered: Reals
 
 
 class ClockSearch:
@@ -153,7 +153,7 @@ class ClockSearch:
         whole = _motion_of(ts, ts.t_s[0] + _GRID_S * np.arange(n), max_gap_s,
                            band)
         lo, hi = _liveliest(whole, longest_s)
-        self._ts = _clip(_Motion(whole.deg[lo:hi], whole.known[lo:hi]))
+        self._ts = _clip(_Motion(whole.deg[lo:hi], whole.covered[lo:hi]))
         self._rs = _clip(_motion_of(rs, ts.t_s[0] + _GRID_S * np.arange(lo - m, hi + m),
                                     max_gap_s, band))
         self._lag_s = _GRID_S * np.arange(-m, m + 1)
@@ -188,8 +188,8 @@ class ClockSearch:
         best = int(far[np.argmax(v[far])])
         left = 1.0 - float(v[best])
         # A TS that counts the other way shows a weave half a period late.
-        nearest = max(float(w[one[self._near[one]]].max(initial=0.0))
-                      for w, one in ((v, tops), (-v, _tops(-v))))
+        nearest = max(float(w[peaks[self._near[peaks]]].max(initial=0.0))
+                      for w, peaks in ((v, tops), (-v, _tops(-v))))
         if left > _FAR_LESS * (1.0 - nearest) or not (
                 self._is_spread(best) and self._is_sure(best)):
             return None
@@ -268,7 +268,7 @@ def find_apart(ts: Track, rs: Track, range_s: float,
     -------
     search : ClockSearch
         That of up to two hours.
-    found : ClockOffset or None
+    offset : ClockOffset or None
 
     Notes
     -----
@@ -282,12 +282,12 @@ def find_apart(ts: Track, rs: Track, range_s: float,
 
     """
     search = ClockSearch(ts, rs, range_s, max_gap_s)
-    found = search.find()
-    if found is None and ts.t_s[-1] - ts.t_s[0] > 2.0 * _SHORT_S:
-        found = ClockSearch(ts, rs, range_s, max_gap_s, _SHORT_S).find()
-    if found is None:
-        found = ClockSearch(ts, rs, range_s, max_gap_s, band=TURNS).find()
-    return search, found
+    offset = search.find()
+    if offset is None and ts.t_s[-1] - ts.t_s[0] > 2.0 * _SHORT_S:
+        offset = ClockSearch(ts, rs, range_s, max_gap_s, _SHORT_S).find()
+    if offset is None:
+        offset = ClockSearch(ts, rs, range_s, max_gap_s, band=TURNS).find()
+    return search, offset
 
 
 def _tops(values: Reals) -> np.ndarray:
@@ -297,15 +297,16 @@ def _tops(values: Reals) -> np.ndarray:
 
 def _motion_of(track: Track, t_s: Reals, max_gap_s: float, band: Band) -> _Motion:
     """Return the heading at even times, minus its mean over some time about each."""
-    known = track.covers(t_s - _GRID_S, t_s + _GRID_S, max(max_gap_s, 4.0 * _GRID_S)).astype(float)
-    heading = np.where(known > 0.0, track.at(t_s), 0.0)
+    gap_s = max(max_gap_s, 4.0 * _GRID_S)
+    covered = track.covers(t_s - _GRID_S, t_s + _GRID_S, gap_s).astype(float)
+    heading = np.where(covered > 0.0, track.at(t_s), 0.0)
     half = int(0.5 * band.slow_s / _GRID_S)
     at = np.arange(t_s.size)
     lo, hi = np.maximum(at - half, 0), np.minimum(at + half + 1, t_s.size)
-    count, total = (np.concatenate(([0.0], np.cumsum(v))) for v in (known, heading))
-    known *= count[hi] - count[lo] >= band.least_known * (2 * half + 1)
+    count, total = (np.concatenate(([0.0], np.cumsum(v))) for v in (covered, heading))
+    covered *= count[hi] - count[lo] >= band.least_known * (2 * half + 1)
     mean = (total[hi] - total[lo]) / np.maximum(count[hi] - count[lo], 1.0)
-    return _Motion(known * (heading - mean), known)
+    return _Motion(covered * (heading - mean), covered)
 
 
 def _liveliest(motion: _Motion, longest_s: float) -> tuple[int, int]:
@@ -324,30 +325,30 @@ def _liveliest(motion: _Motion, longest_s: float) -> tuple[int, int]:
 
 def _clip(motion: _Motion) -> _Motion:
     """Return the motion within four standard deviations, those of its middle half."""
-    size = np.abs(motion.deg[motion.known > 0.0])
+    size = np.abs(motion.deg[motion.covered > 0.0])
     most = _CLIP * _MAD * float(np.median(size)) if size.size else 0.0
-    return _Motion(np.clip(motion.deg, -most, most), motion.known) if most > 0.0 else motion
+    return _Motion(np.clip(motion.deg, -most, most), motion.covered) if most > 0.0 else motion
 
 
-def _agree(mine: _Motion, other: _Motion, m: int) -> tuple[Reals, Reals, Reals]:
+def _agree(ts: _Motion, rs: _Motion, m: int) -> tuple[Reals, Reals, Reals]:
     """Return concordance, correlation and number of shared times at lags of -m to m steps."""
-    width = scipy.fft.next_fast_len(other.deg.size + mine.deg.size, real=True)
+    width = scipy.fft.next_fast_len(rs.deg.size + ts.deg.size, real=True)
 
     def turned(values: Reals) -> np.ndarray:
         return np.asarray(np.fft.rfft(values, width))
-    a, ma, aa = (turned(v) for v in (mine.deg, mine.known, mine.deg ** 2))
-    b, mb, bb = (turned(v) for v in (other.deg, other.known, other.deg ** 2))
+    a, ma, aa = (turned(v) for v in (ts.deg, ts.covered, ts.deg ** 2))
+    b, mb, bb = (turned(v) for v in (rs.deg, rs.covered, rs.deg ** 2))
 
     def along(x: np.ndarray, y: np.ndarray) -> Reals:
-        # The other begins m steps earlier, so a late TS has the lag of a smaller index.
-        found: Reals = np.fft.irfft(y * np.conj(x), width)[:2 * m + 1][::-1]
-        return found
+        # The RS begins m steps earlier, so a late TS has the lag of a smaller index.
+        lagged: Reals = np.fft.irfft(y * np.conj(x), width)[:2 * m + 1][::-1]
+        return lagged
     n = np.rint(along(ma, mb))
-    some = np.maximum(n, 1.0)
-    mean_a, mean_b = along(a, mb) / some, along(ma, b) / some
-    both = along(a, b) / some - mean_a * mean_b
-    var_a = np.maximum(along(aa, mb) / some - mean_a ** 2, 0.0)
-    var_b = np.maximum(along(ma, bb) / some - mean_b ** 2, 0.0)
+    shared = np.maximum(n, 1.0)
+    mean_a, mean_b = along(a, mb) / shared, along(ma, b) / shared
+    both = along(a, b) / shared - mean_a * mean_b
+    var_a = np.maximum(along(aa, mb) / shared - mean_a ** 2, 0.0)
+    var_b = np.maximum(along(ma, bb) / shared - mean_b ** 2, 0.0)
     least = _ROUNDING * max(float(var_a.max()), float(var_b.max()), 1e-12)
     good = (n > 1.0) & (var_a > least) & (var_b > least)
     agreement = np.where(good, 2.0 * both / np.where(good, var_a + var_b, 1.0), 0.0)
@@ -360,5 +361,6 @@ def _autocorrelation(motion: _Motion) -> Reals:
     n = motion.deg.size
     width = scipy.fft.next_fast_len(2 * n, real=True)
     spectrum = np.fft.rfft(motion.deg, width)
-    found: Reals = np.fft.irfft(spectrum.real ** 2 + spectrum.imag ** 2, width)[:max(1, n // 4)]
-    return found / found[0] if found[0] > 0.0 else np.ones_like(found)
+    power = spectrum.real ** 2 + spectrum.imag ** 2
+    correlation: Reals = np.fft.irfft(power, width)[:max(1, n // 4)]
+    return correlation / correlation[0] if correlation[0] > 0.0 else np.ones_like(correlation)

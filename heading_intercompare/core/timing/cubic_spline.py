@@ -90,21 +90,21 @@ def _solve(before: Reals, middle: Reals, after: Reals, right: Reals) -> Reals:
     if n == 1:
         return right / middle
     # The unknowns with odd numbers are kept, and those before and after them put into them.
-    kept, first, second = slice(1, None, 2), slice(0, n - n % 2, 2), slice(2, None, 2)
-    lower = before[kept] / middle[first]
-    new_middle = middle[kept] - lower * after[first]
-    new_right = right[kept] - lower * right[first]
+    odd, first, second = slice(1, None, 2), slice(0, n - n % 2, 2), slice(2, None, 2)
+    lower = before[odd] / middle[first]
+    new_middle = middle[odd] - lower * after[first]
+    new_right = right[odd] - lower * right[first]
     new_before, new_after = -lower * before[first], np.zeros_like(new_middle)
     # The last one kept may have none after it.
     inner = slice(0, (n - 1) // 2)
-    upper = after[kept][inner] / middle[second]
+    upper = after[odd][inner] / middle[second]
     new_middle[inner] -= upper * before[second]
     new_right[inner] -= upper * right[second]
     new_after[inner] = -upper * after[second]
-    known = _solve(new_before, new_middle, new_after, new_right)
+    odd_roots = _solve(new_before, new_middle, new_after, new_right)
     rest = right[::2].copy()
-    rest[1:] -= before[second] * known[inner]
-    rest[:n // 2] -= after[first] * known
-    found = np.empty_like(right)
-    found[kept], found[::2] = known, rest / middle[::2]
-    return found
+    rest[1:] -= before[second] * odd_roots[inner]
+    rest[:n // 2] -= after[first] * odd_roots
+    roots = np.empty_like(right)
+    roots[odd], roots[::2] = odd_roots, rest / middle[::2]
+    return roots

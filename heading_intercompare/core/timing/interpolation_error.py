@@ -109,8 +109,8 @@ def estimate_interpolation_error(counts: Mapping[LedgerKey, int], norm_deg: floa
     >>> counts = {LedgerKey.PAIRED: 10, LedgerKey.BRIDGED_8: 10, LedgerKey.COMPARED: 10,
     ...           LedgerKey.STEP: 10 * 10 ** 6, LedgerKey.APART_6: 10 * 10 ** 4,
     ...           LedgerKey.APART_4: 10 * 10 ** 6, LedgerKey.APART_2: 10 * 10 ** 7}
-    >>> found = estimate_interpolation_error(counts, 0.1)
-    >>> found.is_resolved, round(found.variance_deg2, 9), found.step_s
+    >>> error = estimate_interpolation_error(counts, 0.1)
+    >>> error.is_resolved, round(error.variance_deg2, 9), error.step_s
     (True, 1e-05, 1.0)
 
     """

@@ -52,9 +52,9 @@ def realign(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
     """
     if not stamp_ns.size:
         return stamp_ns, x_deg, 1.0
-    kept, rs, earlier_rs, factor = _read_earlier(stamp_ns, rs_deg, late_s)
-    x = (x_deg + rs - earlier_rs)[kept]
-    return stamp_ns[kept], x, float(np.mean(factor[kept])) if x.size else 1.0
+    stays, rs, earlier_rs, factor = _read_earlier(stamp_ns, rs_deg, late_s)
+    x = (x_deg + rs - earlier_rs)[stays]
+    return stamp_ns[stays], x, float(np.mean(factor[stays])) if x.size else 1.0
 
 
 def move_pairs(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
@@ -76,8 +76,8 @@ def move_pairs(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndarray,
     """
     if not stamp_ns.size:
         return stamp_ns, x_deg, rs_deg
-    kept, rs, earlier_rs, _ = _read_earlier(stamp_ns, rs_deg, late_s)
-    return stamp_ns[kept], (x_deg + rs - earlier_rs)[kept], earlier_rs[kept]
+    stays, rs, earlier_rs, _ = _read_earlier(stamp_ns, rs_deg, late_s)
+    return stamp_ns[stays], (x_deg + rs - earlier_rs)[stays], earlier_rs[stays]
 
 
 def _read_earlier(stamp_ns: np.ndarray, rs_deg: np.ndarray, late_s: float | np.ndarray,
@@ -89,21 +89,22 @@ def _read_earlier(stamp_ns: np.ndarray, rs_deg: np.ndarray, late_s: float | np.n
     left = np.clip(np.searchsorted(stamp_ns, earlier_ns, side='right') - 1, 0, t.size - 1)
     right = np.minimum(left + 1, t.size - 1)
     is_between = (stamp_ns[left] < earlier_ns) & (earlier_ns < stamp_ns[right])
-    kept = is_between | (stamp_ns[left] == earlier_ns)
+    stays = is_between | (stamp_ns[left] == earlier_ns)
     steps_ns = np.diff(stamp_ns)
     if steps_ns.size:
         wide = steps_ns > _FEW_STEPS * np.median(steps_ns)
-        kept &= ~is_between | ~np.append(wide, False)[left]
+        stays &= ~is_between | ~np.append(wide, False)[left]
     value = np.interp(earlier, t, rs)
     factor = np.ones(t.shape)
-    at = np.flatnonzero(kept & is_between)
+    at = np.flatnonzero(stays & is_between)
     if at.size:
         w = (earlier[at] - t[left[at]]) / (t[right[at]] - t[left[at]])
         factor[at] = (1.0 - w) ** 2 + w ** 2
         step_ns = usual_step_ns(stamp_ns) or 0
-        found = interpolate(stamp_ns, rs, steps_ns <= longest_step_ns(step_ns), left[at],
-                            earlier_ns[at], step_ns)
+        interpolated = interpolate(stamp_ns, rs, steps_ns <= longest_step_ns(step_ns), left[at],
+                                   earlier_ns[at], step_ns)
         # Where readings are missing, the line is better than nothing.
-        good = found.side > 0
-        value[at[good]], factor[at[good]] = found.heading_deg[good], found.factor[good]
-    return kept, rs, value, factor
+        good = interpolated.side > 0
+        value[at[good]] = interpolated.heading_deg[good]
+        factor[at[good]] = interpolated.factor[good]
+    return stays, rs, value, factor

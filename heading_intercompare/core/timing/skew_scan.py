@@ -114,9 +114,9 @@ class _Differences:
         """Return the sample variances at rising skews, of one reading in `every`."""
         t_s, ts_deg = self.t_s[::every], self.ts_deg[::every]
         rs = RisingTimes(self.rs, t_s - skews_s[-1])
-        found = [_find_variance(_wrap(ts_deg - rs.at(t_s - skew_s)))
-                 for skew_s in skews_s[::-1].tolist()]
-        return np.array(found[::-1])
+        variances = [_find_variance(_wrap(ts_deg - rs.at(t_s - skew_s)))
+                     for skew_s in skews_s[::-1].tolist()]
+        return np.array(variances[::-1])
 
     def ts_rate(self) -> Reals:
         """Return the rates of the TS from the reading before to the one after, deg/s."""
@@ -201,7 +201,7 @@ def scan_skew(ts: Headings, rs: Headings, range_s: float = 2.0, step_s: float = 
     skew_s = _find_lowest(variance, best, last, step_s)
     zero = _spread(difference.at(0.0))
     x = difference.at(skew_s)
-    here = _spread(x)
+    best_spread = _spread(x)
     u_s, bias_s = _uncertainty(difference, skew_s, step_s, x)
     at_edge = abs(best) == last
     thin = max(1, -(-last // _CURVE))
@@ -209,7 +209,7 @@ def scan_skew(ts: Headings, rs: Headings, range_s: float = 2.0, step_s: float = 
     return Scan(n, last * step_s, step_s, skew_s, u_s, bias_s, at_edge,
                 not at_edge and u_s is not None and bias_s is not None
                 and u_s + bias_s <= 0.1 * last * step_s,
-                *here, *zero, tuple(skews_s[shown].tolist()),
+                *best_spread, *zero, tuple(skews_s[shown].tolist()),
                 tuple(np.sqrt(searched[shown]).tolist()))
 
 
@@ -232,8 +232,8 @@ def _find_lowest(variance: Callable[[int], float], best: int, last: int, step_s:
     """Return the minimum of the parabola through a grid point and its neighbours."""
     if abs(best) == last:
         return best * step_s
-    minus, here, plus = (variance(k) for k in (best - 1, best, best + 1))
-    bend = plus - 2.0 * here + minus
+    minus, middle, plus = (variance(k) for k in (best - 1, best, best + 1))
+    bend = plus - 2.0 * middle + minus
     return best * step_s - (step_s * (plus - minus) / (2.0 * bend) if bend > 0.0 else 0.0)
 
 

@@ -140,10 +140,11 @@ def compute_correlogram(ts: Track, rs: Track, reach_s: float = REACH_S,
     width = 1 << (size + 2 * m - 1).bit_length()
     total, power = np.zeros(2 * m + 1), 0.0
     for lo in begins.tolist():
-        mine, other = a[lo:lo + size], b[lo:lo + size + 2 * m]
-        total += np.fft.irfft(np.fft.rfft(other, width) * np.conj(np.fft.rfft(mine, width)),
+        ts_rate, rs_rate = a[lo:lo + size], b[lo:lo + size + 2 * m]
+        total += np.fft.irfft(np.fft.rfft(rs_rate, width) * np.conj(np.fft.rfft(ts_rate, width)),
                               width)[:2 * m + 1]
-        power += math.sqrt(float(mine @ mine) * float(other[m:m + size] @ other[m:m + size]))
+        rs_inner = rs_rate[m:m + size]
+        power += math.sqrt(float(ts_rate @ ts_rate) * float(rs_inner @ rs_inner))
     lag = _GRID_S * np.arange(-m, m + 1)
     if power <= 0.0:
         return Correlogram(lag, np.zeros(2 * m + 1))
@@ -156,8 +157,8 @@ def has_turned(rs: Track, max_gap_s: float = 3.0) -> bool:
     """Tell whether the rates of a sensor show motion, that is, correlate with later ones."""
     # Rates that share a reading, even an interpolated one, correlate by its noise.
     shared_s = 2.0 * (_HALF_SPAN_STEPS * _GRID_S + rs.step_s)
-    found = compute_correlogram(rs, rs, shared_s + 20.0, max_gap_s)
-    return float(np.abs(found.value[found.lag_s > shared_s]).max()) > _MOVED
+    correlogram = compute_correlogram(rs, rs, shared_s + 20.0, max_gap_s)
+    return float(np.abs(correlogram.value[correlogram.lag_s > shared_s]).max()) > _MOVED
 
 
 def find_skew(instrument: Instrument, near_s: float, range_s: float,
@@ -204,15 +205,15 @@ def find_skew(instrument: Instrument, near_s: float, range_s: float,
         ends = [near_s - _AT_END * range_s, near_s + _AT_END * range_s]
         best = _find_least(instrument, ends, low, high)
     reach = float(curve.lag_s[-1])
-    known = [near_s, *curve.starts(near_s, low, high)] if best is None else [best.skew_s]
+    near = [near_s, *curve.starts(near_s, low, high)] if best is None else [best.skew_s]
     glance = _Glance(instrument)
-    least = min(glance(d) for d in known)
+    least = min(glance(d) for d in near)
     far = [lag for lag in curve.starts(near_s, -reach, reach)
            if glance(lag) < _WORTH_TRYING * least]
-    other = _find_least(instrument, far, -reach, reach)
-    if other is not None and not low <= other.skew_s <= high and (
-            glance(other.skew_s) < _FAR_LESS * least):
-        best = other
+    far_place = _find_least(instrument, far, -reach, reach)
+    if far_place is not None and not low <= far_place.skew_s <= high and (
+            glance(far_place.skew_s) < _FAR_LESS * least):
+        best = far_place
     return None if best is None else (best.skew_s, best.fit)
 
 
@@ -247,17 +248,17 @@ def _find_least(instrument: Instrument, starts: Sequence[float], low_s: float,
     best: _Place | None = None
     settled: list[float] = []
     if len(starts) > _MOST_STARTS:
-        scatter = [math.inf if (one := instrument(start)) is None else scatter_deg(one.t_s, one.x)
-                   for start in starts]
-        kept = np.sort(np.argsort(scatter, kind='stable')[:_MOST_STARTS])
-        starts = [starts[i] for i in kept.tolist()]
+        scatter = [math.inf if (start_fit := instrument(start)) is None
+                   else scatter_deg(start_fit.t_s, start_fit.x) for start in starts]
+        chosen = np.sort(np.argsort(scatter, kind='stable')[:_MOST_STARTS])
+        starts = [starts[i] for i in chosen.tolist()]
     for start in starts:
         if any(abs(start - d) < _NEAR_S for d in settled):
             continue
-        found = _settle(instrument, start, low_s, high_s)
-        if found is None:
+        start_place = _settle(instrument, start, low_s, high_s)
+        if start_place is None:
             continue
-        skew_s, fit = found
+        skew_s, fit = start_place
         settled.append(skew_s)
         place = _Place(skew_s, fit, scatter_deg(fit.t_s, fit.x))
         if best is None or place.scatter_deg < _CLEARLY_LESS * best.scatter_deg:
@@ -270,12 +271,12 @@ def _settle(instrument: Instrument, start_s: float, low_s: float,
     """Iterate from a start until no skew remains; None if that leaves the range or fails."""
     d = start_s
     for _ in range(_STEPS):
-        found = instrument(d) if low_s <= d <= high_s else None
-        if found is None or not found.strength >= LEAST_STRENGTH:
+        fit = instrument(d) if low_s <= d <= high_s else None
+        if fit is None or not fit.strength >= LEAST_STRENGTH:
             return None
-        d += found.step_s
-        if abs(found.step_s) < _SETTLED_S:
-            return d, found
+        d += fit.step_s
+        if abs(fit.step_s) < _SETTLED_S:
+            return d, fit
     return None
 
 

@@ -85,34 +85,34 @@ def _cut_steps(stamps: np.ndarray) -> Iterator[np.ndarray]:
         yield np.diff(stamps[lo:lo + _LOOKED_AT + 1])
 
 
-def _nominal_ns(some: np.ndarray) -> float | None:
+def _nominal_ns(steps: np.ndarray) -> float | None:
     """Return the step whose multiples the stamps follow, nanoseconds; None if there is none."""
-    pauses = np.sort(some)
+    pauses = np.sort(steps)
     bridged = np.cumsum(pauses)
     by_time = pauses[np.searchsorted(bridged, np.array(_QUANTILES) * bridged[-1])]
-    tried = {*np.quantile(some, _QUANTILES).tolist(), *by_time.tolist()}
-    if some.size > 1:
-        tried.add(float(np.median(some[1:] + some[:-1])))
+    tried = {*np.quantile(steps, _QUANTILES).tolist(), *by_time.tolist()}
+    if steps.size > 1:
+        tried.add(float(np.median(steps[1:] + steps[:-1])))
     # The longest first: a step that another one holds twice is not the step of the sensor.
     for first in sorted(tried, reverse=True):
         step = first
         for _ in range(_ROUNDS):
-            near = some[some <= (_NEAR + 0.5) * step]
+            near = steps[steps <= (_NEAR + 0.5) * step]
             count = float(_multiples(near, step).sum())
             step = float(near.sum()) / count if count else math.inf
-        sent = some[some <= max(_LONGEST_NS, _FEW * step)]
+        sent = steps[steps <= max(_LONGEST_NS, _FEW * step)]
         few = float(sent[sent <= (_FEW + 0.5) * step].sum())
         if not first / _ASTRAY < step < first * _ASTRAY or 3.0 * few <= float(sent.sum()):
             continue
-        begins = _multiples(some, step) > 0.0
+        begins = _multiples(steps, step) > 0.0
         if step > _LONGEST_NS and 2 * np.count_nonzero(begins) < begins.size:
             continue
-        stamps = np.append(0, np.cumsum(some))[np.append(True, begins)]
+        stamps = np.append(0, np.cumsum(steps))[np.append(True, begins)]
         finer = [step * (1.0 + off) for off in (0.0, *_FINER)]
-        found = [_coherence(stamps, c) for c in finer]
-        if max(found) >= _COHERENT:
-            best: float = finer[int(np.argmax(found))]
-            return step if found[0] > max(found) - _AS_GOOD else best
+        coherences = [_coherence(stamps, c) for c in finer]
+        if max(coherences) >= _COHERENT:
+            best: float = finer[int(np.argmax(coherences))]
+            return step if coherences[0] > max(coherences) - _AS_GOOD else best
     return None
 
 
@@ -142,7 +142,7 @@ def _lost_share(pieces: Iterable[np.ndarray], nominal: float | None,
     missing = places = 0.0
     for part in pieces:
         if _TOGETHER * nominal < part.min() and part.max() < _ALL_ONE * nominal:
-            # Each reading came, and no two of them together.
+            # Each reading came, and no two readings together.
             places += part.size
             continue
         times = _multiples(part, nominal)
@@ -197,8 +197,8 @@ def measure_stamp_steps(stamp_ns: ArrayLike, silence_steps: float = 10.0) -> Sta
 
     Examples
     --------
-    >>> found = measure_stamp_steps([0, 1_000_000_000, 2_000_000_000, 500_000_000, 30_000_000_000])
-    >>> found.backward, found.longest_back_s, found.silences
+    >>> steps = measure_stamp_steps([0, 1_000_000_000, 2_000_000_000, 500_000_000, 30_000_000_000])
+    >>> steps.backward, steps.longest_back_s, steps.silences
     (1, 1.5, 1)
 
     """

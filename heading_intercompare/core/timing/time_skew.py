@@ -304,15 +304,15 @@ def estimate_skew(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
         return Skew(0)
     ts, rs = tracks or common_tracks(stamps, x, np.asarray(rs_deg, dtype=np.float64))
     fit = Instrument(ts, rs, half_span_s, max_gap_s)
-    found = fit(0.0)
-    if found is None:
+    regression = fit(0.0)
+    if regression is None:
         return Skew(0)
-    ols = _regress(found.x, found.rate)
-    result = Skew(found.x.size, 'not_turned', float(found.rate.std(ddof=1)),
-                  found.rate_std_deg_s, found.strength, ols.skew_s if ols else None,
+    ols = _regress(regression.x, regression.rate)
+    result = Skew(regression.x.size, 'not_turned', float(regression.rate.std(ddof=1)),
+                  regression.rate_std_deg_s, regression.strength, ols.skew_s if ols else None,
                   ols.u_naive_s if ols else None,
-                  found.step_s if found.strength > 0.0 else None, well_determined=False,
-                  std_deg=float(found.x.std(ddof=1)))
+                  regression.step_s if regression.strength > 0.0 else None, well_determined=False,
+                  std_deg=float(regression.x.std(ddof=1)))
     coarse = coarsen(ts, _SEARCH_BLOCK_S), coarsen(rs, _SEARCH_BLOCK_S)
     clocks = None
     if clock_range_s > REACH_S:
@@ -328,42 +328,44 @@ def estimate_skew(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
         if clocks is None or clocks.is_sure(place[0]):
             return replace(result, kind='beyond', beyond_s=place[0])
         place = None
-    settled = _settle(fit, found, 0.0, range_s)
+    settled = _settle(fit, regression, 0.0, range_s)
     if place is not None and (settled is None or abs(settled[0] - place[0]) > _SAME_S):
         begun = fit(place[0])
         settled = None if begun is None else _settle(fit, begun, place[0], range_s)
     if settled is None:
         return replace(result, kind='no_fit' if has_turned(coarse[1], max_gap_s) else
                        'not_turned')
-    d, found = settled
-    return _fill_in(result, found, d, range_s, ts.at(found.t_s) - rs.at(found.t_s))
+    d, regression = settled
+    return _fill_in(result, regression, d, range_s, ts.at(regression.t_s) - rs.at(regression.t_s))
 
 
-def _settle(fit: Instrument, found: Fit, d: float, range_s: float) -> tuple[float, Fit] | None:
+def _settle(fit: Instrument, regression: Fit, d: float,
+            range_s: float) -> tuple[float, Fit] | None:
     """Iterate from a fit at skew `d` until no skew remains; None if that fails."""
-    if not found.strength >= LEAST_STRENGTH:
+    if not regression.strength >= LEAST_STRENGTH:
         return None
     for _ in range(_STEPS):
-        step = found.step_s
+        step = regression.step_s
         d += step
         next_one = fit(d) if abs(d) <= range_s else None
         if next_one is None:
             return None
-        found = next_one
+        regression = next_one
         if abs(step) < 1e-7:
-            return d, found
+            return d, regression
     return None
 
 
-def _fill_in(result: Skew, found: Fit, d: float, range_s: float, x_paired: np.ndarray) -> Skew:
-    half = student_95(found.dof) * found.u_s
+def _fill_in(result: Skew, regression: Fit, d: float, range_s: float,
+             x_paired: np.ndarray) -> Skew:
+    half = student_95(regression.dof) * regression.u_s
     interval = d - half, d + half
-    clear = found.strength >= LEAST_STRENGTH and found.u_s <= 0.1 * range_s
+    clear = regression.strength >= LEAST_STRENGTH and regression.u_s <= 0.1 * range_s
     return Skew(
-        found.x.size, 'found' if clear else 'unclear', result.rs_rate_std_deg_s,
-        found.rate_std_deg_s, found.strength,
-        result.ols_s, result.ols_u_s, result.iv_s, d, found.u_s, interval,
+        regression.x.size, 'found' if clear else 'unclear', result.rs_rate_std_deg_s,
+        regression.rate_std_deg_s, regression.strength,
+        result.ols_s, result.ols_u_s, result.iv_s, d, regression.u_s, interval,
         well_determined=clear, searched_s=result.searched_s,
         significant=not interval[0] <= 0.0 <= interval[1],
-        std_deg=float(x_paired.std(ddof=1)), std_aligned_deg=float(found.x.std(ddof=1)),
-        mean_aligned_deg=float(found.x.mean()))
+        std_deg=float(x_paired.std(ddof=1)), std_aligned_deg=float(regression.x.std(ddof=1)),
+        mean_aligned_deg=float(regression.x.mean()))

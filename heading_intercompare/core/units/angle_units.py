@@ -34,7 +34,7 @@ _NAMES = {'deg': ('deg', 'degs', 'degree', 'degrees', '°'),
 _WORD = re.compile(r'[A-Z]?[a-z]+|[A-Z]+|°')
 #: A device that counts 1e-4 rad rounds a full turn up; so does a text of four decimals.
 _ROUNDED_UP = 1.0001
-#: A wrap goes farther than this share of a turn, a step of a ship less far than the other.
+#: A wrap goes farther than the first share of a turn, a step of a ship less far than the second.
 _WRAPS, _GOES = 0.8, 0.15
 _MOST_OTHER = 0.02
 #: Angles in radians that turn without a wrap cover this share of a turn, and most have a fourth
@@ -56,7 +56,7 @@ def find_named_unit(name: str) -> str | None:
 
     """
     words = {word.lower() for word in _WORD.findall(name)}
-    return next((unit for unit, known in _NAMES.items() if words.intersection(known)), None)
+    return next((unit for unit, names in _NAMES.items() if words.intersection(names)), None)
 
 
 def read_angles(values: _Reals, unit: str = 'deg') -> tuple[_Reals, np.ndarray]:
@@ -158,8 +158,8 @@ class AngleWatch:
     def update(self, stamp_ns: NDArray[np.int64], values: _Reals) -> None:
         """Take angles in order; those that are zero or not finite do not count."""
         # A number of exactly zero may stand for no reading.
-        there = np.isfinite(values) & (values != 0.0)
-        angle, stamps = values[there], stamp_ns[there]
+        is_reading = np.isfinite(values) & (values != 0.0)
+        angle, stamps = values[is_reading], stamp_ns[is_reading]
         if not angle.size:
             return
         self._first_ns = self._first_ns or int(stamps[0])

@@ -114,26 +114,26 @@ def utc_stamps(stamps: ArrayLike) -> NDArray[np.int64]:
     [1406851200250000000, 0]
 
     """
-    given: Any = stamps
-    if getattr(getattr(given, 'dtype', None), 'tz', None) is not None:
+    times: Any = stamps
+    if getattr(getattr(times, 'dtype', None), 'tz', None) is not None:
         # A column of pandas with a time zone: only its own conversion knows the zone.
-        given = np.asarray(given, dtype='datetime64[ns]')
-    column = np.asarray(given)
+        times = np.asarray(times, dtype='datetime64[ns]')
+    column = np.asarray(times)
     if column.dtype.kind == 'O':
         column = _from_objects(column.reshape(-1))
-    found = (_from_datetime64(column.reshape(-1)) if column.dtype.kind == 'M'
-             else integer_stamps(column))
-    early = (found > 0) & (found < EARLIEST_NS)
+    stamp_ns = (_from_datetime64(column.reshape(-1)) if column.dtype.kind == 'M'
+                else integer_stamps(column))
+    early = (stamp_ns > 0) & (stamp_ns < EARLIEST_NS)
     if early.any():
-        raise ValueError(_explain_early(found[early], found.size, column.dtype.kind == 'M'))
-    return found
+        raise ValueError(_explain_early(stamp_ns[early], stamp_ns.size, column.dtype.kind == 'M'))
+    return stamp_ns
 
 
 def _from_objects(column: np.ndarray) -> np.ndarray:
     """Return objects as datetime64[ns] if all are times; other ones as they are."""
-    if not all(hasattr(one, 'utcoffset') and hasattr(one, 'date') for one in column):
+    if not all(hasattr(moment, 'utcoffset') and hasattr(moment, 'date') for moment in column):
         return column
-    return np.array([_to_datetime64(one) for one in column], 'datetime64[ns]')
+    return np.array([_to_datetime64(moment) for moment in column], 'datetime64[ns]')
 
 
 def _to_datetime64(moment: Any) -> np.datetime64:
@@ -152,8 +152,8 @@ def _from_datetime64(column: np.ndarray) -> NDArray[np.int64]:
         raise ValueError(f'stamp_ns: the stamp {last} is after 2262, which nanoseconds cannot '
                          'hold; check how these times were made')
     # A time before 1970 must not pass for a reading without a stamp.
-    found = column.astype('datetime64[ns]').astype(np.int64)
-    return np.where(missing, 0, np.where(seconds < 0, 1, np.maximum(found, 1)))
+    stamp_ns = column.astype('datetime64[ns]').astype(np.int64)
+    return np.where(missing, 0, np.where(seconds < 0, 1, np.maximum(stamp_ns, 1)))
 
 
 def _explain_early(early: NDArray[np.int64], n: int, dated: bool) -> str:
@@ -163,8 +163,8 @@ def _explain_early(early: NDArray[np.int64], n: int, dated: bool) -> str:
     if dated:
         return (f'{what}: check how these times were made; a sensor without UTC gives no stamp '
                 '(NaT)')
-    if found := find_unit(typical, typical):
-        unit, factor = found
+    if scale := find_unit(typical, typical):
+        unit, factor = scale
         return (f'{what}: numbers such as {typical} look like {unit}, and stamps are integer '
                 f'nanoseconds; multiply by {factor}, or give the times as datetime64')
     return (f'{what}: numbers such as {typical} are no UTC nanoseconds; give nanoseconds since '

@@ -106,9 +106,9 @@ def add_looks(at_end: str, outcome: Outcome, reason: str,
     """
     look = find_rejection(looks)
     if reason == 'rejected_at_a_look' and look is not None:
-        said = look.headline.removeprefix(OUTCOME_WORDS['non_compliant'])
+        details = look.headline.removeprefix(OUTCOME_WORDS['non_compliant'])
         return (f'{OUTCOME_WORDS["non_compliant"]} at look {look.look} of {look.looks}, after '
-                f'{span_words(look.span_s)}{said}; at the end {at_end}')
+                f'{span_words(look.span_s)}{details}; at the end {at_end}')
     accepted = [look for look in looks if look.outcome is Outcome.COMPLIANT]
     if accepted and outcome is not Outcome.COMPLIANT:
         return f'{at_end}; look {accepted[0].look} accepted, which is withdrawn'

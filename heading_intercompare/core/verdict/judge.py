@@ -143,7 +143,7 @@ class RunResult:
         share : LedgerSegment
             Share of the whole ledger, in which every reading belongs to a run.
         inside : LedgerSegment
-            The part of it between the first and the last pair of the run.
+            The part of the share between the first and the last pair of the run.
         warnings : sequence of str
             Warnings to add.
         set_backs : sequence of SetBack
@@ -268,7 +268,7 @@ class _Decision:
 def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
               risk: Risk | None = None, looks: Sequence[LookVerdict] = (),
               motion: Motion | None = None,
-              told: Callable[[float], None] = lambda share: None) -> RunResult:
+              progress: Callable[[float], None] = lambda share: None) -> RunResult:
     """
     Judge a run as it is.
 
@@ -288,7 +288,7 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
         Results of the looks so far.
     motion : Motion, optional
         The motion of the ship, to check the headings against; None if there is none.
-    told : callable
+    progress : callable
         Called with the share of the work that is done, from 0 to 1.
 
     Returns
@@ -320,7 +320,7 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
     moments = data.moments
     n = moments.n
     drift, rest = describe_drift(data.stamp_ns, data.x_deg, SETTLED_SHARE * limits.sigma_max_deg)
-    told(_BEFORE)
+    progress(_BEFORE)
     left = drift.left_deg2 if data.residual_deg is None and drift.left_deg2 is not None else 0.0
     # Live figures use the same sums, so they are the same to the bit.
     as_it_came = data.residual_deg is None and not data.n_left_out and not exclusions
@@ -334,9 +334,9 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
         factor, taken_out = factor[at < 0], _count_taken_out(at, exclusions)
     columns = RunColumns(data.stamp_ns, data.x_deg, data.rs_deg, settings, limits,
                          data.residual_deg, factor, run.interpolates_ts)
-    found = diagnose(columns, guarded, drift=drift, rest=rest,
-                     told=lambda share: told(_BEFORE + (1.0 - _BEFORE) * share))
-    correlation = found.correlation
+    diagnostics = diagnose(columns, guarded, drift=drift, rest=rest,
+                           progress=lambda share: progress(_BEFORE + (1.0 - _BEFORE) * share))
+    correlation = diagnostics.correlation
     if taken_out is not None:
         # A reading that was taken out is not lost.
         every = measure_stamp_steps(run.stamp_ns.values[data.n_left_out:],
@@ -345,9 +345,9 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
                                                           lost_share=every.lost_share))
     checked = None if motion is None or not settings.motion.compare else check_motion(
         motion, data.stamp_ns, data.rs_deg + data.x_deg, data.rs_deg, settings.motion)
-    judged = examine(Examined(columns, found, settings, outcome, guarded, decision.outcome,
+    judged = examine(Examined(columns, diagnostics, settings, outcome, guarded, decision.outcome,
                               checked))
-    told(_BEFORE + 0.9 * (1.0 - _BEFORE))
+    progress(_BEFORE + 0.9 * (1.0 - _BEFORE))
     coverage = coverage_of(data.span_s, risk,
                            scopes=[Scope.of(data.stamp_ns, data.rs_deg, settings)])
     direction, length = circular_mean(data.x_deg) if n else (None, None)
@@ -370,14 +370,15 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
         total_error=printed.total, outcome=outcome, reason=reason, headline='',
         validity=(), validity_effect='', coverage=coverage,
         looks=tuple(looks),
-        paper_outcome=printed.outcome, guarded=guarded, skew=found.skew, drift=found.drift,
-        heading_dependence=found.heading_dependence, normality=found.normality,
-        stationarity=found.stationarity, correlation=correlation, allan=found.allan,
-        assumptions=found.assumptions, taken_out=taken_out, motion=checked,
+        paper_outcome=printed.outcome, guarded=guarded, skew=diagnostics.skew,
+        drift=diagnostics.drift, heading_dependence=diagnostics.heading_dependence,
+        normality=diagnostics.normality, stationarity=diagnostics.stationarity,
+        correlation=correlation, allan=diagnostics.allan,
+        assumptions=diagnostics.assumptions, taken_out=taken_out, motion=checked,
         limit_95=estimate_percentile(
             data.series_deg, 0.0 if settings.variant == 'A' or data.residual_deg is not None
             else moments.mean_deg, correlation.n_effective_variance) if n else None,
-        warnings=(*_warnings(data, limits, guarded, settings), *found.warnings))
+        warnings=(*_warnings(data, limits, guarded, settings), *diagnostics.warnings))
     return RunResult(verdict, evidence, limits, printed, (outcome, reason), settings,
                      run.stabilization_s, judged, fingerprint=None if columns.fingerprint is None
                      else columns.fingerprint.to_text()).conclude()

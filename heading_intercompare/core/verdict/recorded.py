@@ -103,7 +103,7 @@ def find_left_out(pieces: Iterable[JudgedPiece], stretches: Iterable[Sequence[St
     Parameters
     ----------
     pieces : iterable of JudgedPiece
-        Of all inputs; equal ones count once.
+        Pieces of all inputs; equal pieces count once.
     stretches : iterable of sequence of Stretch
         What is left out, with reasons.
     settings : Settings
@@ -119,12 +119,12 @@ def find_left_out(pieces: Iterable[JudgedPiece], stretches: Iterable[Sequence[St
     n = sum(row.n for row in rows)
     if not n:
         return None
-    known = list({(p.start_ns, p.end_ns, p.n): p for p in pieces}.values())
-    total = sum(p.n for p in known)
+    distinct = list({(p.start_ns, p.end_ns, p.n): p for p in pieces}.values())
+    total = sum(p.n for p in distinct)
     share = min(1.0, n / total) if total else 1.0
-    if not known:
+    if not distinct:
         return TakenOut(n, share, tuple(rows), None)
-    outcome = _decide(known, settings)
+    outcome = _decide(distinct, settings)
     return TakenOut(n, share, tuple(rows), AsRecorded(
         outcome, 'holds', OUTCOME_WORDS[outcome.value], total, None))
 

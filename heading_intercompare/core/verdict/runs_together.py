@@ -46,20 +46,20 @@ def find_repeated_runs(results: Sequence[RunResult]) -> dict[int, tuple[int, Sha
         share; None if all figures are equal. The other runs share nothing with each other.
 
     """
-    found: dict[int, tuple[int, Shared | None]] = {}
-    void = {at for at, one in enumerate(results, 1) if one.verdict.validity_effect == VOID}
+    repeats: dict[int, tuple[int, Shared | None]] = {}
+    void = {at for at, result in enumerate(results, 1) if result.verdict.validity_effect == VOID}
     for number, result in enumerate(results, 1):
         for earlier in range(1, number):
-            if earlier in found or {number, earlier} & void:
+            if earlier in repeats or {number, earlier} & void:
                 continue
-            other = results[earlier - 1]
+            earlier_result = results[earlier - 1]
             shared = None
-            if result.fingerprint is not None and other.fingerprint is not None:
-                shared = find_shared(result.fingerprint, other.fingerprint)
-            if shared is not None or _figures(result) == _figures(other):
-                found[number] = earlier, shared
+            if result.fingerprint is not None and earlier_result.fingerprint is not None:
+                shared = find_shared(result.fingerprint, earlier_result.fingerprint)
+            if shared is not None or _figures(result) == _figures(earlier_result):
+                repeats[number] = earlier, shared
                 break
-    return found
+    return repeats
 
 
 def shortest_apart_s(runs: Sequence[RunVerdict | JudgedPiece]) -> float:

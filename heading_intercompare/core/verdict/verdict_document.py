@@ -174,7 +174,7 @@ class Campaign:
 
         variances = [(r.variance_deg2, r.run) for r in runs if r.variance_deg2 is not None]
         # On a tie the first run.
-        largest = max(variances, key=lambda one: one[0], default=None)
+        largest = max(variances, key=lambda of_run: of_run[0], default=None)
         counted = [r for r in runs if r.n]
         return cls(
             rule=rule, reason=reason, m=len(runs),
@@ -211,8 +211,8 @@ class Input:
     sha256 : str or None
         Hash of its data; None if it could not be read.
     ts_topic, rs_topic : str or None
-        Topics read, or that made the pairs of a journal or csv. Of a log one is its sentence
-        ('HEHDT'), or 'csv', and the other None.
+        Topics read, or that made the pairs of a journal or csv. Of a log one topic is its sentence
+        ('HEHDT'), or 'csv', and the other topic None.
     notes : tuple of OperatorNote, or None
         Notes of the operator, in time order.
     error : str or None
@@ -337,8 +337,8 @@ class Verdict:
                 for r in runs for f in r.validity)]
             why = campaign_words(campaign, runs, coverage)
             line = compose_headline(outcome, findings, coverage, why)
-        problems = tuple(f'{given.path}: {problem}' for given in inputs
-                         for problem in given.ledger_problems or ())
+        problems = tuple(f'{recording.path}: {problem}' for recording in inputs
+                         for problem in recording.ledger_problems or ())
         return cls(outcome, line, gravest(
             [worst_effect(together), *(r.validity_effect for r in runs)]),
                    worst(r.paper_outcome for r in runs), settings, tuple(inputs), campaign,
@@ -425,8 +425,8 @@ class Verdict:
         of_2_0 = 'schema_version' not in mapping
         try:
             # All settings must be present: a default could differ from the value that was used.
-            if isinstance(given := mapping.get('settings'), Mapping):
-                mapping = {**mapping, 'settings': _read_settings(given)}
+            if isinstance(settings := mapping.get('settings'), Mapping):
+                mapping = {**mapping, 'settings': _read_settings(settings)}
             verdict: Verdict = read_plain(
                 cls, {'rule_version': None, **mapping} if of_2_0 else mapping)
         except VerdictError as error:
@@ -434,25 +434,25 @@ class Verdict:
                 raise VerdictError(f'{error}; if an earlier version wrote it, {_AGAIN}') from error
             raise
         complete = verdict.ledger_complete
-        if (told := mapping.get('ledger_complete', complete)) is not complete:
-            raise VerdictError(f'ledger_complete = {told!r:.70}: must be '
+        if (stated := mapping.get('ledger_complete', complete)) is not complete:
+            raise VerdictError(f'ledger_complete = {stated!r:.70}: must be '
                                f'{make_plain(complete)!r} by ledger_problems')
         if 'settings_sha256' not in mapping and not of_2_0:
             raise VerdictError('settings_sha256 is missing')
-        if (found := mapping.get('settings_sha256', verdict.settings_sha256)
+        if (digest := mapping.get('settings_sha256', verdict.settings_sha256)
                 ) != verdict.settings_sha256:
-            raise VerdictError(f'settings_sha256 = {found!r:.70}: the settings have '
+            raise VerdictError(f'settings_sha256 = {digest!r:.70}: the settings have '
                                f'{verdict.settings_sha256!r}, so they were changed afterwards')
         return verdict
 
 
-def _read_settings(given: Mapping[str, Any]) -> dict[str, Any]:
+def _read_settings(mapping: Mapping[str, Any]) -> dict[str, Any]:
     """Return all settings as plain values, nested like the classes."""
     for name in Settings().to_mapping():
-        if name not in given and not is_added(name):
+        if name not in mapping and not is_added(name):
             raise VerdictError(f'settings.{name} is missing')
     try:
-        settings = Settings.from_mapping(fill_in_added(given))
+        settings = Settings.from_mapping(fill_in_added(mapping))
         Limits.of(settings.norms, settings.model)
     except SettingsError as error:
         raise VerdictError(f'settings: {error}') from error

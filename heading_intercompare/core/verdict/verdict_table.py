@@ -152,16 +152,16 @@ def _reasons(verdict: Verdict) -> Iterator[tuple[str, list[str]]]:
         yield line, []
     for run in verdict.runs:
         of = f' of {run.source}' if several else ''
-        found = [f'{EFFECT_WORDS[f.effect]}: {f.evidence}' for f in run.validity
-                 if f.effect in (DOUBTFUL, VOID)]
-        found += [f'look {look.look} of {look.looks} at {look.span_s:.0f} s: {look.headline}'
-                  for look in run.looks]
-        found += [f'warning: {warning}' for warning in run.warnings]
-        yield f'run {run.run}{of}: {explain(run)}', found
+        findings = [f'{EFFECT_WORDS[f.effect]}: {f.evidence}' for f in run.validity
+                    if f.effect in (DOUBTFUL, VOID)]
+        findings += [f'look {look.look} of {look.looks} at {look.span_s:.0f} s: {look.headline}'
+                     for look in run.looks]
+        findings += [f'warning: {warning}' for warning in run.warnings]
+        yield f'run {run.run}{of}: {explain(run)}', findings
     if verdict.ledger_problems:
         yield 'the ledger is not complete:', list(verdict.ledger_problems)
-    missing = [f'not judged: {given.path}: {given.why_no_run}' for given in verdict.inputs
-               if given.why_no_run]
+    missing = [f'not judged: {recording.path}: {recording.why_no_run}'
+               for recording in verdict.inputs if recording.why_no_run]
     for line in missing if missing or verdict.runs else [NO_RUN]:
         yield line, []
 
@@ -192,8 +192,8 @@ def verdict_text(verdict: Verdict) -> str:
     for rows in _tables(verdict):
         lines += ['', *_align(rows)]
     lines.append('')
-    for line, found in _reasons(verdict):
-        lines += [line, *(f'  {more}' for more in found)]
+    for line, findings in _reasons(verdict):
+        lines += [line, *(f'  {more}' for more in findings)]
     return '\n'.join(map(_in_one_line, lines))
 
 
@@ -230,12 +230,12 @@ def verdict_html(verdict: Verdict) -> str:
             for at, cell in enumerate(row):
                 SubElement(line, 'td' if at and row is not rows[0] else 'th').text = cell
     reasons = SubElement(whole, 'ul')
-    for reason, found in _reasons(verdict):
+    for reason, findings in _reasons(verdict):
         item = SubElement(reasons, 'li')
         item.text = reason
-        if found:
+        if findings:
             more = SubElement(item, 'ul')
-            for text in found:
+            for text in findings:
                 SubElement(more, 'li').text = text
     # File names may hold bytes that are not text.
     return tostring(whole, 'unicode', method='html').encode('utf-8', 'replace').decode()

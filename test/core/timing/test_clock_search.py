@@ -146,7 +146,7 @@ def test_the_agreement_is_that_of_a_plain_loop(rng):
         at = round((lag_s + 100.0) / 0.5)
         there = round((100.0 - lag_s) / 0.5)
         x, y = mine.deg, other.deg[there:there + mine.deg.size]
-        both = (mine.known > 0.0) & (other.known[there:there + mine.deg.size] > 0.0)
+        both = (mine.covered > 0.0) & (other.covered[there:there + mine.deg.size] > 0.0)
         x, y = x[both], y[both]
         plain = 2.0 * np.mean((x - x.mean()) * (y - y.mean())) / (x.var() + y.var())
         assert search._agreement[at] == pytest.approx(plain, abs=1e-9)
