@@ -15,6 +15,7 @@
 
 PYTHON ?= python3
 PYTEST ?=
+PINNED ?=
 export PYTHON
 # Some containers set it: each of the hundreds of processes of the tests would compile all sources.
 unexport PYTHONDONTWRITEBYTECODE
@@ -29,6 +30,10 @@ PYTHON312 := $(shell for p in python3.12 "$$(pyenv prefix 3.12 2>/dev/null)/bin/
 # For two cores: two workers for the tests that run graphs, which mostly wait, and one that yields to
 # them (conftest.py).
 WORKERS ?= 3
+# Of the quick tests those that show what versions change: figures, bytes, readers, one whole path.
+OF_VERSIONS := $(addprefix test/,$(addprefix core/,statistics timing pairing decision verdict \
+	test_pipeline.py) messages readers bags/mcap app/test_analysis.py cli/test_what_binds.py \
+	report/figures test_packaging.py)
 TESTS := -m pytest --numprocesses $(WORKERS) --dist loadscope --no-loadscope-reorder
 SITE := $(BIN)/python -m sphinx --fail-on-warning --keep-going -q -b html docs docs/_build
 TABLES := A B E cells gaps drift rates runs means looks short
@@ -61,17 +66,19 @@ endif
 ifeq ($(PYTHON312),)
 	@echo '== 5/5 left out: the tests with the versions of Ubuntu 24.04 need Python 3.12'
 else
-	@.ci/step '5/5 the quick tests with the versions of Ubuntu 24.04' \
-		$(MAKE) --no-print-directory test-pins
+	@.ci/step '5/5 quick tests with the versions of Ubuntu 24.04' \
+		$(MAKE) --no-print-directory test-pins PINNED='$(OF_VERSIONS)'
 endif
 
 # What tests say of the sources does not depend on versions.
 test-pins: .venv-pins/.test
 	HYPOTHESIS_PROFILE=pins .venv-pins/bin/python $(TESTS) -m 'not (slow or ros or process) or colcon' \
-		$(addprefix --ignore=test/test_,architecture.py plain_english.py ament_lint.py benchmarks.py) $(PYTEST)
+		$(addprefix --ignore=test/test_,architecture.py plain_english.py ament_lint.py benchmarks.py) \
+		$(PINNED) $(PYTEST)
 
 release: addresses test
 	@.ci/step 'tests that take long' $(BIN)/python $(TESTS) -m endurance
+	@.ci/step 'all quick tests with the versions of Ubuntu 24.04' $(MAKE) --no-print-directory test-pins
 	@.ci/step 'nodes with the versions of Ubuntu 24.04' .venv-pins/bin/python $(TESTS) -m 'not slow' test/nodes
 	@.ci/step 'large fuzz' env HYPOTHESIS_PROFILE=release $(BIN)/python $(TESTS) test/bags test/nodes
 	@.ci/venv .venv ros,serial,report,pdf,terminal,fast,dask,docs,test,browser,dev,notebook

@@ -59,6 +59,7 @@ def pytest_pycollect_makemodule(module_path, parent):
 
 @pytest.mark.process
 @pytest.mark.slow
+@pytest.mark.endurance
 def test_the_tests_can_be_loaded_one_by_one_from_their_files(tmp_path):
     """As launch_testing does where it is installed: by then a file belongs to no package."""
     (tmp_path / 'loads_by_path.py').write_text(PLUGIN, 'utf-8')

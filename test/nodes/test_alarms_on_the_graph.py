@@ -298,7 +298,8 @@ class Line:
 
 
 @pytest.mark.parametrize('name, more', [
-    ('checksum', sentence(90.0, damaged=True)), ('second_talker', sentence(91.0, 'GP'))])
+    ('checksum', sentence(90.0, damaged=True)),
+    pytest.param('second_talker', sentence(91.0, 'GP'), marks=pytest.mark.endurance)])
 def test_a_flood_of_bad_checksums_and_a_second_talker(ros, name, more):
     line = Line(ros)
     try:

@@ -143,6 +143,7 @@ def test_in_any_order_of_start_nothing_is_lost(processes, tmp_path, order, numbe
 
 
 @pytest.mark.slow
+@pytest.mark.endurance
 def test_real_logs_at_20_times_the_speed_give_the_offline_verdict(
         processes, tmp_path, shared_data):
     """Gyro against Seapath: every sentence of both logs arrives, is paired and recorded."""

@@ -59,6 +59,7 @@ def test_live_replayed_and_offline_agree_on_simulated_sensors(tmp_path, capfd):
 
 
 @pytest.mark.slow
+@pytest.mark.endurance
 def test_the_demo_of_four_sensors_ends_with_the_protocol_and_the_page(tmp_path, capfd):
     out = tmp_path / 'out'
     assert main(['demo', '--sensors', '--out', str(out), '--duration', '200', '--speed',
