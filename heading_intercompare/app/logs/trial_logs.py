@@ -40,7 +40,7 @@ from .antenna_logs import import_antennas
 from .log_import import import_log, ImportedLog
 from .log_motion import find_motion, FoundMotion
 
-__all__ = ['find_logs', 'judge_logs', 'name_logs', 'plan_logs', 'ROLES']
+__all__ = ['find_logs', 'import_sensor', 'judge_logs', 'name_logs', 'plan_logs', 'ROLES']
 
 ROLES = ('ts', 'rs')
 """The sensors, in the order of their logs."""
@@ -157,14 +157,16 @@ def plan_logs(logs: Mapping[str, str], settings: Settings,
     Return the log of each sensor, and how to read it and a log of the motion, by name.
 
     The reference is last, so that `find_motion` searches its log first. A row of `sensors`
-    chooses sentence, talker and instrument.
+    chooses sentence, talker and instrument; in all else a sensor that `drivers` does not name is
+    read as `ts`.
     """
     order = sorted(list_sensors(settings), key=lambda sensor: sensor.is_reference)
-    shared = drivers or {}
+    drivers = drivers or {}
+    shared = drivers.get('ts', DriverSettings())
     return ({sensor.name: logs[sensor.name] for sensor in order},
-            {'motion': shared.get('motion', DriverSettings()),
-             **{sensor.name: replace(shared.get(sensor.name, DriverSettings()),
-                                     **describe_driver(sensor)) for sensor in order}})
+            {'motion': drivers.get('motion', DriverSettings()),
+             **{sensor.name: replace(drivers.get(sensor.name, shared), **describe_driver(sensor))
+                for sensor in order}})
 
 
 def judge_logs(logs: Mapping[str, str], settings: Settings,
@@ -183,7 +185,7 @@ def judge_logs(logs: Mapping[str, str], settings: Settings,
     settings : Settings
         Settings with the norms.
     drivers : mapping of str to DriverSettings, optional
-        How to read each log, and that of the `motion`.
+        How to read each log, and that of the `motion`; see `plan_logs`.
     runs : str, optional
         Table of runs, a csv file; its source is the first log.
     motion : str, optional
@@ -215,8 +217,8 @@ def judge_logs(logs: Mapping[str, str], settings: Settings,
         rows, elsewhere = assign_runs(read_run_table(runs), [first])
         table = [(start, stop) for start, stop, _ in rows]
     paths, drivers = plan_logs(logs, settings, drivers)
-    imported = {sensor.name: _import(sensor, paths, drivers, settings, aft, progress)
-                for sensor in sensors}
+    imported = {sensor.name: import_sensor(sensor, paths[sensor.name], drivers[sensor.name],
+                                           settings, aft, progress) for sensor in sensors}
     _refuse_equal(imported, settings)
     moved = (find_motion(paths, drivers, motion) if settings.motion.compare or motion
              else FoundMotion())
@@ -245,11 +247,9 @@ def judge_logs(logs: Mapping[str, str], settings: Settings,
                                          for source in elsewhere])
 
 
-def _import(sensor: Sensor, paths: Mapping[str, str], drivers: Mapping[str, DriverSettings],
-            settings: Settings, aft: str | None,
-            progress: Callable[[str], None]) -> ImportedLog:
-    """Return the headings of a sensor, from its log or from those of two antennas."""
-    path, driver = paths[sensor.name], drivers[sensor.name]
+def import_sensor(sensor: Sensor, path: str, driver: DriverSettings, settings: Settings,
+                  aft: str | None, progress: Callable[[str], None]) -> ImportedLog:
+    """Return the headings of a sensor, from its log or, of the reference, of two antennas."""
     if sensor.is_reference and aft is not None:
         return import_antennas((path, aft), driver, settings.antennas)
     return import_log(path, driver, progress, role=sensor.role, unit=sensor.unit)

@@ -17,24 +17,24 @@
 from __future__ import annotations
 
 import argparse
+from dataclasses import replace
 from functools import partial
 import time
-from typing import Callable, NamedTuple, Sequence, TypeVar
+from typing import Callable, Mapping, NamedTuple, Sequence, TypeVar
 
 import numpy as np
 
 from heading_intercompare.app.config import load_config, settings_for
-from heading_intercompare.app.logs.antenna_logs import import_antennas
-from heading_intercompare.app.logs.log_import import import_log
 from heading_intercompare.app.logs.log_motion import find_motion, FoundMotion
-from heading_intercompare.app.logs.trial_logs import name_logs, plan_logs, ROLES
+from heading_intercompare.app.logs.trial_logs import import_sensor, name_logs, plan_logs, ROLES
 from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.motion_topics import motion_topics
 from heading_intercompare.bags.rosbag2.provenance import describe_origin, Notes, RECORD
 from heading_intercompare.cli.terminal.console import say_lines
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.records import Headings, Integers, Motion
-from heading_intercompare.core.rows.sensor_table import read_sensors
+from heading_intercompare.core.rows.sensor_table import read_sensors, Sensor
+from heading_intercompare.core.sensors.pair_settings import list_sensors
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.messages.heading_messages import encode_imu, IMU
@@ -79,20 +79,16 @@ def run(arguments: argparse.Namespace) -> int:
                             **{'antennas.baseline_m': arguments.baseline_m,
                                'antennas.baseline_angle_deg': arguments.baseline_angle})
     notes = read_notes(arguments)
-    paths, topics, drivers = _choose(arguments, settings)
+    paths, sensors, drivers = _choose(arguments, settings)
     logs = {}
-    for role, path in paths.items():
+    for name, path in paths.items():
         with Progress(path, arguments.quiet) as progress:
-            if role == 'rs' and arguments.rs_antennas:
-                logs[role] = import_antennas(arguments.rs_antennas, drivers[role],
-                                             settings.antennas)
-                continue
-            logs[role] = import_log(path, drivers[role], progress.show, role=role,
-                                    unit=settings.ts_unit if role == 'ts' else settings.rs_unit)
-    origins = {role: log.origin for role, log in logs.items()}
-    read = {role: _that_fit(log.headings) for role, log in logs.items()}
-    for role, log in logs.items():
-        if len(log.headings) and not len(read[role]):
+            logs[name] = import_sensor(sensors[name], path, drivers[name], settings,
+                                       (arguments.rs_antennas or (None, None))[1], progress.show)
+    origins = {name: log.origin for name, log in logs.items()}
+    read = {name: _that_fit(log.headings) for name, log in logs.items()}
+    for name, log in logs.items():
+        if len(log.headings) and not len(read[name]):
             raise ValueError(f'{log.path}: a bag holds no stamp before 1970 or from 19 January '
                              '2038 on; analyze reads the log itself')
     moved = FoundMotion()
@@ -100,24 +96,23 @@ def run(arguments: argparse.Namespace) -> int:
         moved = find_motion(paths, drivers, arguments.motion)
     if moved.origin:
         origins['motion'] = dict(moved.origin)
-    streams = [_of_headings(topics[role], headings, f'{role}_heading')
-               for role, headings in read.items()]
+    streams = [_of_headings(sensors[name].heading_topic, headings, f'{name}_heading')
+               for name, headings in read.items()]
     streams += _of_motion(_that_fit(moved.rows), motion_topics(settings.motion))
     _write(arguments.output, streams, describe_origin(settings.to_mapping(), origins), notes)
-    for role in topics:
-        shown = role.upper() if role in ROLES else role
-        beyond = len(logs[role].headings) - len(read[role])
-        say_lines([f'{shown} {logs[role].path}: {len(read[role])} headings on '
-                   f'{"; ".join((topics[role], *logs[role].remarks))}; not taken: '
-                   f'{logs[role].words_not_taken}'
+    for name, log in logs.items():
+        beyond = len(log.headings) - len(read[name])
+        say_lines([f'{name if arguments.logs else name.upper()} {log.path}: {len(read[name])} '
+                   f'headings on {"; ".join((sensors[name].heading_topic, *log.remarks))}; '
+                   f'not taken: {log.words_not_taken}'
                    + f'; {beyond} with a stamp that a bag cannot hold' * (beyond > 0)])
     say_lines([*moved.notes, f'bag: {arguments.output}'])
     return 0
 
 
 def _choose(arguments: argparse.Namespace, settings: Settings,
-            ) -> tuple[dict[str, str], dict[str, str], dict[str, DriverSettings]]:
-    """Return the path of each log, its topic, and how to read it, by the sensor's name or role."""
+            ) -> tuple[dict[str, str], dict[str, Sensor], dict[str, DriverSettings]]:
+    """Return the path of each log, its sensor, and how to read it, by the sensor's name."""
     drivers = drivers_for(arguments)
     antennas = arguments.rs_antennas
     if antennas and (log := next(iter(arguments.logs), arguments.rs)):
@@ -129,20 +124,22 @@ def _choose(arguments: argparse.Namespace, settings: Settings,
             if path is None:
                 raise ValueError(f'--{role}: is missing; give --ts FILE and --rs FILE, or '
                                  'NAME=LOG for each sensor of the setting sensors')
-        return logs, {'ts': settings.ts_topic, 'rs': settings.rs_topic}, drivers
+        return _plan(logs, replace(settings, sensors=None), drivers)
     if named := next((role for role in ROLES if getattr(arguments, role) is not None), None):
         raise ValueError(f'--{named} {getattr(arguments, named)}: goes without NAME=LOG; give '
                          'one or the other')
-    sensors = read_sensors(settings.sensors)
     paths = name_logs(arguments.logs, settings)
     if paths is None:
+        names = ', '.join(sensor.name for sensor in read_sensors(settings.sensors))
         raise ValueError(f'{arguments.logs[0]}: must be NAME=LOG with a sensor of the setting '
-                         'sensors: '
-                         f'{", ".join(sensor.name for sensor in sensors) or "there are none"}')
-    paths, drivers = plan_logs(paths, settings, {
-        **dict.fromkeys(paths, drivers['ts']), 'motion': drivers['motion']})
-    topics = {sensor.name: sensor.heading_topic for sensor in sensors}
-    return paths, {name: topics[name] for name in paths}, drivers
+                         f'sensors: {names or "there are none"}')
+    return _plan(paths, settings, drivers)
+
+
+def _plan(logs: Mapping[str, str], settings: Settings, drivers: Mapping[str, DriverSettings],
+          ) -> tuple[dict[str, str], dict[str, Sensor], dict[str, DriverSettings]]:
+    paths, drivers_of = plan_logs(logs, settings, drivers)
+    return paths, {sensor.name: sensor for sensor in list_sensors(settings)}, drivers_of
 
 
 class _Stream(NamedTuple):

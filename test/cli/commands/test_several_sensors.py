@@ -230,6 +230,26 @@ def test_a_bag_of_logs_takes_two_logs_or_one_per_sensor(ship, tmp_path, capsys):
         capsys, 'import-nmea', 'x=y', *given)
 
 
+def test_the_unit_of_a_row_holds_where_logs_become_a_bag(tmp_path, capsys):
+    """Radians near 1.6 could be degrees: only the row says which."""
+    logs = []
+    for name, heading in (('gyro', 1.6), ('gnss', 91.673)):
+        path = tmp_path / f'{name}.csv'
+        path.write_text('stamp_s,heading\n' + ''.join(
+            f'{1_770_000_000 + at}.0,{heading + 0.001 * (at % 7)}\n' for at in range(300)))
+        logs.append(f'{name}={path}')
+    rows = 'sensors=gyro unit=rad sigma_max_deg=0.3; gnss unit=deg sigma_max_deg=0.1 rs'
+    bag = str(tmp_path / 'bag')
+    assert main(['import-nmea', *logs, '--set', rows, '-o', bag]) == 0
+    means = []
+    for inputs in ([bag], logs):
+        assert main(['analyze', *inputs, '--set', rows, '--json', str(tmp_path / 'v.json')]) == 0
+        verdict = json.loads((tmp_path / 'v.json').read_text())
+        means.append(verdict['pairs'][0]['mean_deg'])
+    assert means[0] == pytest.approx(means[1], abs=1e-6) and abs(means[1]) < 1.0
+    capsys.readouterr()
+
+
 def test_logs_without_names_and_names_without_a_setting_are_one_line(trial, tmp_path, capsys):
     log = tmp_path / 'gyro.log'
     log.write_text('2014-08-01T00:00:00Z $HEHDT,100.00,T*17\n')
