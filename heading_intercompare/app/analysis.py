@@ -25,13 +25,12 @@ import warnings
 from heading_intercompare.bags.csv.pairs_account import PairsAccount
 from heading_intercompare.core.pipeline import join
 from heading_intercompare.core.records import Headings, Motion
-from heading_intercompare.core.rows.sensor_table import find_reference, list_tested
 from heading_intercompare.core.sensors.judging import judge_sensors
 from heading_intercompare.core.sensors.pair_settings import (
     check_norms,
     check_sensors,
-    list_sensors,
     Names,
+    pair_with_reference,
     settings_of_pair,
 )
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
@@ -161,7 +160,7 @@ def conclude(judged: Sequence[JudgedInput], settings: Settings,
                if any(judged_input.lacks_run(names) for judged_input in judged)}
     sketches = {sensor.name: tuple(judged_input.sketches[sensor.name] for judged_input in judged
                                    if sensor.name in judged_input.sketches)
-                for sensor in list_tested(list_sensors(settings))}
+                for sensor, _ in pair_with_reference(settings)}
     verdicts = _join_tested(judged, settings, results, lacking, sketches)
     together = None
     if settings.sensors is not None:
@@ -184,11 +183,8 @@ def _join_tested(judged: Sequence[JudgedInput], settings: Settings,
                  results: Mapping[Names, Sequence[RunResult]], lacking: Container[Names],
                  sketches: Mapping[str, tuple[SeriesSketch, ...]]) -> dict[str, Verdict]:
     """Return the verdict on each sensor against the reference, by its name."""
-    sensors = list_sensors(settings)
-    reference = find_reference(sensors)
     verdicts = {}
-    for sensor in list_tested(sensors):
-        assert reference is not None
+    for sensor, reference in pair_with_reference(settings):
         names = sensor.name, reference.name
         entries = [entry for judged_input in judged
                    for entry in judged_input.entries_of_tested.get(sensor.name, ())]

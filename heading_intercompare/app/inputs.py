@@ -50,8 +50,8 @@ from heading_intercompare.core.pairing.ledger import Ledger
 from heading_intercompare.core.pairing.ledger_keys import LedgerKey, LedgerSegment
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.records import Headings, Motion, Pairs
-from heading_intercompare.core.rows.sensor_table import find_reference, list_tested, Sensor
-from heading_intercompare.core.sensors.pair_settings import list_sensors
+from heading_intercompare.core.rows.sensor_table import Sensor
+from heading_intercompare.core.sensors.pair_settings import pair_with_reference
 from heading_intercompare.core.settings import leave_out_added, Settings, SettingsError
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import Input, OperatorNote
@@ -320,11 +320,9 @@ def _judge_recording(readers: Sequence[Readable], path: str, name: str, settings
 
 def describe_recording(path: str, entry: Input, settings: Settings) -> JudgedInput:
     """Return a recording without runs of its own, with its entries in the verdicts."""
-    sensors = list_sensors(settings)
-    reference = find_reference(sensors)
     return JudgedInput(path, {}, [entry], {
         sensor.name: [_name_topics(entry, sensor, reference, settings)]
-        for sensor in list_tested(sensors) if reference is not None})
+        for sensor, reference in pair_with_reference(settings)})
 
 
 def _name_topics(entry: Input, ts: Sensor, rs: Sensor, settings: Settings) -> Input:

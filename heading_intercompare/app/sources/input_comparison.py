@@ -169,6 +169,7 @@ class InputComparison:
 
         """
         notes, sensors = [*notes], {sensor.name: sensor for sensor in self.sensors}
+        motion = text_of_motion(self._motion)
         entries_of_tested: dict[str, Sequence[Input]] = {}
         accounts = {}
         for names, pair in self.comparison.pairs.items():
@@ -185,7 +186,7 @@ class InputComparison:
             entries_of_tested[names[0]] = pair_entries
             if pair_entries:
                 accounts[names[0]] = _make_account(pair_entries, settings, ledger, self.marks,
-                                                   self._table, self._motion)
+                                                   self._table, motion)
         if entries and not any(results.values()):
             entries = [replace(entries[0], no_run='no pair of sensors has a run'), *entries[1:]]
         earlier = {name: [result.verdict for result in pair.compliance.take_earlier(pair.ledger)]
@@ -235,14 +236,13 @@ def describe_two(results: list[RunResult], earlier: Sequence[RunResult], entry: 
 
 
 def _make_account(entries: Sequence[Input], settings: Settings, ledger: Ledger,
-                 marks: Sequence[tuple[str, int]] = (), table: Spans | None = None,
-                 motion: Motion | None = None) -> PairsAccount:
+                 marks: Sequence[tuple[str, int]], table: Spans | None,
+                 motion: Mapping[str, str] | None = None) -> PairsAccount:
     """Return the account to lay beside a csv of the pairs of two sensors."""
     set_backs = tuple(step for steps in ledger.set_backs.values() for step in steps)
     return PairsAccount(tuple(entries), settings.to_mapping(), tuple(marks),
                         None if table is None else tuple(table), ledger.newest_ns,
-                        ledger.segments, set_backs,
-                        motion=text_of_motion(Motion.empty() if motion is None else motion))
+                        ledger.segments, set_backs, motion=motion)
 
 
 def _explain_no_run(ledger: Ledger, settings: Settings, table: Spans | None) -> str:

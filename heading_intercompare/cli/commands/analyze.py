@@ -41,15 +41,10 @@ from heading_intercompare.cli.terminal.console import (
 )
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.rows.sensor_table import (
-    find_reference,
-    list_tested,
-    read_sensors,
-    Sensor,
-)
+from heading_intercompare.core.rows.sensor_table import read_sensors
 from heading_intercompare.core.sensors.pair_settings import (
     check_norms,
-    list_sensors,
+    pair_with_reference,
     settings_of_pair,
 )
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
@@ -234,12 +229,12 @@ def run(arguments: argparse.Namespace) -> int:
           _cluster(arguments.dask) as executor):
         tables = {sensor.name: [files.enter_context(table) for table in open_tables(
             outputs[sensor.name], settings_of_pair(settings, sensor, reference))]
-            for sensor, reference in _list_tested(settings)}
+            for sensor, reference in pair_with_reference(settings)}
         takers = {name: [table.write for table in writers]
                   for name, writers in tables.items() if writers}
         if logs is not None:
             judged = judge_logs(
-                logs, settings, _name_drivers(drivers, logs), runs=arguments.runs or None,
+                logs, settings, drivers, runs=arguments.runs or None,
                 motion=arguments.motion, aft=(arguments.rs_antennas or (None, None))[1],
                 takers=takers, sketched=bool(arguments.report), progress=progress.show)
         else:
@@ -277,19 +272,6 @@ def _find_logs(arguments: argparse.Namespace, settings: Settings,
     return logs
 
 
-def _name_drivers(drivers: Mapping[str, DriverSettings],
-                  logs: Mapping[str, str]) -> dict[str, DriverSettings]:
-    """Return how to read the log of each sensor; several sensors share the options."""
-    return {**dict.fromkeys(logs, drivers['ts']), **drivers}
-
-
-def _list_tested(settings: Settings) -> list[tuple[Sensor, Sensor]]:
-    """Return each tested sensor with the reference."""
-    sensors = list_sensors(settings)
-    reference = find_reference(sensors)
-    return [] if reference is None else [(sensor, reference) for sensor in list_tested(sensors)]
-
-
 def _plan_outputs(arguments: argparse.Namespace, settings: Settings) -> dict[str, Outputs]:
     """Return the files of the tested sensor, or those of each beside those of all."""
     whole = Outputs(arguments.csv, arguments.ensembles, arguments.report, arguments.json,
@@ -303,7 +285,7 @@ def _plan_outputs(arguments: argparse.Namespace, settings: Settings) -> dict[str
         sensor.name: replace(whole, csv=of(whole.csv, sensor.name),
                              ensembles=of(whole.ensembles, sensor.name),
                              report=of(whole.report, sensor.name))
-        for sensor, _ in _list_tested(settings)}}
+        for sensor, _ in pair_with_reference(settings)}}
 
 
 def _write_rows(book: Logbook, judged: Judgement, ship: str) -> None:
@@ -335,7 +317,6 @@ def deliver(verdict: Verdict | SensorsVerdict, arguments: argparse.Namespace,
             sketches: Mapping[str, Sequence[SeriesSketch]] | None = None) -> int:
     """Print and write the verdict, write the protocols if asked for; return the exit code."""
     code = conclude(verdict, arguments)
-    several = isinstance(verdict, SensorsVerdict)
     if arguments.runs_csv:
         if isinstance(verdict, SensorsVerdict) and not verdict.verdicts:
             raise ValueError(f'--runs-csv {arguments.runs_csv}: no sensor is the reference, so '
@@ -346,7 +327,7 @@ def deliver(verdict: Verdict | SensorsVerdict, arguments: argparse.Namespace,
         with name_file(arguments.report), Progress(arguments.report, arguments.quiet) as progress:
             progress.show('drawing the protocol')
             files = write_protocols(verdict, arguments.report, sketches, progress.show)
-        if several and arguments.json != '-':
+        if isinstance(verdict, SensorsVerdict) and arguments.json != '-':
             say_lines(['protocols: ' + ', '.join(map(str, files))])
     return code
 
@@ -388,7 +369,7 @@ def _check_options(arguments: argparse.Namespace, settings: Settings, of_logs: b
         if path is None:
             continue
         named = f'--{option.replace("_", "-")} {path}'
-        if not _list_tested(settings):
+        if not pair_with_reference(settings):
             raise ValueError(f'{named}: no sensor is the reference, and it {_OF_TWO}')
         if option == 'runs_csv':
             continue

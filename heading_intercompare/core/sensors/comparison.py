@@ -22,10 +22,15 @@ from heading_intercompare.core.pairing.ledger_keys import LedgerKey
 from heading_intercompare.core.pairing.pair_sampling import PairSampler
 from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Headings, Losses, Motion, Pairs
-from heading_intercompare.core.rows.sensor_table import find_reference, list_tested
 from heading_intercompare.core.settings import Settings
 
-from .pair_settings import list_sensors, Names, settings_of_others, settings_of_pair
+from .pair_settings import (
+    list_sensors,
+    Names,
+    pair_with_reference,
+    settings_of_others,
+    settings_of_pair,
+)
 
 __all__ = ['SensorsComparison']
 
@@ -65,18 +70,16 @@ class SensorsComparison:
                  progress: Callable[[str], None] = lambda text: None,
                  only_others: bool = False) -> None:
         self.sensors = list_sensors(settings)
-        reference = find_reference(self.sensors)
-        self.tested: dict[str, Intercomparison] = {}
         self.others = {
             names: Intercomparison(pair_settings, source=source, table=table,
                                    sampler=PairSampler())
             for names, pair_settings in settings_of_others(settings).items()}
-        self._reference = '' if reference is None else reference.name
-        if reference is not None and not only_others:
-            for sensor in list_tested(self.sensors):
-                self.tested[sensor.name] = Intercomparison(
-                    settings_of_pair(settings, sensor, reference), source=source, table=table,
-                    progress=progress)
+        tested = () if only_others else pair_with_reference(settings)
+        self._reference = tested[0][1].name if tested else ''
+        self.tested = {
+            sensor.name: Intercomparison(settings_of_pair(settings, sensor, reference),
+                                         source=source, table=table, progress=progress)
+            for sensor, reference in tested}
 
     def update(self, headings: Mapping[str, Headings],
                now_s: float | None = None) -> dict[str, Pairs]:

@@ -22,11 +22,17 @@ from itertools import combinations
 from heading_intercompare.core.decision.coverage import least_duration_s, slowest_error_s
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.norm_presets import sigma_max_deg
-from heading_intercompare.core.rows.sensor_table import find_tested, read_sensors, Sensor
+from heading_intercompare.core.rows.sensor_table import (
+    find_reference,
+    find_tested,
+    list_tested,
+    read_sensors,
+    Sensor,
+)
 from heading_intercompare.core.settings import Risk, Settings, SettingsError
 
-__all__ = ['check_norms', 'check_sensors', 'list_sensors', 'risk_of', 'settings_of_others',
-           'settings_of_pair', 'settings_of_tested']
+__all__ = ['check_norms', 'check_sensors', 'list_sensors', 'pair_with_reference', 'risk_of',
+           'settings_of_others', 'settings_of_pair', 'settings_of_tested']
 
 #: The names of the sensors of a pair; the reference is the second one.
 Names = tuple[str, str]
@@ -125,6 +131,14 @@ def list_sensors(settings: Settings) -> tuple[Sensor, ...]:
                    unit=settings.ts_unit),
             Sensor('rs', 'rs', topic=settings.rs_topic, convention=settings.rs_convention,
                    unit=settings.rs_unit))
+
+
+def pair_with_reference(settings: Settings) -> tuple[tuple[Sensor, Sensor], ...]:
+    """Return each tested sensor with the reference; empty if no sensor is the reference."""
+    sensors = list_sensors(settings)
+    reference = find_reference(sensors)
+    return () if reference is None else tuple(
+        (sensor, reference) for sensor in list_tested(sensors))
 
 
 def check_sensors(settings: Settings) -> tuple[Sensor, ...]:
