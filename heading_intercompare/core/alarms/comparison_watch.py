@@ -133,8 +133,7 @@ class ComparisonWatch:
         self._step_deg, self._repeats = 0.0, False
         self._repeated = {name: _Repeated(name) for name in ('TS', 'RS')}
         self._turned_with_ns = self._explained_ns = 0
-        # What the signs last said for sure: those that explain others, and all.
-        self._holds: dict[str, bool] = {}
+        # What the signs last said for sure.
         self._raised: dict[str, bool] = {}
         self._steps = find_resolution([]), find_resolution([])
         self.newest_ns: int | None = None
@@ -181,14 +180,12 @@ class ComparisonWatch:
             signs['mirrored'] = self._look_mirrored()
             mirrored = self._remember({'mirrored': signs['mirrored']})
             signs['rotated'] = Sign(False) if mirrored else self._look_rotated()
-        self._remember(signs)
-        explained = any(self._holds.values())
+        explained = self._remember(signs)
         signs |= self._jumps.look(window, self._step_deg, since_ns, explained, self._repeats)
         signs['same_source'] = self._look_same_source(ts)
         if self._is_due('clock', _CLOCK_EVERY_S):
             signs['clock_step'] = self._look_clock()
-        self._raised |= {name: sign.active for name, sign in signs.items()
-                         if sign.active is not None}
+        self._remember(signs)
         if any(self._raised.values()):
             # What a detector of its own explains is no news of another condition, then and later.
             self._explained_ns = self.newest_ns or 0
@@ -198,9 +195,9 @@ class ComparisonWatch:
 
     def _remember(self, signs: Mapping[str, Sign]) -> bool:
         """Keep what these signs last said for sure; tell whether one of their conditions holds."""
-        self._holds |= {name: sign.active for name, sign in signs.items()
-                        if sign.active is not None}
-        return any(self._holds.get(name, False) for name in signs)
+        self._raised |= {name: sign.active for name, sign in signs.items()
+                         if sign.active is not None}
+        return any(self._raised.get(name, False) for name in signs)
 
     def _is_due(self, name: str, every_s: float) -> bool:
         newest_ns = self.newest_ns or 0
