@@ -58,6 +58,16 @@ def judge(error_deg, rng, settings=(), marks=(), table=None, chunk=N):
     return comparison.verdict()
 
 
+def judge_days(first_error_deg, second_error_deg, rng, settings):
+    """Judge the records of two days as two inputs of a campaign."""
+    stamps = [STAMPS, STAMPS + 86_400 * 10 ** 9]
+    ts = [Headings.as_sent(stamp_ns, (SHIP + error_deg) % 360.0)
+          for stamp_ns, error_deg in zip(stamps, (first_error_deg, second_error_deg))]
+    rs = [Headings.as_sent(stamp_ns, (SHIP + 0.05 * rng.standard_normal(N)) % 360.0)
+          for stamp_ns in stamps]
+    return analyze(ts, rs, Settings.from_mapping({'norms': NORMS, **settings}))
+
+
 @pytest.fixture
 def good(rng):
     """Return sound errors of the TS."""
@@ -147,25 +157,14 @@ def test_a_drift_that_is_removed_is_named_with_its_size(good, rng):
 
 
 def test_inputs_are_accounted_for_together(bad, good, rng):
-    runs = []
-    for day, errors in enumerate((good, bad)):
-        stamps = STAMPS + day * 86_400 * 10 ** 9
-        runs.append((Headings.as_sent(stamps, (SHIP + errors) % 360.0),
-                     Headings.as_sent(stamps, (SHIP + 0.05 * rng.standard_normal(N)) % 360.0)))
-    verdict = analyze([ts for ts, _ in runs], [rs for _, rs in runs], Settings.from_mapping(
-        {'norms': NORMS, 'runs': {'stabilization_s': 510.0}}))
+    verdict = judge_days(good, bad, rng, {'runs': {'stabilization_s': 510.0}})
     assert verdict.taken_out.n == 2 * 5100 and finding(verdict).effect == DOUBTFUL
 
 
 def test_an_input_without_anything_left_out_counts_in_the_record(bad, good, rng):
     """The second day is bad and stays in: the record is as bad as the runs."""
-    days = []
-    for day, errors in enumerate((good, bad)):
-        stamps = STAMPS + day * 86_400 * 10 ** 9
-        days.append((Headings.as_sent(stamps, (SHIP + errors) % 360.0),
-                     Headings.as_sent(stamps, (SHIP + 0.05 * rng.standard_normal(N)) % 360.0)))
-    verdict = analyze([ts for ts, _ in days], [rs for _, rs in days], Settings.from_mapping(
-        {'norms': NORMS, 'exclusions': '2027-01-15 08:00:00, 2027-01-15 08:05:00, because'}))
+    verdict = judge_days(good, bad, rng, {
+        'exclusions': '2027-01-15 08:00:00, 2027-01-15 08:05:00, because'})
     assert verdict.outcome is Outcome.NON_COMPLIANT and finding(verdict).effect == HOLDS
     assert verdict.taken_out.share == pytest.approx(2999 / (2 * N))
     assert verdict.taken_out.as_recorded.n == 2 * N
