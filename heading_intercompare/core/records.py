@@ -20,6 +20,7 @@ Each is a chunk: n >= 0 samples in columns of equal length. No sample travels al
 
 from __future__ import annotations
 
+from array import array
 from dataclasses import dataclass
 from typing import Any, Iterable, TYPE_CHECKING, TypeVar
 
@@ -30,13 +31,18 @@ from .units.angle_units import fold_angles
 from .units.given_stamps import integer_stamps, utc_stamps
 from .utc_text import utc
 
-__all__ = ['Attitude', 'Differences', 'FASTEST_M_S', 'FASTEST_TURN_DEG_S', 'Headings', 'Integers',
-           'KNOT_M_S', 'Losses', 'Motion', 'Pairs', 'Reals']
+__all__ = ['Attitude', 'ColumnBuffer', 'Differences', 'FASTEST_M_S', 'FASTEST_TURN_DEG_S',
+           'Headings', 'Integers', 'KNOT_M_S', 'Losses', 'Motion', 'MOTION_COLUMNS', 'Pairs',
+           'Reals']
 
 KNOT_M_S = 1852.0 / 3600.0
 """One knot, m/s."""
 FASTEST_M_S, FASTEST_TURN_DEG_S = 80.0, 60.0
 """No ship moves or turns faster, m/s and degrees per second: such a reading is a mistake."""
+
+MOTION_COLUMNS = {'fix': ('latitude_deg', 'longitude_deg'), 'velocity': ('east_m_s', 'north_m_s'),
+                  'rate': ('rate_deg_s',)}
+"""The columns of `Motion` that a row fills, by what it tells."""
 
 Reals = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -110,6 +116,58 @@ class _Columns:
             return cls.empty()
         return cls(*[np.concatenate([getattr(c, name) for c in chunks])
                      for name in cls.__slots__])
+
+
+class ColumnBuffer:
+    """
+    Columns that grow row by row, until a chunk takes them.
+
+    Parameters
+    ----------
+    width : int
+        Number of columns of reals beside the stamps.
+
+    Attributes
+    ----------
+    stamp_ns : array of int64
+        Stamps, nanoseconds.
+    values : list of array of float64
+        The other columns.
+
+    Examples
+    --------
+    >>> buffer = ColumnBuffer()
+    >>> buffer.add(10 ** 18, 218.5)
+    >>> Headings(*buffer.drain()), len(buffer)
+    (Headings(n=1, 2001-09-09 01:46:40.000 to 2001-09-09 01:46:40.000 UTC), 0)
+
+    """
+
+    __slots__ = ('stamp_ns', 'values')
+
+    def __init__(self, width: int = 1) -> None:
+        self.stamp_ns, self.values = array('q'), [array('d') for _ in range(width)]
+
+    def __len__(self) -> int:
+        return len(self.stamp_ns)
+
+    def add(self, stamp_ns: int, *values: float) -> None:
+        """Add a row."""
+        self.stamp_ns.append(stamp_ns)
+        for column, value in zip(self.values, values):
+            column.append(value)
+
+    def columns(self) -> list[np.ndarray]:
+        """Return the columns, the stamps first."""
+        return [np.array(self.stamp_ns), *map(np.array, self.values)]
+
+    def drain(self) -> list[np.ndarray]:
+        """Return the columns, and begin again without rows."""
+        columns = self.columns()
+        if self.stamp_ns:
+            for column in (self.stamp_ns, *self.values):
+                del column[:]
+        return columns
 
 
 def _reals(values: ArrayLike) -> Reals:
@@ -264,23 +322,27 @@ class Motion(_Columns):
     @classmethod
     def empty(cls) -> 'Motion':
         """Return the empty chunk."""
-        return cls.of_rates([], [])
+        return cls.of('rate', [], [])
+
+    @classmethod
+    def of(cls, what: str, stamp_ns: ArrayLike, *columns: ArrayLike) -> 'Motion':
+        """Build a chunk of rows that tell one thing; stamps must be integers."""
+        stamps = integer_stamps(stamp_ns)
+        values = dict(zip(MOTION_COLUMNS[what], map(_reals, columns)))
+        none = np.full(stamps.shape, np.nan)
+        return cls(stamps, *(values.get(name, none) for name in cls.__slots__[1:]))
 
     @classmethod
     def of_positions(cls, stamp_ns: ArrayLike, latitude_deg: ArrayLike,
                      longitude_deg: ArrayLike) -> 'Motion':
         """Build a chunk from positions; stamps must be integers."""
-        stamps = integer_stamps(stamp_ns)
-        none = np.full(stamps.shape, np.nan)
-        return cls(stamps, _reals(latitude_deg), _reals(longitude_deg), none, none, none)
+        return cls.of('fix', stamp_ns, latitude_deg, longitude_deg)
 
     @classmethod
     def of_velocities(cls, stamp_ns: ArrayLike, east_m_s: ArrayLike,
                       north_m_s: ArrayLike) -> 'Motion':
         """Build a chunk from velocities over ground; stamps must be integers."""
-        stamps = integer_stamps(stamp_ns)
-        none = np.full(stamps.shape, np.nan)
-        return cls(stamps, none, none, _reals(east_m_s), _reals(north_m_s), none)
+        return cls.of('velocity', stamp_ns, east_m_s, north_m_s)
 
     @classmethod
     def of_courses(cls, stamp_ns: ArrayLike, course_deg: ArrayLike,
@@ -300,9 +362,7 @@ class Motion(_Columns):
     @classmethod
     def of_rates(cls, stamp_ns: ArrayLike, rate_deg_s: ArrayLike) -> 'Motion':
         """Build a chunk from rates of turn; stamps must be integers."""
-        stamps = integer_stamps(stamp_ns)
-        none = np.full(stamps.shape, np.nan)
-        return cls(stamps, none, none, none, none, _reals(rate_deg_s))
+        return cls.of('rate', stamp_ns, rate_deg_s)
 
     @property
     def course_deg(self) -> Reals:
@@ -319,21 +379,25 @@ class Motion(_Columns):
         rows = self[np.argsort(self.stamp_ns, kind='stable')]
         return rows[rows.stamp_ns > 0]
 
+    def select(self, what: str) -> 'Motion':
+        """Return the rows that tell one thing: 'fix', 'velocity' or 'rate'."""
+        return self[np.isfinite([getattr(self, name) for name in MOTION_COLUMNS[what]]).all(0)]
+
     def positions(self) -> 'Motion':
         """Return the rows with a position."""
-        return self[np.isfinite(self.latitude_deg) & np.isfinite(self.longitude_deg)]
+        return self.select('fix')
 
     def velocities(self) -> 'Motion':
         """Return the rows with a velocity."""
-        return self[np.isfinite(self.east_m_s) & np.isfinite(self.north_m_s)]
+        return self.select('velocity')
 
     def rates(self) -> 'Motion':
         """Return the rows with a rate of turn."""
-        return self[np.isfinite(self.rate_deg_s)]
+        return self.select('rate')
 
     def split(self) -> dict[str, 'Motion']:
         """Return the rows by what they tell: 'fix', 'velocity', 'rate'."""
-        return {'fix': self.positions(), 'velocity': self.velocities(), 'rate': self.rates()}
+        return {what: self.select(what) for what in MOTION_COLUMNS}
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

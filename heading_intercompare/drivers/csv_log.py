@@ -24,13 +24,10 @@ The setting `talker` selects one of several sources; without it, the first one i
 
 from __future__ import annotations
 
-from array import array
 from collections import Counter
 
-import numpy as np
-
 from heading_intercompare.core.angles import wrap360
-from heading_intercompare.core.records import Headings
+from heading_intercompare.core.records import ColumnBuffer, Headings
 
 from .log_lines.log_files import head_of, is_several, LogFiles
 from .log_lines.log_order import holds_sentences
@@ -143,18 +140,16 @@ class CsvDecoder:
             self._in_header = False
             del lines[0]
         self._before = lines[-1] if lines else self._before
-        stamps, headings = array('q'), array('d')
+        rows = ColumnBuffer()
         for line in lines:
             if not line.strip():
                 continue
             try:
-                stamp_ns, heading_deg = self._read(_cells(line))
+                rows.add(*self._read(_cells(line)))
             except Rejected as rejected:
                 self._counts[rejected.reason] += 1
-                continue
-            stamps.append(stamp_ns)
-            headings.append(heading_deg)
-        return Headings(np.array(stamps, np.int64), wrap360(np.array(headings)))
+        stamps, headings = rows.drain()
+        return Headings(stamps, wrap360(headings))
 
     def flush(self) -> Headings:
         """Return the last heading at the end of a file, unless its number is cut."""

@@ -16,10 +16,8 @@
 
 from __future__ import annotations
 
-from array import array
 from collections import Counter
-
-import numpy as np
+from typing import Mapping
 
 from heading_intercompare.core.records import Headings
 
@@ -33,9 +31,9 @@ from .log_lines.log_files import LogFiles
 from .log_lines.log_order import open_log
 from .log_lines.stream_times import StreamTimes, TIME_SENTENCES
 from .log_lines.times import day_time_ns
-from .sentence_choice import accepts, choose_instrument, choose_sentence, find_sentence
+from .sentence_choice import accepts, choose_instrument, find_sentence, Heard, Listening
 from .sentences import heading_of, identify, may_lack_checksum, Name, Rejected
-from .settings import DriverError, DriverSettings
+from .settings import DriverError, DriverSettings, SENTENCES
 
 __all__ = ['NmeaDecoder']
 
@@ -47,22 +45,6 @@ _MOST_HELD = 100_000
 
 
 _TIME_MARKS = frozenset(kind[1:].encode() + b',' for kind in TIME_SENTENCES)
-
-
-class _Column:
-    """Readings of one kind of sentence and one talker, and counts of its rejected sentences."""
-
-    __slots__ = ('counts', 'heading_deg', 'n', 'stamp_ns')
-
-    def __init__(self) -> None:
-        self.stamp_ns, self.heading_deg = array('q'), array('d')
-        self.counts: Counter[str] = Counter()
-        self.n = 0
-
-    def drain(self) -> Headings:
-        chunk = Headings(np.array(self.stamp_ns, np.int64), np.array(self.heading_deg))
-        self.stamp_ns, self.heading_deg = array('q'), array('d')
-        return chunk
 
 
 class NmeaDecoder:
@@ -136,18 +118,19 @@ class NmeaDecoder:
         self._late_s: dict[int, float] = {}
         self._in_read: Counter[tuple[Name | None, int | None]] = Counter()
         self._from_file = files is not None
-        self._chosen = None if files is None else find_sentence(files.bare_blocks(), settings)
+        self._listening = Listening(
+            SENTENCES, settings.learn_s, _MOST_HELD if settings.sentence == 'auto' else 0,
+            None if files is None else find_sentence(files.bare_blocks(), settings))
         self._instrument = choose_instrument(settings)
         self._days, self._stamps = start_stamps(settings, files)
         self._times = StreamTimes(self._days, self._time_sentences(files))
         self._words = WordCounts()
-        self._chosen_column = _Column()
-        self._held: dict[Name, _Column] = {}
-        self._learning_since_ns: int | None = None
         self._burst_ns: int | None = None
         self._stamped: set[Name] = set()
         self._psxn_quality = b''
         self._n_headings = self._n_others = 0
+        self._read = (self._read_valid if self._validity else self._read_receipt
+                      if self._bursts is None else self._read_stream)
 
     def _time_sentences(self, files: LogFiles | None) -> tuple[str, ...]:
         """Return the sentences whose time is used: in a log, the best of those that it has."""
@@ -201,13 +184,12 @@ class NmeaDecoder:
     @property
     def lines(self) -> int:
         """Sentences, and lines without one, seen so far."""
-        return (sum(self._counts.values()) + self._n_headings
-                + sum(column.n for column in self._held.values()))
+        return sum(self._counts.values()) + self._n_headings + self._listening.n_held
 
     @property
     def chosen(self) -> Name | None:
         """Kind and talker whose headings are returned; None while listening."""
-        return self._chosen
+        return self._listening.chosen
 
     def feed(self, data: bytes, received_ns: int | None, late_s: float = 0.0,
              file: str | None = None) -> Headings:
@@ -239,48 +221,33 @@ class NmeaDecoder:
             self._in_read = Counter((identify(text), came_ns) for came_ns, _, text, _, _ in frames)
         for frame in frames:
             self._take(frame)
-        if self._held:
-            if self._learning_since_ns is None:
-                self._learning_since_ns = received_ns
-            if (self._settings.sentence != 'auto' or self._has_learnt(received_ns)
-                    or sum(column.n for column in self._held.values()) > _MOST_HELD):
-                self._choose()
+        if self._listening.held:
+            self._count_choice(self._listening.learn(received_ns))
         return self._drain()
 
     def flush(self) -> Headings:
         """Return the last headings at the end of the stream."""
         for frame in self._framer.flush():
             self._take(frame)
-        if self._held:
-            self._choose()
+        self._count_choice(self._listening.choose())
         return self._drain()
 
-    def _has_learnt(self, now_ns: int | None) -> bool:
-        since_ns = self._learning_since_ns
-        if now_ns is None or since_ns is None:
-            return False
-        self._learning_since_ns = min(since_ns, now_ns)
-        return now_ns - since_ns >= self._settings.learn_s * 1e9
-
-    def _choose(self) -> None:
-        """Choose the best of the sentences heard, and count the other sentences."""
-        self._chosen = choose_sentence(self._held)
-        for name, column in self._held.items():
-            if name == self._chosen:
-                self._chosen_column = column
-                self._counts.update(column.counts)
+    def _count_choice(self, held: Mapping[Name, Heard]) -> None:
+        """Count the sentences that gave no heading, of those held until the choice."""
+        for name, heard in held.items():
+            if name == self.chosen:
+                self._counts.update(heard.counts)
             else:
-                self._counts[self._reason_not_chosen(name)] += column.n
-        self._held = {}
+                self._counts[self._reason_not_chosen(name)] += heard.n
 
     def _drain(self) -> Headings:
-        chunk = self._chosen_column.drain()
+        chunk = Headings(*self._listening.rows.drain())
         self._n_headings += len(chunk)
         return chunk
 
     def _reason_not_chosen(self, name: Name) -> str:
         """Return the reason under which to count a heading sentence that was not chosen."""
-        kind = self._chosen.kind if self._chosen else self._settings.sentence
+        kind = self.chosen.kind if self.chosen else self._settings.sentence
         reason = (f'other_talker.{name.talker}' if name.kind == kind or kind == 'auto'
                   else f'other_sentence.{name.kind}')
         if reason not in self._counts:
@@ -306,35 +273,28 @@ class NmeaDecoder:
                 self._stamps.pass_by(prefix, suffix)
             self._counts[self._note(text, prefix, suffix, received_ns)] += 1
             return
-        counts, column = self._counts, self._chosen_column
         if self._instrument is not None and not self._instrument.accepts(prefix, suffix):
             self._stamps.pass_by(prefix, suffix)
-            counts['other_instrument'] += 1
+            self._counts['other_instrument'] += 1
             return
-        if name != self._chosen:
-            if self._chosen is not None or not accepts(name, self._settings):
+        listening = self._listening
+        counts, rows = self._counts, listening.rows
+        if name != listening.chosen:
+            if listening.chosen is not None or not accepts(name, self._settings):
                 self._stamps.pass_by(prefix, suffix)
                 counts[self._reason_not_chosen(name)] += 1
                 return
-            column = self._held.setdefault(name, _Column())
-            column.n += 1
-            counts = column.counts
+            heard = listening.hear(name)
+            counts, rows = heard.counts, heard.rows
         try:
-            if self._validity:
-                stamp_ns, heading_deg = self._read_valid(name, text, prefix, suffix, received_ns)
-            elif self._bursts is not None and received_ns is not None:
-                stamp_ns, heading_deg = self._read_stream(self._bursts, name, text,
-                                                          received_ns)
-            else:
-                heading_deg = self._heading(name, text)
-                stamp_ns = self._receipt_ns(name, prefix, suffix, received_ns)
+            stamp_ns, heading_deg = self._read(name, text, prefix, suffix, received_ns)
         except Rejected as rejected:
             if rejected.reason not in STAMP_REASONS:
                 self._stamps.pass_by(prefix, suffix, name)
             counts[rejected.reason] += 1
             return
-        column.stamp_ns.append(stamp_ns)
-        column.heading_deg.append(heading_deg)
+        rows.stamp_ns.append(stamp_ns)
+        rows.values[0].append(heading_deg)
 
     def _open_burst(self, prefix: bytes, text: bytes) -> None:
         """Take a line without a sentence, which may be a stamp, or the line UNIXD of UHDAS."""
@@ -387,14 +347,17 @@ class NmeaDecoder:
             raise Rejected('no_validity_time')
         return burst_ns, heading_deg
 
-    def _read_stream(self, bursts: BurstFinder, name: Name, text: bytes, received_ns: int
-                     ) -> tuple[int, float]:
+    def _read_stream(self, name: Name, text: bytes, prefix: bytes, suffix: bytes,
+                     received_ns: int | None) -> tuple[int, float]:
         """
         Return time of receipt and heading of a sentence from a stream; raises Rejected.
 
         One of a burst was received at its time of validity plus the usual latency, if both are
         known.
         """
+        bursts = self._bursts
+        if bursts is None or received_ns is None:
+            return self._read_receipt(name, text, prefix, suffix, received_ns)
         burst = bursts.find(name, received_ns, self._in_read[name, received_ns],
                             self._late_s.get(received_ns, 0.0))
         heading_deg = self._heading(name, text)
@@ -411,17 +374,18 @@ class NmeaDecoder:
             raise Rejected('burst')
         return stamp_ns, heading_deg
 
-    def _receipt_ns(self, name: Name, prefix: bytes, suffix: bytes, received_ns: int | None
-                    ) -> int:
-        """Return the stamp of a line or its burst, or its time of receipt; raises Rejected."""
+    def _read_receipt(self, name: Name, text: bytes, prefix: bytes, suffix: bytes,
+                      received_ns: int | None) -> tuple[int, float]:
+        """Return the stamp of a line, its burst or its receipt, and the heading; may reject."""
+        heading_deg = self._heading(name, text)
         if self._stamp_format != 'none':
             stamp_ns = self._stamps.take(name, prefix, suffix)
             if self._from_file and self._stamps.words:
                 self._words.add(self._stamps.words)
-            return stamp_ns
+            return stamp_ns, heading_deg
         if self._from_file or received_ns is None:
             raise Rejected('no_stamp')
-        return received_ns
+        return received_ns, heading_deg
 
     def _own_time_ns(self, text: bytes, prefix: bytes, suffix: bytes, received_ns: int | None
                      ) -> int:

@@ -23,15 +23,20 @@ which has no way to say so.
 
 from __future__ import annotations
 
+from collections import Counter
+from dataclasses import dataclass, field
 from itertools import chain
-from typing import Iterable, Iterator
+from typing import Iterable, Iterator, Sequence
+
+from heading_intercompare.core.records import ColumnBuffer
 
 from .framing import Framer
 from .log_lines.line_words import InstrumentChoice
 from .sentences import identify, may_lack_checksum, Name
 from .settings import DriverSettings, SENTENCES
 
-__all__ = ['accepts', 'choose_instrument', 'choose_sentence', 'find_sentence']
+__all__ = ['accepts', 'choose_instrument', 'choose_sentence', 'find_sentence', 'Heard',
+           'Listening']
 
 _TOKENS = {'THS': b'THS,', 'HDT': b'HDT,', 'PASHR': b'PASHR,', 'PSXN,23': b'PSXN,23,',
            'PUHAW,UVH': b'PUHAW,UVH,', 'HDG': b'HDG,'}
@@ -45,9 +50,102 @@ def accepts(name: Name, settings: DriverSettings) -> bool:
             and (settings.talker is None or not name.talker or settings.talker == name.talker))
 
 
-def choose_sentence(names: Iterable[Name]) -> Name:
-    """Return the sentence to use of those heard, given in the order in which they were heard."""
-    return min(names, key=lambda name: SENTENCES.index(name.kind))
+def choose_sentence(names: Iterable[Name], kinds: Sequence[str] = SENTENCES) -> Name:
+    """
+    Return the sentence to use of those heard, given in the order in which they were heard.
+
+    Of two kinds, that which is earlier in `kinds` is better.
+    """
+    return min(names, key=lambda name: kinds.index(name.kind))
+
+
+@dataclass(slots=True)
+class Heard:
+    """
+    What was heard of one sentence.
+
+    Attributes
+    ----------
+    rows : ColumnBuffer
+        Its readings.
+    n : int
+        Number of sentences, also without a reading.
+    counts : Counter of str
+        Sentences without a reading, by reason.
+
+    """
+
+    rows: ColumnBuffer
+    n: int = 0
+    counts: Counter[str] = field(default_factory=Counter)
+
+
+class Listening:
+    """
+    Holds the readings of all sentences that tell one thing, until it chooses the best sentence.
+
+    Parameters
+    ----------
+    kinds : sequence of str
+        The kinds of sentences, the best first.
+    learn_s : float
+        How long to listen after the first sentence, seconds of receipt time.
+    most : float
+        Sentences held at most; a flood does not wait for the end of `learn_s`.
+    chosen : Name, optional
+        The sentence to use, if it is chosen already.
+    width : int
+        Columns of a reading.
+
+    Attributes
+    ----------
+    chosen : Name or None
+        The sentence whose readings are used; None while it listens.
+    rows : ColumnBuffer
+        The readings of that sentence.
+    held : dict of Name to Heard
+        All that was heard of the sentences to choose from.
+
+    """
+
+    def __init__(self, kinds: Sequence[str], learn_s: float, most: float,
+                 chosen: Name | None = None, width: int = 1) -> None:
+        self._kinds, self._learn_ns, self._most = kinds, learn_s * 1e9, most
+        self._width = width
+        self._since_ns: int | None = None
+        self.chosen, self.rows = chosen, ColumnBuffer(width)
+        self.held: dict[Name, Heard] = {}
+
+    def hear(self, name: Name) -> Heard:
+        """Count a sentence, and return what was heard of this name before the choice."""
+        heard = self.held.get(name)
+        if heard is None:
+            heard = self.held[name] = Heard(ColumnBuffer(self._width))
+        heard.n += 1
+        return heard
+
+    @property
+    def n_held(self) -> int:
+        """Return the number of sentences held."""
+        return sum(heard.n for heard in self.held.values())
+
+    def learn(self, now_ns: int | None) -> dict[Name, Heard]:
+        """Choose a sentence if the time to listen is over; return as `choose` does."""
+        if not self.held:
+            return {}
+        if now_ns is not None:
+            self._since_ns = now_ns if self._since_ns is None else min(self._since_ns, now_ns)
+            if now_ns - self._since_ns >= self._learn_ns:
+                return self.choose()
+        return self.choose() if self.n_held > self._most else {}
+
+    def choose(self) -> dict[Name, Heard]:
+        """Choose the best sentence held, if any; return all that were held."""
+        heard, self.held = self.held, {}
+        if heard:
+            self.chosen = choose_sentence(heard, self._kinds)
+            self.rows = heard[self.chosen].rows
+        return heard
 
 
 def find_sentence(blocks: Iterable[bytes], settings: DriverSettings) -> Name | None:

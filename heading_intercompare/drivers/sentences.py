@@ -26,7 +26,8 @@ from typing import Callable, NamedTuple
 
 from heading_intercompare.core.angles import wrap360
 
-__all__ = ['heading_of', 'identify', 'may_lack_checksum', 'Name', 'PARSERS', 'Rejected']
+__all__ = ['field_of', 'heading_of', 'identify', 'is_number', 'may_lack_checksum', 'Name',
+           'PARSERS', 'Rejected']
 
 
 class Rejected(Exception):
@@ -50,7 +51,9 @@ class Name(NamedTuple):
 
 _TALKED = ('THS', 'HDT', 'HDG')
 _PROPRIETARY = {b'PSXN,23,': Name('PSXN,23', ''), b'PUHAW,UVH,': Name('PUHAW,UVH', '')}
-_is_number = re.compile(rb' *[+-]?(?:\d+\.?\d*|\.\d+) *\Z').match
+is_number = re.compile(rb' *[+-]?(?:\d+\.?\d*|\.\d+) *\Z').match
+"""Tells whether a field is a number, perhaps padded with blanks."""
+
 _is_pashr = re.compile(rb'PASHR,(?:ATT,|,|\d)').match
 
 
@@ -90,15 +93,16 @@ def may_lack_checksum(name: Name | None) -> bool:
     return name is not None and name.kind == 'PUHAW,UVH'
 
 
-def _field(fields: list[bytes], index: int) -> bytes:
+def field_of(fields: list[bytes], index: int) -> bytes:
+    """Return a field of a sentence; raises Rejected if the sentence is too short."""
     if len(fields) <= index:
         raise Rejected('too_few_fields')
     return fields[index]
 
 
 def _heading(fields: list[bytes], index: int) -> float:
-    text = _field(fields, index)
-    if not _is_number(text):
+    text = field_of(fields, index)
+    if not is_number(text):
         raise Rejected('bad_field' if text.strip() else 'empty_heading')
     heading_deg = float(text)
     if not -180.0 <= heading_deg <= 360.0:
@@ -110,7 +114,7 @@ def _heading(fields: list[bytes], index: int) -> float:
 def _true_heading(fields: list[bytes], index: int) -> float:
     """Return a heading whose next field must be T."""
     heading_deg = _heading(fields, index)
-    if _field(fields, index + 1).strip() != b'T':
+    if field_of(fields, index + 1).strip() != b'T':
         raise Rejected('not_true')
     return heading_deg
 
@@ -126,7 +130,7 @@ def _parse_ths(fields: list[bytes]) -> float:
 
     V means not valid, S simulator, M manual input, E dead reckoning or a back-up sensor.
     """
-    mode = _field(fields, 2).strip().decode('latin-1')
+    mode = field_of(fields, 2).strip().decode('latin-1')
     if mode != 'A':
         raise Rejected(f'invalid_mode.{mode if mode in ("E", "M", "S", "V") else "other"}')
     return _heading(fields, 1)
@@ -153,10 +157,10 @@ def _parse_uvh(fields: list[bytes]) -> float:
 
 def _east(fields: list[bytes], index: int) -> float | None:
     """Return a value and its side, E or W, as degrees to the east; None if empty."""
-    text, side = _field(fields, index), _field(fields, index + 1).strip()
+    text, side = field_of(fields, index), field_of(fields, index + 1).strip()
     if not text.strip():
         return None
-    value_deg = float(text) if _is_number(text) else float('nan')
+    value_deg = float(text) if is_number(text) else float('nan')
     if not -180.0 <= value_deg <= 180.0 or (side not in (b'E', b'W') and value_deg != 0.0):
         raise Rejected('bad_field')
     return -value_deg if side == b'W' else value_deg

@@ -16,7 +16,6 @@
 
 from __future__ import annotations
 
-from array import array
 import math
 import os
 from typing import TYPE_CHECKING
@@ -25,8 +24,8 @@ import numpy as np
 
 from heading_intercompare.bags.csv.csv_rows import CsvRows
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.core.records import Attitude
-from heading_intercompare.drivers.motion.attitude_log import read_log_attitude
+from heading_intercompare.core.records import Attitude, ColumnBuffer
+from heading_intercompare.drivers.motion.motion_log import read_log_attitude
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.messages.heading_messages import ORIENTATION_TYPES, read_attitude
 
@@ -37,7 +36,7 @@ from .tables import find_time_column, read_stamp
 if TYPE_CHECKING:
     from heading_intercompare.bags.rosbag2.readable import Readable
 
-__all__ = ['attitude_of_bag', 'attitude_of_log', 'attitude_of_table', 'find_attitude']
+__all__ = ['attitude_of_bag', 'attitude_of_table', 'find_attitude']
 
 _ROLLS, _PITCHES = ('roll_deg', 'roll'), ('pitch_deg', 'pitch')
 _BATCH = 20_000
@@ -63,15 +62,10 @@ def find_attitude(path: str | os.PathLike[str], driver: DriverSettings) -> Attit
 
     """
     name = os.fspath(path)
-    if has_one_sensor(name) and len(rows := attitude_of_log(name, driver)):
+    if has_one_sensor(name) and len(rows := read_log_attitude(name, driver)):
         return rows
     is_table = name.endswith('.csv') and os.path.isfile(name)
     return attitude_of_table(name) if is_table else Attitude.empty()
-
-
-def attitude_of_log(path: str, driver: DriverSettings) -> Attitude:
-    """Return roll and pitch in a log of NMEA sentences."""
-    return read_log_attitude(path, driver).rows
 
 
 def attitude_of_table(path: str) -> Attitude:
@@ -80,7 +74,7 @@ def attitude_of_table(path: str) -> Attitude:
 
     Roll is positive with starboard down, pitch with bow up. Rows without them are left out.
     """
-    stamps, angles = array('q'), (array('d'), array('d'))
+    angles = ColumnBuffer(2)
     try:
         with CsvRows(path, 'of times') as rows:
             time = find_time_column(rows.names)
@@ -98,12 +92,10 @@ def attitude_of_table(path: str) -> Attitude:
                 except (ValueError, ArithmeticError, IndexError):
                     continue
                 if all(map(math.isfinite, values)):
-                    stamps.append(stamp_ns)
-                    for column, value in zip(angles, values):
-                        column.append(value)
+                    angles.add(stamp_ns, *values)
     except BagError as error:
         raise ReaderError(path, error.problem) from error
-    return Attitude.of(np.array(stamps, np.int64), *angles)
+    return Attitude(*angles.columns())
 
 
 def attitude_of_bag(bag: Readable, topic: str, convention: str) -> Attitude:

@@ -22,7 +22,13 @@ import re
 from typing import Any, Iterator, Mapping, TypeGuard
 
 from heading_intercompare.bags.csv.stamp_cells import nanoseconds, utc_nanoseconds
-from heading_intercompare.core.records import FASTEST_M_S, FASTEST_TURN_DEG_S, KNOT_M_S
+from heading_intercompare.core.motion.moved_rows import (
+    make_position,
+    make_rate,
+    make_velocity,
+    MovedRow,
+)
+from heading_intercompare.core.records import KNOT_M_S
 from heading_intercompare.core.units.angle_units import find_named_unit
 
 from .stream_recording import Collected
@@ -141,31 +147,19 @@ def _take_motion(collected: Collected, update: Mapping[str, Any],
     place, course, rate = values.get(_POSITION), values.get(_COURSE), values.get(_RATE)
     if isinstance(place, dict):
         latitude, longitude = place.get('latitude'), place.get('longitude')
-        if (_is_number(latitude) and _is_number(longitude) and abs(latitude) <= 90.0
-                and abs(longitude) <= 180.0):
-            collected.add_motion('fix', f'{source}/position', stamp_ns, latitude, longitude)
-        else:
-            collected.not_taken['position.bad_field'] += 1
+        collected.add_motion(
+            make_position(latitude, longitude) if _is_number(latitude) and _is_number(longitude)
+            else None, f'{source}/position', stamp_ns, why_none='position.bad_field')
     if _is_number(course):
         told_ns, speed = speeds.get(source, (0, 0.0))
         if abs(stamp_ns - told_ns) <= _TOGETHER_NS:
-            _take_velocity(collected, f'{source}/courseOverGroundTrue', stamp_ns, course, speed)
+            collected.add_motion(make_velocity(course, speed), f'{source}/courseOverGroundTrue',
+                                 stamp_ns, why_none='velocity.out_of_range')
         else:
             collected.not_taken['courseOverGroundTrue.no_speed'] += 1
     if _is_number(rate):
-        if abs(math.degrees(rate)) <= FASTEST_TURN_DEG_S:
-            collected.add_motion('rate', f'{source}/rateOfTurn', stamp_ns, math.degrees(rate))
-        else:
-            collected.not_taken['rateOfTurn.out_of_range'] += 1
-
-
-def _take_velocity(collected: Collected, stream: str, stamp_ns: int, course_rad: float,
-                   speed_m_s: float) -> None:
-    if 0.0 <= course_rad <= _TURN_RAD and 0.0 <= speed_m_s <= FASTEST_M_S:
-        collected.add_motion('velocity', stream, stamp_ns, speed_m_s * math.sin(course_rad),
-                             speed_m_s * math.cos(course_rad))
-    else:
-        collected.not_taken['velocity.out_of_range'] += 1
+        collected.add_motion(make_rate(math.degrees(rate)), f'{source}/rateOfTurn', stamp_ns,
+                             why_none='rateOfTurn.out_of_range')
 
 
 def _take_update(collected: Collected, update: Mapping[str, Any], vessel: str,
@@ -256,22 +250,20 @@ def _take_openrvdas_motion(collected: Collected, label: str, stamp_ns: int,
                            fields: Mapping[str, Any]) -> None:
     for name, value in fields.items():
         if name.endswith('Latitude') and value is not None:
-            place = _place(name.removesuffix('Latitude'), fields)
-            if place is None:
-                collected.not_taken['position.bad_field'] += 1
-            else:
-                collected.add_motion('fix', f'{label}{name}', stamp_ns, *place)
+            collected.add_motion(_place(name.removesuffix('Latitude'), fields), f'{label}{name}',
+                                 stamp_ns, why_none='position.bad_field')
         elif name.endswith('CourseTrue'):
             course_deg = _real(value)
             speed_kn = _real(fields.get(f'{name.removesuffix("CourseTrue")}SpeedKt'))
             if course_deg is not None and speed_kn is not None:
-                _take_velocity(collected, f'{label}{name}', stamp_ns, math.radians(course_deg),
-                               speed_kn * KNOT_M_S)
+                collected.add_motion(
+                    make_velocity(math.radians(course_deg), speed_kn * KNOT_M_S),
+                    f'{label}{name}', stamp_ns, why_none='velocity.out_of_range')
 
 
-def _place(device: str, fields: Mapping[str, Any]) -> tuple[float, float] | None:
+def _place(device: str, fields: Mapping[str, Any]) -> MovedRow | None:
     """
-    Return latitude and longitude of a record, degrees; None if there are none.
+    Return the position in a record; None if there is none.
 
     Definitions of devices give them as decimal degrees or as in a sentence, degrees times 100 plus
     minutes; which it is shows where they exceed 90 or 180. So the latter are read wrongly within
@@ -287,7 +279,7 @@ def _place(device: str, fields: Mapping[str, Any]) -> tuple[float, float] | None
         latitude = -abs(latitude)
     if fields.get(f'{device}EorW') == 'W':
         longitude = -abs(longitude)
-    return (latitude, longitude) if abs(latitude) <= 90.0 and abs(longitude) <= 180.0 else None
+    return make_position(latitude, longitude)
 
 
 def _degrees_of_minutes(value: float) -> float:

@@ -114,8 +114,7 @@ def make_motion(column: MotionColumn, stamp_ns: Integers,
         good = np.abs(values[0] * column.factor) <= FASTEST_TURN_DEG_S
     valid, wrong = complete & good, int(np.count_nonzero(complete & ~good))
     stamps, columns = stamp_ns[valid], [numbers[valid] for numbers in values]
-    if column.what == 'fix':
-        return Motion.of_positions(stamps, *columns), wrong
-    if column.what == 'rate':
-        return Motion.of_rates(stamps, columns[0] * column.factor), wrong
-    return Motion.of_courses(stamps, columns[0], columns[1] * column.factor / KNOT_M_S), wrong
+    columns[-1] = columns[-1] * column.factor
+    if column.what == 'velocity':
+        return Motion.of_courses(stamps, columns[0], columns[1] / KNOT_M_S), wrong
+    return Motion.of(column.what, stamps, *columns), wrong

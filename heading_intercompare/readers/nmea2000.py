@@ -29,9 +29,10 @@ from typing import Any, Callable, Mapping
 import numpy as np
 
 from heading_intercompare.bags.csv.stamp_cells import utc_nanoseconds
+from heading_intercompare.core.motion.moved_rows import MovedRow
 
 from .fast_packets import FastPackets, FRAME_BYTES
-from .nmea2000_motion import decode_motion_fields, decode_motion_pgn, MOTION_PGNS, MovedRow
+from .nmea2000_motion import decode_motion_fields, decode_motion_pgn, MOTION_PGNS
 from .stream_recording import Collected
 
 __all__ = ['decode_vessel_heading', 'is_candump', 'is_canboat_json', 'is_canboat_plain',
@@ -144,8 +145,8 @@ def _take_motion(collected: Collected, pgn: int, source: int | str, stamp_ns: in
         why = decoded if isinstance(decoded, str) else 'no_stamp'
         collected.not_taken[f'PGN {pgn}.{why}'] += 1
     else:
-        collected.add_motion(decoded.what, f'PGN {pgn} of {source}', stamp_ns, decoded.first,
-                             decoded.second, rank=[*MOTION_PGNS].index(pgn))
+        collected.add_motion(decoded, f'PGN {pgn} of {source}', stamp_ns,
+                             rank=[*MOTION_PGNS].index(pgn))
 
 
 def _take_frame(collected: Collected, packets: FastPackets, pgn: int, source: int | str,

@@ -17,31 +17,19 @@
 from __future__ import annotations
 
 import math
-from typing import Any, Callable, Mapping, NamedTuple
+from typing import Any, Callable, Mapping
 
-from heading_intercompare.core.records import FASTEST_M_S, FASTEST_TURN_DEG_S
+from heading_intercompare.core.motion.moved_rows import (
+    make_position,
+    make_rate,
+    make_velocity,
+    MovedRow,
+)
 
-__all__ = ['decode_motion_fields', 'decode_motion_pgn', 'MOTION_PGNS', 'MovedRow']
-
-
-class MovedRow(NamedTuple):
-    """
-    What a message tells.
-
-    Attributes
-    ----------
-    what : {'fix', 'velocity', 'rate'}
-    first, second : float
-        Latitude and longitude, degrees; velocity to the east and the north, m/s; or the rate of
-        turn, degrees per second to starboard, and nan.
-
-    """
-
-    what: str
-    first: float
-    second: float
+__all__ = ['decode_motion_fields', 'decode_motion_pgn', 'MOTION_PGNS']
 
 
+_BEYOND = 'out_of_range'
 _TRUE = 0
 _NO_ANGLE, _NO_SPEED = 65533, 65533
 _NO_LONG, _NO_LONGER = 0x7FFFFFFD, 0x7FFFFFFFFFFFFFFD
@@ -52,29 +40,10 @@ def _signed(data: bytes, at: int, size: int) -> int:
     return int.from_bytes(data[at:at + size], 'little', signed=True)
 
 
-def _position(latitude_deg: float, longitude_deg: float) -> MovedRow | str:
-    if not (abs(latitude_deg) <= 90.0 and abs(longitude_deg) <= 180.0):
-        return 'out_of_range'
-    return MovedRow('fix', latitude_deg, longitude_deg)
-
-
-def _velocity(course_rad: float, speed_m_s: float) -> MovedRow | str:
-    if not (0.0 <= course_rad <= 6.2832 and 0.0 <= speed_m_s <= FASTEST_M_S):
-        return 'out_of_range'
-    return MovedRow('velocity', speed_m_s * math.sin(course_rad),
-                    speed_m_s * math.cos(course_rad))
-
-
-def _rate(rate_deg_s: float) -> MovedRow | str:
-    if not abs(rate_deg_s) <= FASTEST_TURN_DEG_S:
-        return 'out_of_range'
-    return MovedRow('rate', rate_deg_s, math.nan)
-
-
 def _decode_rate(data: bytes) -> MovedRow | str:
     """Read PGN 127251: sequence, rate in 1e-6 / 32 rad/s."""
     rate = _signed(data, 1, 4)
-    return 'empty' if rate >= _NO_LONG else _rate(rate * _RATE_DEG_S)
+    return 'empty' if rate >= _NO_LONG else make_rate(rate * _RATE_DEG_S) or _BEYOND
 
 
 def _decode_rapid_position(data: bytes) -> MovedRow | str:
@@ -82,7 +51,7 @@ def _decode_rapid_position(data: bytes) -> MovedRow | str:
     latitude, longitude = _signed(data, 0, 4), _signed(data, 4, 4)
     if latitude >= _NO_LONG or longitude >= _NO_LONG:
         return 'empty'
-    return _position(latitude * 1e-7, longitude * 1e-7)
+    return make_position(latitude * 1e-7, longitude * 1e-7) or _BEYOND
 
 
 def _decode_course(data: bytes) -> MovedRow | str:
@@ -90,7 +59,8 @@ def _decode_course(data: bytes) -> MovedRow | str:
     course, speed = (int.from_bytes(data[at:at + 2], 'little') for at in (2, 4))
     if course >= _NO_ANGLE or speed >= _NO_SPEED:
         return 'empty'
-    return 'not_true' if data[1] & 3 != _TRUE else _velocity(course * 1e-4, speed * 0.01)
+    return ('not_true' if data[1] & 3 != _TRUE
+            else make_velocity(course * 1e-4, speed * 0.01) or _BEYOND)
 
 
 def _decode_position(data: bytes) -> MovedRow | str:
@@ -101,7 +71,7 @@ def _decode_position(data: bytes) -> MovedRow | str:
     # The high half of the byte with the method: 0 is no fix.
     if not data[31] >> 4:
         return 'no_fix'
-    return _position(latitude * 1e-16, longitude * 1e-16)
+    return make_position(latitude * 1e-16, longitude * 1e-16) or _BEYOND
 
 
 MOTION_PGNS: dict[int, tuple[int, Callable[[bytes], MovedRow | str]]] = {
@@ -123,8 +93,8 @@ def decode_motion_pgn(pgn: int, data: bytes) -> MovedRow | str:
 
     Examples
     --------
-    >>> found = decode_motion_pgn(129026, bytes.fromhex('01 fc 5c 3d e8 03 ff ff'))
-    >>> found.what, round(found.first, 6)
+    >>> row = decode_motion_pgn(129026, bytes.fromhex('01 fc 5c 3d e8 03 ff ff'))
+    >>> row.what, round(row.values[0], 6)
     ('velocity', 10.0)
 
     """
@@ -158,12 +128,12 @@ def decode_motion_fields(pgn: int, fields: Mapping[str, Any], radians: float) ->
             return 'bad_field'
         values.append(float(value))
     if pgn == 127251:
-        return _rate(math.degrees(values[0] * radians))
+        return make_rate(math.degrees(values[0] * radians)) or _BEYOND
     if pgn != 129026:
         # Positions are degrees in any units.
-        return _position(values[0], values[1])
+        return make_position(values[0], values[1]) or _BEYOND
     reference = fields.get('COG Reference')
     if isinstance(reference, Mapping):
         reference = reference.get('value', reference.get('name'))
     return ('not_true' if reference not in ('True', _TRUE)
-            else _velocity(values[0] * radians, values[1]))
+            else make_velocity(values[0] * radians, values[1]) or _BEYOND)

@@ -16,10 +16,8 @@
 
 from __future__ import annotations
 
-from array import array
 from collections import Counter
 from dataclasses import dataclass, field
-import math
 import os
 from pathlib import Path
 from typing import Callable, Iterator, Mapping
@@ -29,7 +27,8 @@ import numpy as np
 from heading_intercompare.bags.rosbag2.bag_reader import BagMessage, TopicInfo
 from heading_intercompare.bags.rosbag2.topic_names import find_topic
 from heading_intercompare.core.angles import wrap360
-from heading_intercompare.core.records import Headings, Losses, Motion
+from heading_intercompare.core.motion.moved_rows import MovedRow
+from heading_intercompare.core.records import ColumnBuffer, Headings, Losses, Motion
 from heading_intercompare.core.units.angle_units import AngleWatch, read_angles
 
 from .errors import ReaderError
@@ -53,13 +52,12 @@ class Collected:
 
     kinds: dict[str, str] = field(default_factory=dict)
     not_taken: Counter[str] = field(default_factory=Counter)
-    _columns: dict[str, tuple['array[int]', 'array[float]']] = field(default_factory=dict)
+    _columns: dict[str, ColumnBuffer] = field(default_factory=dict)
     _chunks: dict[str, list[Headings]] = field(default_factory=dict)
     _units: dict[str, str | None] = field(default_factory=dict)
     _angles: dict[str, list[Headings]] = field(default_factory=dict)
-    _angle_rows: dict[str, tuple['array[int]', 'array[float]']] = field(default_factory=dict)
-    _moved: dict[tuple[int, str, str], tuple['array[int]', 'array[float]', 'array[float]']] = (
-        field(default_factory=dict))
+    _angle_rows: dict[str, ColumnBuffer] = field(default_factory=dict)
+    _moved: dict[tuple[int, str, str], ColumnBuffer] = field(default_factory=dict)
     _moved_chunks: dict[tuple[str, str], list[Motion]] = field(default_factory=dict)
 
     def add(self, stream: str, kind: str, stamp_ns: int, heading_deg: float) -> None:
@@ -67,9 +65,8 @@ class Collected:
         columns = self._columns.get(stream)
         if columns is None:
             self.kinds.setdefault(stream, kind)
-            columns = self._columns[stream] = (array('q'), array('d'))
-        columns[0].append(stamp_ns)
-        columns[1].append(heading_deg)
+            columns = self._columns[stream] = ColumnBuffer()
+        columns.add(stamp_ns, heading_deg)
 
     def add_chunk(self, stream: str, kind: str, headings: Headings) -> None:
         """Take many readings of a stream."""
@@ -83,9 +80,8 @@ class Collected:
         if columns is None:
             self.kinds.setdefault(stream, kind)
             self._units.setdefault(stream, unit)
-            columns = self._angle_rows[stream] = (array('q'), array('d'))
-        columns[0].append(stamp_ns)
-        columns[1].append(angle)
+            columns = self._angle_rows[stream] = ColumnBuffer()
+        columns.add(stamp_ns, angle)
 
     def add_angles(self, stream: str, kind: str, angles: Headings, unit: str | None) -> None:
         """Take many angles of a stream."""
@@ -93,31 +89,30 @@ class Collected:
         self._units.setdefault(stream, unit)
         self._angles.setdefault(stream, []).append(angles)
 
-    def add_motion(self, what: str, stream: str, stamp_ns: int, first: float,
-                   second: float = math.nan, *, rank: int = 0) -> None:
+    def add_motion(self, row: MovedRow | None, stream: str, stamp_ns: int, *, rank: int = 0,
+                   why_none: str = '') -> None:
         """
         Take what a stream tells of the motion of the ship.
 
         Parameters
         ----------
-        what : {'fix', 'velocity', 'rate'}
-            What it tells.
+        row : MovedRow or None
+            What it tells; None if no ship moves so.
         stream : str
             Name of the stream.
         stamp_ns : int
             Nanoseconds UTC.
-        first, second : float
-            Latitude and longitude, degrees; velocity to the east and the north, m/s; or the rate
-            of turn, degrees per second to starboard.
         rank : int
             Of the streams that tell one thing, those of the lowest rank are preferred.
+        why_none : str
+            The reason under which None is counted.
 
         """
-        stamps, firsts, seconds = self._moved.setdefault(
-            (rank, what, stream), (array('q'), array('d'), array('d')))
-        stamps.append(stamp_ns)
-        firsts.append(first)
-        seconds.append(second)
+        if row is None:
+            self.not_taken[why_none] += 1
+            return
+        self._moved.setdefault((rank, row.what, stream), ColumnBuffer(len(row.values))).add(
+            stamp_ns, *row.values)
 
     def add_motion_chunk(self, what: str, stream: str, rows: Motion, wrong: int) -> None:
         """Take many rows that tell one thing, and the number of values out of range."""
@@ -150,12 +145,7 @@ class Collected:
         motion: dict[str, dict[str, Motion]] = {}
         for (_, what, stream), columns in sorted(self._moved.items(),
                                                  key=lambda entry: entry[0][0]):
-            stamps = np.array(columns[0], np.int64)
-            first, second = (np.array(column) for column in columns[1:])
-            rows = (Motion.of_rates(stamps, first) if what == 'rate' else
-                    Motion.of_positions(stamps, first, second) if what == 'fix' else
-                    Motion.of_velocities(stamps, first, second))
-            motion.setdefault(what, {})[stream] = rows
+            motion.setdefault(what, {})[stream] = Motion.of(what, *columns.columns())
         for (what, stream), chunks in self._moved_chunks.items():
             motion.setdefault(what, {})[stream] = Motion.concatenate(chunks)
         return motion
@@ -201,7 +191,10 @@ class Collected:
         return unsure
 
     def _heading_streams(self) -> dict[str, Headings]:
-        headings = {name: _headings(*columns) for name, columns in self._columns.items()}
+        headings = {}
+        for name, buffer in self._columns.items():
+            stamps, headings_deg = buffer.columns()
+            headings[name] = Headings(stamps, wrap360(headings_deg))
         return headings | {name: Headings.concatenate(chunks)
                            for name, chunks in self._chunks.items()}
 
@@ -209,14 +202,9 @@ class Collected:
         """Return the streams of angles, and the unit that the file tells of each."""
         streams = {}
         for name, unit in self._units.items():
-            stamps, angles = self._angle_rows.get(name, ((), ()))
-            streams[name] = Headings.concatenate([*self._angles.get(name, []), Headings(
-                np.array(stamps, np.int64), np.array(angles, float))]), unit
+            angles = Headings(*self._angle_rows.get(name, ColumnBuffer()).columns())
+            streams[name] = Headings.concatenate([*self._angles.get(name, []), angles]), unit
         return streams
-
-
-def _headings(stamps: 'array[int]', headings_deg: 'array[float]') -> Headings:
-    return Headings(np.array(stamps, np.int64), wrap360(np.array(headings_deg, float)))
 
 
 class StreamRecording:

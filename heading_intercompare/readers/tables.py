@@ -16,15 +16,13 @@
 
 from __future__ import annotations
 
-from array import array
 import math
 import re
-
-import numpy as np
 
 from heading_intercompare.bags.csv.csv_rows import CsvRows
 from heading_intercompare.bags.csv.stamp_cells import nanoseconds, utc_nanoseconds
 from heading_intercompare.bags.errors import BagError
+from heading_intercompare.core.records import ColumnBuffer
 from heading_intercompare.core.units.angle_units import find_named_unit
 from heading_intercompare.core.units.given_stamps import find_unit
 
@@ -140,25 +138,26 @@ class _MotionRows:
 
     def __init__(self, places: list[int]) -> None:
         self._places = places
-        self._stamp_ns = array('q')
-        self._columns = [array('d') for _ in places]
+        self._buffer = ColumnBuffer(len(places))
 
     def take(self, stamp_ns: int, row: list[str], rows: CsvRows) -> None:
-        self._stamp_ns.append(stamp_ns)
-        for place, column in zip(self._places, self._columns):
-            try:
-                column.append(float(rows.plain(row[place])))
-            except (ValueError, IndexError):
-                column.append(math.nan)
+        self._buffer.add(stamp_ns, *(_number(rows, row, place) for place in self._places))
 
     def give(self, collected: Collected, motion: list[MotionColumn]) -> None:
-        stamps, at = np.array(self._stamp_ns, np.int64), 0
+        stamps, *columns = self._buffer.columns()
         for motion_column in motion:
-            end = at + len(motion_column.names)
-            values = [np.array(column) for column in self._columns[at:end]]
-            at = end
+            n = len(motion_column.names)
+            values, columns = columns[:n], columns[n:]
             collected.add_motion_chunk(motion_column.what, ' '.join(motion_column.names),
                                        *make_motion(motion_column, stamps, values))
+
+
+def _number(rows: CsvRows, row: list[str], place: int) -> float:
+    """Return the number in a cell; nan without one."""
+    try:
+        return float(rows.plain(row[place]))
+    except (ValueError, IndexError):
+        return math.nan
 
 
 def _take_row(collected: Collected, rows: CsvRows, row: list[str], at: int,

@@ -68,7 +68,7 @@ VALUES = {129026: ('velocity', 5 * math.sin(1.5), 5 * math.cos(1.5)),
 def test_a_message_is_decoded_by_hand(pgn):
     found = decode_motion_pgn(pgn, BYTES[pgn])
     assert found.what == VALUES[pgn][0]
-    assert found[1:1 + len(VALUES[pgn]) - 1] == pytest.approx(VALUES[pgn][1:], abs=1e-6)
+    assert found.values == pytest.approx(VALUES[pgn][1:], abs=1e-6)
 
 
 @pytest.mark.parametrize('pgn, data, why', [

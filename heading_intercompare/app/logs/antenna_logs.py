@@ -55,11 +55,11 @@ def import_antennas(paths: Sequence[str], driver: DriverSettings, rule: Antennas
     """
     motions = [read_log_motion(path, driver) for path in paths]
     for path, motion in zip(paths, motions):
-        if 'position' not in motion.rows:
+        if 'fix' not in motion.rows:
             lacking = ', '.join(f'{n} {why}' for why, n in motion.not_taken.items())
             raise DriverError(f'{path}: has no position: no GNS, GGA, RMC or GLL with a stamp'
                               + (f' (not taken: {lacking})' if lacking else ''))
-    baseline = find_baseline_headings(motions[0].rows['position'], motions[1].rows['position'],
+    baseline = find_baseline_headings(motions[0].rows['fix'], motions[1].rows['fix'],
                                       rule)
     name = ' and '.join(paths)
     if not len(baseline.headings):
@@ -67,7 +67,7 @@ def import_antennas(paths: Sequence[str], driver: DriverSettings, rule: Antennas
         raise DriverError(f'{name}: no heading from the two antennas ({why}): are the times and '
                           'antennas.baseline_m right?')
     files = [file for path in paths for file in LogFiles(path).paths]
-    sentences = ' - '.join(motion.sentences['position'] for motion in motions)
+    sentences = ' - '.join(motion.sentences['fix'] for motion in motions)
     return ImportedLog(name, baseline.headings, hash_files(files),
                        sum(os.path.getsize(file) for file in files), sentences, baseline.rejected,
                        replace(driver), len(files), [describe_baseline(baseline)])

@@ -21,12 +21,13 @@ from typing import Any, Mapping, Sequence
 
 from heading_intercompare.core.records import Motion
 from heading_intercompare.drivers.motion.motion_log import LoggedMotion, read_log_motion
+from heading_intercompare.drivers.motion.motion_sentences import MOTION_WORDS
 from heading_intercompare.drivers.settings import DriverError, DriverSettings
 from heading_intercompare.readers.registry import has_streams, open_log_of_streams
 
 __all__ = ['find_motion', 'FoundMotion']
 
-_WORDS = {'course': 'course and speed', 'position': 'positions', 'rate': 'rate of turn'}
+_WORDS = {'velocity': 'course and speed', 'fix': 'positions', 'rate': 'rate of turn'}
 
 
 @dataclass(frozen=True, slots=True)
@@ -91,10 +92,10 @@ def find_motion(paths: Mapping[str, str], drivers: Mapping[str, DriverSettings],
                               f'ROT with a stamp{f" (not taken: {lacking})" if lacking else ""}')
         for what, rows in motion.rows.items():
             words = f'{_WORDS[what]} of {motion.sentences[what]} in {path}'
-            if what in origin:
+            if MOTION_WORDS[what] in origin:
                 unused.append(words)
                 continue
-            origin[what] = f'{motion.sentences[what]} {path}'
+            origin[MOTION_WORDS[what]] = f'{motion.sentences[what]} {path}'
             chunks.append(rows)
             used.append(f'{words} ({len(rows)})')
     notes = [f'motion of the ship: {", ".join(used)}'
@@ -106,6 +107,5 @@ def _of_streams(path: str) -> LoggedMotion:
     """Return the motion in a file of another program, of the preferred stream for each thing."""
     recording = open_log_of_streams(path)
     chosen = {} if recording is None else recording.choose_motion()
-    named = {'fix': 'position', 'velocity': 'course', 'rate': 'rate'}
-    return LoggedMotion({named[what]: rows for what, (_, rows) in chosen.items()},
-                        {named[what]: stream for what, (stream, _) in chosen.items()})
+    return LoggedMotion({what: rows for what, (_, rows) in chosen.items()},
+                        {what: stream for what, (stream, _) in chosen.items()})

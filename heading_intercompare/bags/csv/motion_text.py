@@ -18,19 +18,16 @@ from __future__ import annotations
 
 from base64 import b64decode, b64encode
 import binascii
-from typing import Callable, Mapping
+from typing import Mapping
 
 import numpy as np
 
-from heading_intercompare.core.records import Integers, Motion, Reals
+from heading_intercompare.core.records import Integers, Motion, MOTION_COLUMNS, Reals
 
 __all__ = ['motion_of_text', 'text_of_motion']
 
-#: Columns by what the rows tell.
-_COLUMNS = {'position': ('latitude_deg', 'longitude_deg'), 'velocity': ('east_m_s', 'north_m_s'),
-            'rate': ('rate_deg_s',)}
-_BUILDERS: dict[str, Callable[..., Motion]] = {
-    'position': Motion.of_positions, 'velocity': Motion.of_velocities, 'rate': Motion.of_rates}
+#: The word of the account for what rows tell.
+_WORDS = {'fix': 'position', 'velocity': 'velocity', 'rate': 'rate'}
 
 
 def text_of_motion(motion: Motion) -> dict[str, str] | None:
@@ -49,14 +46,12 @@ def text_of_motion(motion: Motion) -> dict[str, str] | None:
         as float64; by what the rows tell: 'position', 'velocity', 'rate'.
 
     """
-    parts = {'position': motion.positions(), 'velocity': motion.velocities(),
-             'rate': motion.rates()}
     texts = {}
-    for what, rows in parts.items():
+    for what, rows in motion.split().items():
         if len(rows):
             columns: list[Integers | Reals] = [rows.stamp_ns.astype('<i8')]
-            columns += [getattr(rows, name).astype('<f8') for name in _COLUMNS[what]]
-            texts[what] = b64encode(
+            columns += [getattr(rows, name).astype('<f8') for name in MOTION_COLUMNS[what]]
+            texts[_WORDS[what]] = b64encode(
                 b''.join(column.tobytes() for column in columns)).decode('ascii')
     return texts or None
 
@@ -72,17 +67,19 @@ def motion_of_text(text: Mapping[str, str] | None) -> Motion:
 
     """
     chunks = []
-    for what, columns in (text or {}).items():
-        names = _COLUMNS.get(what)
+    things = {word: what for what, word in _WORDS.items()}
+    for word, columns in (text or {}).items():
+        what = things.get(word, '')
+        names = MOTION_COLUMNS.get(what)
         try:
             data = b64decode(columns, validate=True)
         except binascii.Error as error:
-            raise ValueError(f'motion.{what} is no base64: {error}') from None
+            raise ValueError(f'motion.{word} is no base64: {error}') from None
         if names is None or len(data) % (8 * (1 + len(names))):
-            raise ValueError(f'motion.{what} has {len(data)} bytes: must be whole rows')
+            raise ValueError(f'motion.{word} has {len(data)} bytes: must be whole rows')
         size = len(data) // (1 + len(names))
         stamps = np.frombuffer(data[:size], '<i8').astype(np.int64)
         reals = [np.frombuffer(data[at:at + size], '<f8').astype(np.float64)
                  for at in range(size, len(data), size)] if size else [np.zeros(0)] * len(names)
-        chunks.append(_BUILDERS[what](stamps, *reals))
+        chunks.append(Motion.of(what, stamps, *reals))
     return Motion.concatenate(chunks)

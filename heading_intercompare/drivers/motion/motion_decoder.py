@@ -17,16 +17,24 @@
 from __future__ import annotations
 
 from collections import Counter
+import math
+from typing import Iterable
+
+import numpy as np
 
 from heading_intercompare.core.records import Motion
+from heading_intercompare.drivers.log_lines.log_files import LogFiles
 from heading_intercompare.drivers.log_lines.log_order import open_log
+from heading_intercompare.drivers.sentence_choice import Listening
+from heading_intercompare.drivers.sentences import Name
 from heading_intercompare.drivers.settings import DriverSettings
 
-from .motion_lines import find_best, MotionColumns, MotionLine, MotionLines
-from .motion_log import read_log_motion
+from .motion_lines import MotionLine, MotionLines
+from .motion_sentences import Family, MOTION
 
 __all__ = ['MotionDecoder']
 
+_BLOCK = 1 << 20
 #: Rows held until a sentence is chosen; a flood does not wait for the end of `learn_s`.
 _MOST_HELD = 20_000
 
@@ -39,11 +47,15 @@ class MotionDecoder:
     ----------
     settings : DriverSettings
         As for `NmeaDecoder`; `sentence`, `talker` and `instrument` choose headings only.
+    family : Family
+        The sentences to read.
+    log : LogFiles, optional
+        A log for `read_log`; without one, `source` says whether a log is played.
 
     Attributes
     ----------
-    chosen : dict of str to str
-        The sentence used for each thing, such as 'INVTG' for 'course'.
+    chosen : dict of str to Name
+        The sentence used for each thing, by what it tells, such as INVTG for 'velocity'.
 
     Notes
     -----
@@ -60,19 +72,19 @@ class MotionDecoder:
 
     """
 
-    def __init__(self, settings: DriverSettings) -> None:
+    def __init__(self, settings: DriverSettings, family: Family = MOTION,
+                 log: LogFiles | None = None) -> None:
+        self._kinds, self._learn_s = [*family.parsers], settings.learn_s
+        self._most = _MOST_HELD if log is None else math.inf
+        self.chosen: dict[str, Name] = {}
+        if log is None and settings.source is not None and settings.address.scheme == 'file':
+            log = open_log(settings.address.path, settings)
+            search = MotionDecoder(settings, family, log)
+            search.read_log(log)
+            self.chosen = search.chosen
         self._counts: Counter[str] = Counter()
-        self._learn_ns = round(settings.learn_s * 1e9)
-        self.chosen: dict[str, str] = {}
-        files = None
-        self._played = settings.source is not None and settings.address.scheme == 'file'
-        if self._played:
-            files = open_log(settings.address.path, settings)
-            self.chosen |= read_log_motion(settings.address.path, settings).sentences
-        self._lines = MotionLines(settings, self._counts, files)
-        self._held: dict[str, dict[str, MotionColumns]] = {}
-        self._since_ns: dict[str, int] = {}
-        self._ready_columns: dict[str, MotionColumns] = {}
+        self._lines = MotionLines(settings, self._counts, family, log)
+        self._by_thing: dict[str, Listening] = {}
 
     @property
     def counts(self) -> dict[str, int]:
@@ -84,52 +96,53 @@ class MotionDecoder:
         """Take bytes and return the motion that they complete; see `NmeaDecoder.feed`."""
         if file is not None:
             self._lines.begin_file(file)
-        for line in self._lines.feed(data, received_ns):
-            self._take(line, received_ns)
-        for what in [*self._held]:
-            if self._has_learnt(what, received_ns):
-                self._choose(what)
+        self._take(self._lines.feed(data, received_ns))
+        for what, listening in self._by_thing.items():
+            self._choose(what, listening, received_ns)
         return self._drain()
 
     def flush(self) -> Motion:
         """Return the last rows at the end of the stream."""
-        for line in self._lines.flush():
-            self._take(line, None)
-        for what in [*self._held]:
-            self._choose(what)
+        self._finish()
         return self._drain()
 
-    def _take(self, line: MotionLine, received_ns: int | None) -> None:
-        what = line.told.what
-        chosen = self.chosen.get(what)
-        if chosen == line.name:
-            self._ready_columns.setdefault(what, MotionColumns()).add(line.stamp_ns, line.told)
-        elif chosen is not None or self._played:
-            self._counts['other'] += 1
-        else:
-            self._held.setdefault(what, {}).setdefault(line.name, MotionColumns()).add(
-                line.stamp_ns, line.told)
-            if received_ns is not None:
-                self._since_ns.setdefault(what, received_ns)
+    def read_log(self, log: LogFiles) -> dict[str, list[np.ndarray]]:
+        """Read a whole log; return stamps and values by what they tell."""
+        for begins, block in log.blocks(_BLOCK):
+            if begins is not None:
+                self._lines.begin_file(begins)
+            self._take(self._lines.feed(block))
+        self._finish()
+        return {what: listening.rows.drain() for what, listening in self._by_thing.items()}
 
-    def _has_learnt(self, what: str, now_ns: int | None) -> bool:
-        since_ns = self._since_ns.get(what)
-        if sum(map(len, self._held[what].values())) > _MOST_HELD:
-            return True
-        if now_ns is None or since_ns is None:
-            return False
-        self._since_ns[what] = min(since_ns, now_ns)
-        return now_ns - since_ns >= self._learn_ns
+    def _take(self, lines: Iterable[MotionLine]) -> None:
+        for name, stamp_ns, (what, values) in lines:
+            listening = self._by_thing.get(what)
+            if listening is None:
+                listening = self._by_thing[what] = Listening(
+                    self._kinds, self._learn_s, self._most, self.chosen.get(what), len(values))
+            if listening.chosen is None:
+                listening.hear(name).rows.add(stamp_ns, *values)
+            elif listening.chosen == name:
+                listening.rows.add(stamp_ns, *values)
+            else:
+                self._counts['other'] += 1
 
-    def _choose(self, what: str) -> None:
-        """Choose the best of the sentences that tell one thing, and count the other sentences."""
-        held = self._held.pop(what)
-        best = find_best(held)
-        self._counts['other'] += sum(len(rows) for name, rows in held.items() if name != best)
-        self.chosen[what], self._ready_columns[what] = best, held[best]
+    def _finish(self) -> None:
+        self._take(self._lines.flush())
+        for what, listening in self._by_thing.items():
+            self._choose(what, listening, None, at_end=True)
+
+    def _choose(self, what: str, listening: Listening, now_ns: int | None,
+                at_end: bool = False) -> None:
+        """Choose the best sentence if it is time, and count what was heard of the others."""
+        held = listening.choose() if at_end else listening.learn(now_ns)
+        if listening.chosen is not None:
+            self.chosen[what] = listening.chosen
+        if n_others := sum(heard.n for name, heard in held.items() if name != listening.chosen):
+            self._counts['other'] += n_others
 
     def _drain(self) -> Motion:
-        columns, self._ready_columns = self._ready_columns, {}
-        if not columns:
-            return Motion.empty()
-        return Motion.concatenate([rows.to_motion(what) for what, rows in columns.items()])
+        return Motion.concatenate([Motion.of(what, *listening.rows.drain())
+                                   for what, listening in self._by_thing.items()
+                                   if len(listening.rows)])

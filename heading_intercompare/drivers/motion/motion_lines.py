@@ -16,71 +16,33 @@
 
 from __future__ import annotations
 
-from array import array
 from collections import Counter
-from typing import Callable, Iterable, Iterator, NamedTuple
+from typing import Iterable, Iterator, NamedTuple
 
-import numpy as np
-
-from heading_intercompare.core.records import Motion
+from heading_intercompare.core.motion.moved_rows import MovedRow
 from heading_intercompare.drivers.framing import Frame, Framer
 from heading_intercompare.drivers.log_lines.log_clocks import choose_time_sentences, start_stamps
 from heading_intercompare.drivers.log_lines.log_files import LogFiles
 from heading_intercompare.drivers.log_lines.stream_times import StreamTimes, TIME_SENTENCES
 from heading_intercompare.drivers.log_lines.times import day_time_ns, nearest_day_ns
-from heading_intercompare.drivers.sentences import Rejected
+from heading_intercompare.drivers.sentences import Name, Rejected
 from heading_intercompare.drivers.settings import DriverSettings
 
-from .motion_sentences import COURSE, MOTION_KINDS, parse_motion, POSITION, Told
+from .motion_sentences import Family
 
-__all__ = ['find_best', 'MotionColumns', 'MotionLine', 'MotionLines']
+__all__ = ['MotionLine', 'MotionLines']
 
-_KINDS = frozenset(kind.encode() for kind in MOTION_KINDS)
 _TIMES = frozenset(kind.encode() for kind in TIME_SENTENCES)
 #: Field with the time of day, by kind.
 _TIME_FIELD = {b'GGA': 1, b'GNS': 1, b'RMC': 1, b'GLL': 5}
 
 
 class MotionLine(NamedTuple):
-    """The name of a sentence such as 'INVTG', its stamp, and what it tells."""
+    """The name of a sentence, its stamp, and a row that it tells."""
 
-    name: str
+    name: Name
     stamp_ns: int
-    told: Told
-
-
-class MotionColumns:
-    """What the sentences of one name tell of one thing."""
-
-    def __init__(self) -> None:
-        self.stamp_ns, self.first, self.second = array('q'), array('d'), array('d')
-
-    def __len__(self) -> int:
-        return len(self.stamp_ns)
-
-    def add(self, stamp_ns: int, reading: Told) -> None:
-        """Add what a sentence tells."""
-        self.stamp_ns.append(stamp_ns)
-        self.first.append(reading.first)
-        self.second.append(reading.second)
-
-    def to_motion(self, what: str) -> Motion:
-        """Return the rows, given what they tell."""
-        stamps = np.array(self.stamp_ns, np.int64)
-        first, second = np.array(self.first), np.array(self.second)
-        if what == POSITION:
-            return Motion.of_positions(stamps, first, second)
-        return (Motion.of_velocities(stamps, first, second) if what == COURSE
-                else Motion.of_rates(stamps, first))
-
-
-def find_best(names: Iterable[str]) -> str:
-    """Return the sentence to use of those that tell one thing, given as they were heard."""
-    return min(names, key=lambda name: list(MOTION_KINDS).index(name[2:]))
-
-
-def _tells_motion(text: bytes) -> bool:
-    return text[2:5] in _KINDS and text[5:6] == b',' and text[:1] != b'P'
+    row: MovedRow
 
 
 class MotionLines:
@@ -93,6 +55,8 @@ class MotionLines:
         How lines are stamped. The scheme of `source` matters as for `NmeaDecoder`.
     counts : Counter
         Counts the sentences of the motion that told nothing, by reason.
+    family : Family
+        The sentences to read.
     files : LogFiles, optional
         The log that is read or played; none for a live stream.
 
@@ -104,9 +68,9 @@ class MotionLines:
 
     """
 
-    def __init__(self, rule: DriverSettings, counts: Counter[str],
+    def __init__(self, rule: DriverSettings, counts: Counter[str], family: Family,
                  files: LogFiles | None = None) -> None:
-        self._counts, self._is_log = counts, files is not None
+        self._counts, self._family, self._is_log = counts, family, files is not None
         self._lenient = rule.checksum == 'if_present'
         self._validity = rule.time == 'validity'
         days, self._stamps = start_stamps(rule, files)
@@ -130,34 +94,22 @@ class MotionLines:
         """Yield what the last sentences tell."""
         yield from self._take(self._framer.flush())
 
-    def feed_texts(self, data: bytes, token: bytes) -> Iterator[tuple[int, bytes]]:
-        """Yield stamp and text of the sentences that begin with a token, in a block of a log."""
-        frames = self._framer.feed(data, None) if data else self._framer.flush()
-        return self._stamped(frames, lambda text: text.startswith(token))
-
-    def _stamped(self, frames: Iterable[Frame],
-                 is_wanted: Callable[[bytes], bool]) -> Iterator[tuple[int, bytes]]:
-        """Yield stamp and text of the wanted sentences; count those without one of the two."""
+    def _take(self, frames: Iterable[Frame]) -> Iterator[MotionLine]:
         for received_ns, prefix, text, checked, suffix in frames:
             stamp_ns = self._stamp(prefix, text, suffix, received_ns)
-            if not is_wanted(text):
+            name = self._family.identify(text)
+            if name is None or name.kind not in self._family.parsers:
                 continue
             if not (checked or self._lenient):
                 self._counts['no_checksum'] += 1
             elif stamp_ns is None:
                 self._counts['no_stamp'] += 1
             else:
-                yield stamp_ns, text
-
-    def _take(self, frames: Iterable[Frame]) -> Iterator[MotionLine]:
-        for stamp_ns, text in self._stamped(frames, _tells_motion):
-            try:
-                readings = parse_motion(text)
-            except Rejected as rejected:
-                self._counts[f'{text[:5].decode("latin-1")}.{rejected.reason}'] += 1
-                continue
-            for reading in readings:
-                yield MotionLine(text[:5].decode('latin-1'), stamp_ns, reading)
+                try:
+                    for row in self._family.parse(name, text):
+                        yield MotionLine(name, stamp_ns, row)
+                except Rejected as rejected:
+                    self._counts[f'{name}.{rejected.reason}'] += 1
 
     def _stamp(self, prefix: bytes, text: bytes, suffix: bytes,
                received_ns: int | None) -> int | None:

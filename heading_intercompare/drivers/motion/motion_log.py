@@ -16,24 +16,20 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from dataclasses import dataclass, field
 import os
-from typing import Iterator, Mapping
+from typing import Mapping
 
-from heading_intercompare.core.records import Motion
+from heading_intercompare.core.records import Attitude, Motion, MOTION_COLUMNS
 from heading_intercompare.drivers.csv_log import is_csv_file, open_csv
 from heading_intercompare.drivers.log_lines.log_files import LogFiles
 from heading_intercompare.drivers.log_lines.log_order import open_log
 from heading_intercompare.drivers.settings import DriverSettings
 
-from .motion_lines import find_best, MotionColumns, MotionLine, MotionLines
-from .motion_sentences import COURSE, MOTION_KINDS, POSITION, RATE
+from .motion_decoder import MotionDecoder
+from .motion_sentences import ATTITUDE, Family, MOTION
 
-__all__ = ['LoggedMotion', 'read_log_motion']
-
-_BLOCK = 1 << 20
-_TOKENS = tuple(f'{kind},'.encode() for kind in MOTION_KINDS)
+__all__ = ['LoggedMotion', 'read_log_attitude', 'read_log_motion']
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +40,7 @@ class LoggedMotion:
     Attributes
     ----------
     rows : mapping of str to Motion
-        By what they tell: 'position', 'course', 'rate'. Only what the log has.
+        By what they tell: 'fix', 'velocity', 'rate'. Only what the log has.
     sentences : mapping of str to str
         The sentence that each came from, such as 'INVTG'.
     not_taken : mapping of str to int
@@ -89,39 +85,41 @@ def read_log_motion(path: str | os.PathLike[str],
 
     """
     rule = settings or DriverSettings()
+    log = _open(path, rule, MOTION)
+    if log is None:
+        return LoggedMotion()
+    decoder = MotionDecoder(rule, MOTION, log)
+    columns = decoder.read_log(log)
+    things = [what for what in MOTION_COLUMNS if what in columns]
+    return LoggedMotion({what: Motion.of(what, *columns[what]) for what in things},
+                        {what: str(decoder.chosen[what]) for what in things},
+                        {why: n for why, n in decoder.counts.items() if why != 'other'})
+
+
+def read_log_attitude(path: str | os.PathLike[str],
+                      settings: DriverSettings | None = None) -> Attitude:
+    """
+    Read roll and pitch from a log, as `read_log_motion`: of PSXN,23, or of PASHR without it.
+
+    The form PASHR,ATT is not read.
+    """
+    rule = settings or DriverSettings()
+    log = _open(path, rule, ATTITUDE)
+    columns = {} if log is None else MotionDecoder(rule, ATTITUDE, log).read_log(log)
+    return Attitude.of(*columns['attitude']) if columns else Attitude.empty()
+
+
+def _open(path: str | os.PathLike[str], rule: DriverSettings, family: Family) -> LogFiles | None:
+    """Open a log; None if it cannot have a sentence of the family, as a csv."""
     name = os.fspath(path)
     files = open_csv(name, rule) or open_log(name, rule)
-    if not _has_motion(files):
-        return LoggedMotion()
-    columns: dict[tuple[str, str], MotionColumns] = {}
-    counts: Counter[str] = Counter()
-    for name, stamp_ns, reading in _read_lines(MotionLines(rule, counts, files), files):
-        columns.setdefault((reading.what, name), MotionColumns()).add(stamp_ns, reading)
-    rows, sentences = {}, {}
-    for what in (POSITION, COURSE, RATE):
-        names = [name for quantity, name in columns if quantity == what]
-        if names:
-            best = find_best(names)
-            rows[what], sentences[what] = columns[what, best].to_motion(what), best
-    return LoggedMotion(rows, sentences, dict(sorted(counts.items())))
-
-
-def _read_lines(lines: MotionLines, files: LogFiles) -> Iterator[MotionLine]:
-    for begins, block in files.blocks(_BLOCK):
-        if begins is not None:
-            lines.begin_file(begins)
-        yield from lines.feed(block)
-    yield from lines.flush()
-
-
-def _has_motion(files: LogFiles) -> bool:
-    """Tell whether a log may have such a sentence; a csv has none."""
     if is_csv_file(files.paths[0]):
-        return False
+        return None
+    tokens = [f'{kind},'.encode() for kind in family.parsers]
     tail = b''
     for block in files.bare_blocks():
         text = tail + block
-        if any(token in text for token in _TOKENS):
-            return True
-        tail = block[-4:]
-    return False
+        if any(token in text for token in tokens):
+            return files
+        tail = block[-7:]
+    return None

@@ -12,87 +12,95 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The sentences that tell the motion of the ship: VTG, RMC, GNS, GGA, GLL, ROT."""
+"""The sentences that tell the motion and the attitude of the ship."""
 
 from __future__ import annotations
 
+from functools import lru_cache
 import math
 import re
-from typing import Callable, NamedTuple
+from typing import Callable, Mapping, NamedTuple
 
-from heading_intercompare.core.records import FASTEST_M_S, FASTEST_TURN_DEG_S, KNOT_M_S
-from heading_intercompare.drivers.sentences import Rejected
+from heading_intercompare.core.motion.moved_rows import (
+    make_attitude,
+    make_position,
+    make_rate,
+    make_velocity,
+    MovedRow,
+)
+from heading_intercompare.core.records import KNOT_M_S
+from heading_intercompare.drivers.sentences import field_of, identify, is_number, Name, Rejected
 
-__all__ = ['COURSE', 'MOTION_KINDS', 'parse_motion', 'POSITION', 'RATE', 'Told']
+__all__ = ['ATTITUDE', 'Family', 'MOTION', 'MOTION_WORDS']
 
-POSITION, COURSE, RATE = 'position', 'course', 'rate'
-_FASTEST_KN, _FASTEST_DEG_MIN = FASTEST_M_S / KNOT_M_S, 60.0 * FASTEST_TURN_DEG_S
+MOTION_WORDS = {'fix': 'position', 'velocity': 'course', 'rate': 'rate'}
+"""What a sentence tells, in a word for people."""
 
-_is_number = re.compile(rb' *[+-]?(?:\d+\.?\d*|\.\d+) *\Z').match
+_KM_H_KN = 1.852
+
 _is_angle = re.compile(rb'(\d{2,3})(\d\d(?:\.\d*)?)\Z').match
 
 
-class Told(NamedTuple):
+class Family(NamedTuple):
     """
-    What a sentence tells.
+    Sentences that tell one kind of record.
 
     Attributes
     ----------
-    what : str
-        `POSITION`, `COURSE` or `RATE`.
-    first, second : float
-        Latitude and longitude in degrees; velocity to the east and the north in m/s; or the rate
-        of turn in degrees per second to starboard, and nan.
+    identify : callable
+        Returns the name of a sentence, None for a sentence of another family.
+    parsers : mapping of str to callable
+        The parser of each kind of sentence, from its fields to rows; it raises `Rejected`. Of two
+        kinds that tell one thing, the earlier is preferred.
 
     """
 
-    what: str
-    first: float
-    second: float
+    identify: Callable[[bytes], Name | None]
+    parsers: Mapping[str, Callable[[list[bytes]], list[MovedRow | None]]]
+
+    def parse(self, name: Name, text: bytes) -> list[MovedRow]:
+        """
+        Return what a sentence of the family tells.
+
+        Raises
+        ------
+        Rejected
+            If it tells nothing; `reason` says why.
+
+        """
+        rows = [row for row in self.parsers[name.kind](text.split(b',')) if row is not None]
+        if not rows:
+            raise Rejected('out_of_range')
+        return rows
 
 
-def _number(fields: list[bytes], index: int, least: float, most: float) -> float:
-    if len(fields) <= index:
-        raise Rejected('too_few_fields')
-    text = fields[index]
-    if not text.strip():
-        raise Rejected('empty')
-    if not _is_number(text):
-        raise Rejected('bad_field')
-    value = float(text)
-    if not least <= value <= most:
-        raise Rejected('out_of_range')
-    return value
+def _number(fields: list[bytes], index: int) -> float:
+    text = field_of(fields, index)
+    if not is_number(text):
+        raise Rejected('bad_field' if text.strip() else 'empty')
+    return float(text)
 
 
-def _field(fields: list[bytes], index: int) -> bytes:
-    if len(fields) <= index:
-        raise Rejected('too_few_fields')
-    return fields[index].strip()
-
-
-def _angle(fields: list[bytes], index: int, sides: bytes, most: float) -> float:
+def _angle(fields: list[bytes], index: int, sides: bytes) -> float:
     """Return an angle written as degrees and minutes, and its side; degrees."""
-    text, side = _field(fields, index), _field(fields, index + 1)
+    text, side = (field_of(fields, at).strip() for at in (index, index + 1))
     if not text:
         raise Rejected('empty')
     match = _is_angle(text)
     if match is None or len(side) != 1 or side not in sides or float(match[2]) >= 60.0:
         raise Rejected('bad_field')
     angle = float(match[1]) + float(match[2]) / 60.0
-    if angle > most:
-        raise Rejected('out_of_range')
     return -angle if side in b'SW' else angle
 
 
-def _position(fields: list[bytes], index: int) -> Told:
-    return Told(POSITION, _angle(fields, index, b'NS', 90.0),
-                _angle(fields, index + 2, b'EW', 180.0))
+def _position(fields: list[bytes], index: int) -> MovedRow | None:
+    return make_position(_angle(fields, index, b'NS'), _angle(fields, index + 2, b'EW'))
 
 
-def _course(course_deg: float, speed_kn: float) -> Told:
-    speed, course = speed_kn * KNOT_M_S, math.radians(course_deg)
-    return Told(COURSE, speed * math.sin(course), speed * math.cos(course))
+def _course(fields: list[bytes], index: int, speed_kn: float) -> MovedRow | None:
+    course_deg = _number(fields, index)
+    return None if course_deg > 360.0 else make_velocity(math.radians(course_deg),
+                                                         speed_kn * KNOT_M_S)
 
 
 def _check_mode(fields: list[bytes], index: int) -> None:
@@ -101,44 +109,44 @@ def _check_mode(fields: list[bytes], index: int) -> None:
         raise Rejected('invalid_mode')
 
 
-def _parse_vtg(fields: list[bytes]) -> list[Told]:
+def _parse_vtg(fields: list[bytes]) -> list[MovedRow | None]:
     """Read `xxVTG,course,T,course,M,speed,N,speed,K,mode`; the speed in km/h if no other is."""
     _check_mode(fields, 9)
-    if _field(fields, 2) != b'T':
+    if field_of(fields, 2).strip() != b'T':
         raise Rejected('not_true')
-    course = _number(fields, 1, 0.0, 360.0)
-    if _field(fields, 5):
-        return [_course(course, _number(fields, 5, 0.0, _FASTEST_KN))]
-    return [_course(course, _number(fields, 7, 0.0, 1.852 * _FASTEST_KN) / 1.852)]
+    _number(fields, 1)
+    has_knots = field_of(fields, 5).strip()
+    speed_kn = _number(fields, 5) if has_knots else _number(fields, 7) / _KM_H_KN
+    return [_course(fields, 1, speed_kn)]
 
 
-def _parse_rmc(fields: list[bytes]) -> list[Told]:
+def _parse_rmc(fields: list[bytes]) -> list[MovedRow | None]:
     """Read `xxRMC,time,A,latitude,N,longitude,E,speed,course,date,variation,E,mode`."""
-    if _field(fields, 2) != b'A':
+    if field_of(fields, 2).strip() != b'A':
         raise Rejected('invalid_mode')
     _check_mode(fields, 12)
-    readings = [_position(fields, 3)]
-    if _field(fields, 7) and _field(fields, 8):
-        readings.append(_course(_number(fields, 8, 0.0, 360.0),
-                                _number(fields, 7, 0.0, _FASTEST_KN)))
-    return readings
+    position = _position(fields, 3)
+    if field_of(fields, 7).strip() and field_of(fields, 8).strip():
+        course = _course(fields, 8, _number(fields, 7))
+        return [position, course] if position and course else []
+    return [position]
 
 
-def _parse_gga(fields: list[bytes]) -> list[Told]:
+def _parse_gga(fields: list[bytes]) -> list[MovedRow | None]:
     """Read `xxGGA,time,latitude,N,longitude,E,quality,...`; 0, 6, 7 and 8 are no fixes."""
-    if _field(fields, 6) in (b'', b'0', b'6', b'7', b'8'):
+    if field_of(fields, 6).strip() in (b'', b'0', b'6', b'7', b'8'):
         raise Rejected('invalid_mode')
     return [_position(fields, 2)]
 
 
-def _parse_gns(fields: list[bytes]) -> list[Told]:
+def _parse_gns(fields: list[bytes]) -> list[MovedRow | None]:
     """Read `xxGNS,time,latitude,N,longitude,E,modes,...`; a mode per system, N for no fix."""
-    if not set(_field(fields, 6)) - set(b'NEMS'):
+    if not set(field_of(fields, 6).strip()) - set(b'NEMS'):
         raise Rejected('invalid_mode')
     return [_position(fields, 2)]
 
 
-def _parse_gll(fields: list[bytes]) -> list[Told]:
+def _parse_gll(fields: list[bytes]) -> list[MovedRow | None]:
     """Read `xxGLL,latitude,N,longitude,E,time,A,mode`."""
     if len(fields) > 6 and fields[6].strip() == b'V':
         raise Rejected('invalid_mode')
@@ -146,43 +154,40 @@ def _parse_gll(fields: list[bytes]) -> list[Told]:
     return [_position(fields, 1)]
 
 
-def _parse_rot(fields: list[bytes]) -> list[Told]:
+def _parse_rot(fields: list[bytes]) -> list[MovedRow | None]:
     """Read `xxROT,rate,A`: degrees per minute, negative to port."""
-    if _field(fields, 2) != b'A':
+    if field_of(fields, 2).strip() != b'A':
         raise Rejected('invalid_mode')
-    return [Told(RATE, _number(fields, 1, -_FASTEST_DEG_MIN, _FASTEST_DEG_MIN) / 60.0, math.nan)]
+    return [make_rate(_number(fields, 1) / 60.0)]
 
 
-#: Kind of sentence -> what it tells, and its parser; of each, the earlier kind is preferred.
-MOTION_KINDS: dict[str, tuple[tuple[str, ...], Callable[[list[bytes]], list[Told]]]] = {
-    'VTG': ((COURSE,), _parse_vtg),
-    'GNS': ((POSITION,), _parse_gns),
-    'GGA': ((POSITION,), _parse_gga),
-    'RMC': ((POSITION, COURSE), _parse_rmc),
-    'GLL': ((POSITION,), _parse_gll),
-    'ROT': ((RATE,), _parse_rot),
-}
+def _parse_pashr(fields: list[bytes]) -> list[MovedRow | None]:
+    """Read `PASHR,time,heading,T,roll,pitch,...`; the order of PASHR,ATT differs by maker."""
+    if fields[1] == b'ATT':
+        raise Rejected('unknown_form')
+    return [make_attitude(_number(fields, 4), _number(fields, 5))]
 
 
-def parse_motion(text: bytes) -> list[Told]:
-    """
-    Return what a sentence tells of the motion of the ship.
+def _parse_psxn23(fields: list[bytes]) -> list[MovedRow | None]:
+    """Read `PSXN,23,roll,pitch,heading,heave`."""
+    return [make_attitude(_number(fields, 2), _number(fields, 3))]
 
-    Parameters
-    ----------
-    text : bytes
-        The text between `$` and `*`, of a kind in `MOTION_KINDS`.
 
-    Raises
-    ------
-    Rejected
-        If it tells nothing; `reason` says why.
+def _identify_motion(text: bytes) -> Name | None:
+    return None if text[:1] == b'P' else _parse_name(text[:6])
 
-    Examples
-    --------
-    >>> parse_motion(b'HEROT,-30.0,A')[0].first
-    -0.5
 
-    """
-    fields = text.split(b',')
-    return MOTION_KINDS[fields[0][2:5].decode('latin-1')][1](fields)
+@lru_cache(maxsize=256)
+def _parse_name(start: bytes) -> Name | None:
+    kind = start[2:5].decode('latin-1')
+    is_motion = kind in MOTION.parsers and start[5:] == b','
+    return Name(kind, start[:2].decode('latin-1')) if is_motion else None
+
+
+MOTION = Family(_identify_motion, {
+    'VTG': _parse_vtg, 'GNS': _parse_gns, 'GGA': _parse_gga, 'RMC': _parse_rmc,
+    'GLL': _parse_gll, 'ROT': _parse_rot})
+"""The sentences of positions, velocities over ground and rates of turn."""
+
+ATTITUDE = Family(identify, {'PSXN,23': _parse_psxn23, 'PASHR': _parse_pashr})
+"""The sentences of roll and pitch; both have roll with starboard down, and pitch with bow up."""

@@ -25,6 +25,7 @@ from heading_intercompare.core.rows.sensor_table import read_sensors
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.drivers.framing import Received
 from heading_intercompare.drivers.motion.motion_decoder import MotionDecoder
+from heading_intercompare.drivers.motion.motion_sentences import MOTION_WORDS
 from heading_intercompare.drivers.settings import DriverError, DriverSettings
 from heading_intercompare.messages.status_messages import OK
 from heading_intercompare.nodes.settings import DriverNode
@@ -99,7 +100,7 @@ class DriverMotion:
             raise DriverError(f'{self._path}: has no motion of the ship: no VTG, RMC, GNS, GGA, '
                               'GLL or ROT with a stamp')
         for what in self._decoder.chosen if self._wanted else ():
-            self._sender.open({'position': 'fix', 'course': 'velocity'}.get(what, what))
+            self._sender.open(what)
 
     def feed(self, received: Received) -> None:
         """Take bytes."""
@@ -119,6 +120,7 @@ class DriverMotion:
     def _note(self) -> None:
         # On a silent line this makes the time of listening pass.
         self._sender.take(self._decoder.feed(b'', time.time_ns()))
-        chosen = ', '.join(f'{what} of {name}' for what, name in self._decoder.chosen.items())
+        chosen = ', '.join(f'{MOTION_WORDS[what]} of {name}'
+                           for what, name in self._decoder.chosen.items())
         self._health.note('motion', OK, chosen or 'no motion of the ship heard', log=False,
                           **self._sender.describe(), **self._decoder.counts)

@@ -21,13 +21,7 @@ import math
 import pytest
 
 from heading_intercompare.core.records import KNOT_M_S
-from heading_intercompare.drivers.motion.motion_sentences import (
-    COURSE,
-    MOTION_KINDS,
-    parse_motion,
-    POSITION,
-    RATE,
-)
+from heading_intercompare.drivers.motion.motion_sentences import MOTION
 from heading_intercompare.drivers.sentences import Rejected
 
 # Real: OpenRVDAS (MIT), NBP1406 and LMG1903.
@@ -37,31 +31,35 @@ GGA = b'INGGA,000000.16,2200.110899,S,01756.359432,W,1,12,0.7,-2.76,M,4.67,M,,'
 GLL = b'GPGLL,2200.1117,S,01756.3597,W,000000.00,A'
 
 
-def course_of(told):
+def parse_motion(text):
+    """Return the rows of a sentence."""
+    return MOTION.parse(MOTION.identify(text), text)
+
+
+def course_of(row):
     """Return course and speed, degrees and knots."""
-    return (math.degrees(math.atan2(told.first, told.second)) % 360.0,
-            math.hypot(told.first, told.second) / KNOT_M_S)
+    return (math.degrees(math.atan2(*row.values)) % 360.0, math.hypot(*row.values) / KNOT_M_S)
 
 
 @pytest.mark.parametrize('text, course, speed', [
     (VTG, 215.11, 9.1), (b'GPVTG,90,T,,M,,N,18.52,K', 90.0, 10.0),
     (b'GPVTG, 0.0 ,T,,,5.0,N,,', 0.0, 5.0)])
 def test_courses_of_vtg(text, course, speed):
-    told, = parse_motion(text)
-    assert told.what == COURSE and course_of(told) == pytest.approx((course, speed))
+    row, = parse_motion(text)
+    assert row.what == 'velocity' and course_of(row) == pytest.approx((course, speed))
 
 
 def test_rmc_tells_position_and_course():
     position, course = parse_motion(RMC)
-    assert position.what == POSITION and course.what == COURSE
-    assert (position.first, position.second) == pytest.approx(
+    assert position.what == 'fix' and course.what == 'velocity'
+    assert position.values == pytest.approx(
         (-53.0 - 7.012403 / 60.0, -67.0 - 24.614243 / 60.0))
     assert course_of(course) == pytest.approx((135.31, 12.5))
 
 
 def test_rmc_of_a_ship_at_rest_tells_its_position_alone():
-    told = parse_motion(b'GPRMC,100555,A,5307.0,N,00724.6,E,0.0,,260319,,')
-    assert [each.what for each in told] == [POSITION]
+    rows = parse_motion(b'GPRMC,100555,A,5307.0,N,00724.6,E,0.0,,260319,,')
+    assert [row.what for row in rows] == ['fix']
 
 
 @pytest.mark.parametrize('text, latitude, longitude', [
@@ -70,14 +68,14 @@ def test_rmc_of_a_ship_at_rest_tells_its_position_alone():
     (b'GNGNS,014035.00,4332.69262,N,17235.48549,E,RR,13,0.9,25.63,11.24,,',
      43.0 + 32.69262 / 60.0, 172.0 + 35.48549 / 60.0)])
 def test_positions(text, latitude, longitude):
-    told, = parse_motion(text)
-    assert told.what == POSITION
-    assert (told.first, told.second) == pytest.approx((latitude, longitude), abs=1e-12)
+    row, = parse_motion(text)
+    assert row.what == 'fix'
+    assert row.values == pytest.approx((latitude, longitude), abs=1e-12)
 
 
 def test_the_rate_of_turn_is_in_degrees_a_minute_and_negative_to_port():
-    told, = parse_motion(b'HEROT,-90.0,A')
-    assert (told.what, told.first) == (RATE, -1.5)
+    row, = parse_motion(b'HEROT,-90.0,A')
+    assert row == ('rate', (-1.5,))
 
 
 @pytest.mark.parametrize('text, reason', [
@@ -102,7 +100,7 @@ def test_what_tells_nothing_is_rejected_with_its_reason(text, reason):
     assert error.value.reason == reason
 
 
-@pytest.mark.parametrize('kind', MOTION_KINDS)
+@pytest.mark.parametrize('kind', MOTION.parsers)
 def test_no_field_at_all_is_rejected(kind):
     for text in (f'GP{kind},', f'GP{kind},,,,,,,,,,,,,'):
         with pytest.raises(Rejected):
