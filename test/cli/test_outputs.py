@@ -22,6 +22,7 @@ from pathlib import Path
 import re
 import subprocess
 
+from command_line import refusal
 import numpy as np
 import pytest
 
@@ -58,14 +59,6 @@ def rows(path):
     """Return the rows of a csv, of numbers."""
     with open(path, newline='') as file:
         return [{name: float(text) for name, text in row.items()} for row in csv.DictReader(file)]
-
-
-def refused(capsys, *arguments):
-    """Return the one line that a wrong command line gives."""
-    assert main([str(a) for a in arguments]) == 2
-    out, err = capsys.readouterr()
-    assert out == '' and err.count('\n') == 1
-    return err
 
 
 def test_ensembles_are_written_and_are_those_of_the_pairs(bag, tmp_path, capsys):
@@ -125,7 +118,7 @@ def test_a_mistake_about_the_files_is_one_line(bag, tmp_path, capsys, arguments,
     names = {'bag': bag, 'to': tmp_path / 'e.csv', 'config': config}
     given = [a.format(**names) for a in arguments]
     before = _files(bag)
-    assert words.format(**names) in refused(capsys, 'analyze', *given, *NORMS)
+    assert words.format(**names) in refusal(capsys, 'analyze', *given, *NORMS)
     assert _files(bag) == before and config.read_text() and not names['to'].exists()
 
 
@@ -136,7 +129,7 @@ def _files(folder) -> dict[str, bytes]:
 def test_a_table_is_not_touched_before_there_are_pairs(bag, tmp_path, capsys):
     table = tmp_path / 'p.csv'
     table.write_text('precious')
-    refused(capsys, 'analyze', tmp_path / 'nothing', *NORMS, '--csv', table)
+    refusal(capsys, 'analyze', tmp_path / 'nothing', *NORMS, '--csv', table)
     assert table.read_text() == 'precious'
     empty = tmp_path / 'empty.csv'
     empty.write_text('stamp_ns,ts_deg,rs_deg\n')
@@ -167,7 +160,7 @@ def test_the_verdict_is_told_though_the_report_cannot_be_written(bag, tmp_path, 
 def test_an_input_is_never_overwritten(bag, tmp_path, capsys, option):
     path = tmp_path / 'pairs.csv'
     path.write_text('stamp_ns,ts_deg,rs_deg\n1,2,3\n')
-    assert 'that is an INPUT' in refused(capsys, 'analyze', path, *NORMS, option, path)
+    assert 'that is an INPUT' in refusal(capsys, 'analyze', path, *NORMS, option, path)
     assert path.read_text() == 'stamp_ns,ts_deg,rs_deg\n1,2,3\n'
 
 
@@ -234,9 +227,9 @@ def test_a_logbook_has_the_runs_that_are_too_old_for_the_verdict(bag, tmp_path, 
 
 def test_a_logbook_that_cannot_be_written_stops_the_command_before_the_work(
         bag, tmp_path, capsys):
-    said = refused(capsys, 'analyze', bag, *NORMS, '--logbook', tmp_path / 'no' / 'l')
+    said = refusal(capsys, 'analyze', bag, *NORMS, '--logbook', tmp_path / 'no' / 'l')
     assert 'cannot be opened' in said
-    said = refused(capsys, 'analyze', bag, *NORMS, '--logbook', next(bag.glob('*.mcap')))
+    said = refusal(capsys, 'analyze', bag, *NORMS, '--logbook', next(bag.glob('*.mcap')))
     assert 'is not a logbook' in said
 
 
@@ -276,7 +269,7 @@ def test_the_protocol_of_a_json_names_what_was_taken_out(bag, tmp_path, exclusio
     assert main(['report', str(found), '-o', str(page)]) == 0
     assert 'Variance as recorded: ' in page.read_text('utf-8')
     capsys.readouterr()
-    assert '--exclude' in refused(capsys, 'report', found, '-o', page, '--exclude', table)
+    assert '--exclude' in refusal(capsys, 'report', found, '-o', page, '--exclude', table)
 
 
 def test_a_stretch_outside_of_the_record_is_a_note(bag, exclusions, capsys):
@@ -293,16 +286,16 @@ def test_a_stretch_outside_of_the_record_is_a_note(bag, exclusions, capsys):
 ])
 def test_a_wrong_table_of_stretches_is_one_line_with_its_file(bag, exclusions, line, why, capsys):
     table = exclusions(line)
-    said = refused(capsys, 'analyze', bag, *NORMS, '--exclude', table)
+    said = refusal(capsys, 'analyze', bag, *NORMS, '--exclude', table)
     assert str(table) in said and re.search(why, said)
 
 
 def test_an_empty_or_binary_table_of_stretches_is_one_line(bag, tmp_path, exclusions, capsys):
-    assert 'has no row start,end,reason' in refused(
+    assert 'has no row start,end,reason' in refusal(
         capsys, 'analyze', bag, *NORMS, '--exclude', exclusions())
     path = tmp_path / 'binary.csv'
     path.write_bytes(b'\xff\xfe1,2,x')
-    assert 'is not csv in UTF-8' in refused(capsys, 'analyze', bag, *NORMS, '--exclude', path)
+    assert 'is not csv in UTF-8' in refusal(capsys, 'analyze', bag, *NORMS, '--exclude', path)
 
 
 def test_a_reason_may_hold_any_sign_in_a_setting(bag, capsys):

@@ -22,6 +22,7 @@ import shutil
 import subprocess
 import sys
 
+from command_line import refusal
 import numpy as np
 import pytest
 
@@ -54,20 +55,11 @@ def bag(tmp_path_factory):
     return path
 
 
-def refused(capsys, *arguments):
-    """Return the one line that a wrong command line gives."""
-    assert main([str(a) for a in arguments]) == 2
-    out, err = capsys.readouterr()
-    assert out == '' and err.count('\n') == 1
-    assert err.startswith('heading-intercompare: error: ')
-    return err
-
-
 def test_a_missing_file_is_named(capsys):
-    assert 'nowhere.mcap: No such file' in refused(capsys, 'analyze', 'nowhere.mcap', *NORMS)
-    assert 'nowhere.log: No such file' in refused(
+    assert 'nowhere.mcap: No such file' in refusal(capsys, 'analyze', 'nowhere.mcap', *NORMS)
+    assert 'nowhere.log: No such file' in refusal(
         capsys, 'import-nmea', '--ts', 'nowhere.log', '--rs', 'x', '-o', 'y')
-    assert 'nowhere.yaml: No such file' in refused(
+    assert 'nowhere.yaml: No such file' in refusal(
         capsys, 'analyze', 'x', '--config', 'nowhere.yaml')
 
 
@@ -77,17 +69,17 @@ def test_a_missing_file_is_named(capsys):
     ('bad_stamp.csv', b'stamp_ns,ts_deg,rs_deg\nnoon,1,2\n', 'line 2')])
 def test_a_file_that_is_no_input_is_named_with_its_fault(name, content, words, capsys, tmp_path):
     (tmp_path / name).write_bytes(content)
-    error = refused(capsys, 'analyze', tmp_path / name, *NORMS)
+    error = refusal(capsys, 'analyze', tmp_path / name, *NORMS)
     assert name in error and words in error
 
 
 def test_a_bag_without_the_topic_lists_those_it_has(bag, capsys):
-    error = refused(capsys, 'analyze', bag, '--ts', 'gyro', *NORMS)
+    error = refusal(capsys, 'analyze', bag, '--ts', 'gyro', *NORMS)
     assert "'gyro'" in error and '/rs/heading (sensor_msgs/msg/Imu)' in error
 
 
 def test_a_topic_of_another_type_says_which_types_would_do(bag, capsys):
-    error = refused(capsys, 'analyze', bag, '--ts', 'remark', *NORMS)
+    error = refusal(capsys, 'analyze', bag, '--ts', 'remark', *NORMS)
     assert 'std_msgs/msg/String' in error and 'geometry_msgs/msg/QuaternionStamped' in error
 
 
@@ -100,7 +92,7 @@ def test_a_topic_of_another_type_says_which_types_would_do(bag, capsys):
 def test_a_wrong_setting_says_what_is_allowed(assignment, words, bag, capsys):
     name = assignment.partition('=')[0]
     norms = NORMS[2:] if NORMS[1].startswith(f'{name}=') else NORMS
-    assert words in refused(capsys, 'analyze', bag, *norms, '--set', assignment)
+    assert words in refusal(capsys, 'analyze', bag, *norms, '--set', assignment)
 
 
 @pytest.mark.parametrize('name, value', [
@@ -108,15 +100,15 @@ def test_a_wrong_setting_says_what_is_allowed(assignment, words, bag, capsys):
 def test_a_setting_that_is_gone_says_what_to_use(name, value, bag, capsys, tmp_path):
     """On the command line and in a parameter file."""
     words = f"setting 'risk.{name}' is gone: "
-    assert words in refused(capsys, 'analyze', bag, *NORMS, '--set', f'risk.{name}={value}')
+    assert words in refusal(capsys, 'analyze', bag, *NORMS, '--set', f'risk.{name}={value}')
     file = tmp_path / 'config.yaml'
     file.write_text(f'/**:\n  ros__parameters:\n    risk:\n      {name}: {value}\n')
-    error = refused(capsys, 'analyze', bag, *NORMS, '--config', file)
+    error = refusal(capsys, 'analyze', bag, *NORMS, '--config', file)
     assert words in error and 'config.yaml' in error
 
 
 def test_a_missing_norm_is_named_before_anything_is_read(capsys):
-    assert 'norms.sigma_max_deg is missing' in refused(capsys, 'analyze', 'nowhere.mcap')
+    assert 'norms.sigma_max_deg is missing' in refusal(capsys, 'analyze', 'nowhere.mcap')
 
 
 @pytest.mark.parametrize('text, words', [
@@ -129,14 +121,14 @@ def test_a_missing_norm_is_named_before_anything_is_read(capsys):
 def test_a_wrong_parameter_file_is_named_with_its_fault(text, words, bag, capsys, tmp_path):
     file = tmp_path / 'config.yaml'
     file.write_text(text)
-    error = refused(capsys, 'analyze', bag, '--config', file)
+    error = refusal(capsys, 'analyze', bag, '--config', file)
     assert 'config.yaml' in error and words in error
 
 
 @pytest.mark.parametrize('arguments', [
     ['analyse'], ['analyze'], ['analyze', 'x', '--colour'], ['import-nmea', '--ts', 'x']])
 def test_a_wrong_command_line_points_to_the_help(arguments, capsys):
-    assert '--help' in refused(capsys, *arguments)
+    assert '--help' in refusal(capsys, *arguments)
 
 
 def test_norms_come_from_the_parameter_file_and_set_overrides_them(bag, capsys, tmp_path):
@@ -175,7 +167,7 @@ def test_damaged_metadata_of_a_bag_are_named_with_line_and_remedy(command, bag, 
     with (damaged / 'metadata.yaml').open('a') as file:
         file.write('rosbag2_bagfile_information: {}\n')
     line = (damaged / 'metadata.yaml').read_text().count('\n')
-    said = refused(capsys, command[0], damaged, *command[1:])
+    said = refusal(capsys, command[0], damaged, *command[1:])
     assert f"metadata.yaml: line {line}: 'rosbag2_bagfile_information' is given twice; " in said
     assert '`recover` reads the bag without this file' in said
     assert main(['recover', str(damaged), '-o', str(tmp_path / 'new')]) == 0
@@ -193,14 +185,14 @@ def test_the_run_table_says_where_the_runs_are(bag, capsys, tmp_path):
     runs = json.loads(capsys.readouterr().out)['runs']
     assert [run['n'] for run in runs] == [600, 605]
     table.write_text('start,stop\nnoon,1\n')
-    assert "line 2: 'noon'" in refused(capsys, 'analyze', bag, *NORMS, '--runs', table)
+    assert "line 2: 'noon'" in refusal(capsys, 'analyze', bag, *NORMS, '--runs', table)
     table.write_text('start,stop\n2,2\n')
-    assert 'line 2: stop 2 is not after start 2' in refused(capsys, 'analyze', bag, *NORMS,
+    assert 'line 2: stop 2 is not after start 2' in refusal(capsys, 'analyze', bag, *NORMS,
                                                             '--runs', table)
     table.write_bytes(b'start,stop,source\n1,2,caf\xe9\n')
-    assert 'is not UTF-8' in refused(capsys, 'analyze', bag, *NORMS, '--runs', table)
+    assert 'is not UTF-8' in refusal(capsys, 'analyze', bag, *NORMS, '--runs', table)
     table.write_text('begin,end\n')
-    assert 'start,stop[,source]' in refused(capsys, 'analyze', bag, *NORMS, '--runs', table)
+    assert 'start,stop[,source]' in refusal(capsys, 'analyze', bag, *NORMS, '--runs', table)
 
 
 def test_the_verdict_names_its_input_and_its_sum(bag, capsys):
@@ -215,7 +207,7 @@ def test_too_little_memory_is_one_line(capsys, monkeypatch):
         raise MemoryError
 
     monkeypatch.setattr('heading_intercompare.cli.commands.planning.norms.run', run)
-    assert 'there is not enough memory for this' in refused(capsys, 'norms')
+    assert 'there is not enough memory for this' in refusal(capsys, 'norms')
 
 
 def test_version_and_help_and_norms(capsys):
@@ -278,7 +270,7 @@ def by_scenario(value, bag, folder):
 @pytest.mark.parametrize('given', [by_config, by_set, by_scenario])
 def test_what_other_parsers_take_for_a_number_is_refused_in_one_line(given, value, bag, capsys,
                                                                      tmp_path):
-    said = refused(capsys, *given(value, bag, tmp_path))
+    said = refusal(capsys, *given(value, bag, tmp_path))
     assert NO_NUMBERS[value] in said
     assert '.yaml' in said or '--set' in said or 'sigma_max_deg' in said
 
@@ -304,7 +296,7 @@ def test_numbers_are_read_however_they_are_written(given, text, bag, capsys, tmp
 def test_a_name_given_twice_is_refused_in_one_line(command, text, words, bag, capsys, tmp_path):
     (tmp_path / 'my.yaml').write_text(text)
     places = {'BAG': bag, 'FILE': tmp_path / 'my.yaml', 'NEW': tmp_path / 'new'}
-    assert words in refused(capsys, *(places.get(each, each) for each in command))
+    assert words in refusal(capsys, *(places.get(each, each) for each in command))
 
 
 @pytest.mark.parametrize('command', ['analyze', 'info'])
@@ -319,7 +311,7 @@ def test_traps_in_the_metadata_of_a_bag_are_refused_or_words(command, text, word
     (damaged / 'metadata.yaml').write_text(f'rosbag2_bagfile_information:\n{text}')
     arguments = [command, damaged, *(NORMS if command == 'analyze' else [])]
     if words:
-        assert words in refused(capsys, *arguments)
+        assert words in refusal(capsys, *arguments)
         return
     main([*map(str, arguments)])
     assert 'yes is missing; 1:30 is missing' in ''.join(capsys.readouterr()).replace('\n', ' ')

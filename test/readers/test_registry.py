@@ -22,6 +22,7 @@ import math
 import sqlite3
 import sys
 
+from command_line import analyze_json, refusal
 import numpy as np
 import pytest
 
@@ -119,29 +120,12 @@ def files(request, tmp_path):
     return form, paths, names
 
 
-def verdict_of(capsys, *arguments):
-    """Return the JSON of `analyze` and its notes."""
-    capsys.readouterr()
-    assert main(['analyze', *map(str, arguments), *NORMS, '--json', '-']) == 0
-    out, err = capsys.readouterr()
-    return json.loads(out), err.splitlines()
-
-
-def refused(capsys, *arguments):
-    """Return the one line that a wrong command gives."""
-    capsys.readouterr()
-    assert main([*map(str, arguments)]) == 2
-    out, err = capsys.readouterr()
-    assert out == '' and err.count('\n') == 1
-    return err.removeprefix('heading-intercompare: error: ').rstrip('\n')
-
-
 def test_a_file_of_both_sensors_and_two_files_give_the_same_run(files, capsys):
     form, (both, ts, rs), names = files
     assert find_format(both).name == form
     _, ts_deg, rs_deg = readings()
-    of_both, _ = verdict_of(capsys, both, '--ts', names[0], '--rs', names[1])
-    of_two, notes = verdict_of(capsys, ts, rs)
+    of_both, _ = analyze_json(capsys, both, '--ts', names[0], '--rs', names[1])
+    of_two, notes = analyze_json(capsys, ts, rs)
     run, = of_both['runs']
     assert (run['n'], of_both['outcome']) == (N, 'compliant')
     # The digits of the forms: 1e-4 rad are 0.006 degrees.
@@ -154,16 +138,16 @@ def test_a_file_of_both_sensors_and_two_files_give_the_same_run(files, capsys):
 
 def test_one_stream_of_several_is_chosen_by_its_name(files, capsys, tmp_path):
     _, (both, ts, rs), names = files
-    problem = refused(capsys, 'analyze', both, rs, *NORMS)
+    problem = refusal(capsys, 'analyze', both, rs, *NORMS)
     assert problem.startswith(f'{both}: has 2 streams: ') and '--ts-talker' in problem
     assert all(name in problem for name in names)
-    of_two, _ = verdict_of(capsys, both, rs, '--ts-talker', names[0])
+    of_two, _ = analyze_json(capsys, both, rs, '--ts-talker', names[0])
     assert of_two['runs'][0]['n'] == N
-    problem = refused(capsys, 'analyze', both, *NORMS)
+    problem = refusal(capsys, 'analyze', both, *NORMS)
     assert problem.startswith(f"{both}: has no stream 'ts/heading'; it has ")
     assert main(['import-nmea', '--ts', str(both), '--ts-talker', names[0], '--rs', str(rs), '-o',
                  str(tmp_path / 'bag'), '--quiet']) == 0
-    of_bag, _ = verdict_of(capsys, tmp_path / 'bag')
+    of_bag, _ = analyze_json(capsys, tmp_path / 'bag')
     assert of_bag['runs'][0]['n'] == N
 
 
@@ -173,7 +157,7 @@ def test_info_shows_the_streams(files, capsys):
     out = capsys.readouterr().out
     assert out.startswith(f'format: {form}\n') and 'not taken: nothing' in out
     assert all(f'{name} ' in out for name in names) and out.count(f' {N} ') == 2
-    assert f'--extract x: {both} is {form}' in refused(capsys, 'info', both, '--extract', 'x')
+    assert f'--extract x: {both} is {form}' in refusal(capsys, 'info', both, '--extract', 'x')
 
 
 def split(path, folder, after_s):
@@ -193,18 +177,18 @@ def test_a_folder_of_files_of_one_form_is_one_recording(files, capsys, tmp_path)
     form, (both, ts, rs), names = files
     if form == 'Parquet':
         pytest.skip('no lines')
-    whole, _ = verdict_of(capsys, both, '--ts', names[0], '--rs', names[1])
+    whole, _ = analyze_json(capsys, both, '--ts', names[0], '--rs', names[1])
     folder = split(both, tmp_path / 'hours', 400)
     (folder / 'readme').write_text('of the ship\n')
     for given in (folder, folder / 'part*.txt'):
         assert find_format(given).name == form
-        found, notes = verdict_of(capsys, given, '--ts', names[0], '--rs', names[1])
+        found, notes = analyze_json(capsys, given, '--ts', names[0], '--rs', names[1])
         run, of_whole = found['runs'][0], whole['runs'][0]
         assert {**run, 'source': of_whole['source']} == of_whole
         assert found['inputs'][0]['sha256'] != whole['inputs'][0]['sha256']
         assert ('not taken: 1 file_of_another_form' in ''.join(notes)) is (given == folder)
     sides = [split(path, tmp_path / path.stem, 300) for path in (ts, rs)]
-    of_two, _ = verdict_of(capsys, *sides)
+    of_two, _ = analyze_json(capsys, *sides)
     assert of_two['runs'][0]['variance_deg2'] == of_whole['variance_deg2']
     assert main(['import-nmea', '--ts', str(folder), '--ts-talker', names[0], '--rs', str(rs),
                  '-o', str(tmp_path / 'bag'), '--quiet']) == 0
@@ -216,7 +200,7 @@ def test_a_folder_of_files_of_one_form_is_one_recording(files, capsys, tmp_path)
 def test_a_folder_of_two_forms_is_refused_and_one_of_a_bag_is_a_bag(tmp_path, capsys):
     (tmp_path / 'a.txt').write_text(openrvdas(35, 0, 1.0) + '\n')
     (tmp_path / 'b.txt').write_text(candump(35, 0, 1.0) + '\n')
-    said = refused(capsys, 'analyze', tmp_path, *NORMS)
+    said = refusal(capsys, 'analyze', tmp_path, *NORMS)
     assert said.startswith(
         f'{tmp_path}: holds OpenRVDAS records ({tmp_path}/a.txt) and NMEA 2000, candump '
         f'({tmp_path}/b.txt): give the files of one form')
@@ -230,7 +214,7 @@ def test_two_recordings_of_both_sensors_are_a_campaign(tmp_path, capsys):
     for path, late in zip(paths, (0, 10_000)):
         path.write_text(''.join(f'{candump(source, i + late, x)}\n' for i, a, b in zip(
             seconds, ts, rs) for source, x in ((35, a), (36, b))))
-    verdict, _ = verdict_of(capsys, *paths, '--ts', '35', '--rs', '36')
+    verdict, _ = analyze_json(capsys, *paths, '--ts', '35', '--rs', '36')
     assert [run['source'] for run in verdict['runs']] == [str(path) for path in paths]
 
 
@@ -240,7 +224,7 @@ def test_what_is_not_taken_is_noted(tmp_path, capsys):
     path.write_text(''.join(f'{candump(source, i, x)}\n' for i, a, b in zip(seconds, ts, rs)
                             for source, x in ((35, a), (36, b)))
                     + candump(35, 0, 0).replace('#010000', '#01FFFF') + '\n')
-    verdict, notes = verdict_of(capsys, path, '--ts', '35', '--rs', '36')
+    verdict, notes = analyze_json(capsys, path, '--ts', '35', '--rs', '36')
     assert notes[0].endswith('not taken: 1 empty_heading')
     assert 'not taken: 1 empty_heading' in verdict['inputs'][0]['ledger_problems'][0]
 
@@ -251,7 +235,7 @@ def test_a_log_of_sentences_is_no_recording_but_can_be_shown(tmp_path, capsys):
     assert open_log_of_streams(path) is None
     assert main(['info', str(path)]) == 0
     assert 'format: log of one sensor' in capsys.readouterr().out
-    assert 'give two logs' in refused(capsys, 'analyze', path, *NORMS)
+    assert 'give two logs' in refusal(capsys, 'analyze', path, *NORMS)
 
 
 def write_sqlite(path):
@@ -292,7 +276,7 @@ def test_what_cannot_be_read_says_how_to_convert_it(tmp_path, capsys, name):
         path.write_bytes(data)
     for command in (['analyze', path, *NORMS],
                     ['import-nmea', '--ts', path, '--rs', path, '-o', tmp_path / 'b']):
-        said = refused(capsys, *command)
+        said = refusal(capsys, *command)
         assert said.startswith(f'{path}: ') and problem in said
 
 
@@ -323,7 +307,7 @@ def test_a_library_that_is_not_installed_is_named_with_its_extra(
     path.write_bytes(data)
     form = find_format(path)
     for command in (['analyze', path, *NORMS], ['info', path]):
-        assert refused(capsys, *command) == (
+        assert refusal(capsys, *command) == (
             f'{path}: is {form.name}, and reading it needs {library}: install '
             f'heading_intercompare[{form.extra}]')
 

@@ -17,11 +17,11 @@
 from __future__ import annotations
 
 from functools import reduce
-import json
 import shutil
 import sqlite3
 import struct
 
+from command_line import analyze_json
 import numpy as np
 import pytest
 
@@ -117,14 +117,6 @@ def bags(tmp_path_factory):
     return found
 
 
-def verdict_of(capsys, *arguments):
-    """Return the JSON of `analyze` and its notes."""
-    capsys.readouterr()
-    assert main(['analyze', *map(str, arguments), *NORMS, '--json', '-']) == 0
-    out, err = capsys.readouterr()
-    return json.loads(out), err.splitlines()
-
-
 KINDS = ('sqlite', 'alone', 'without metadata', 'by file', 'by message', 'mcap by file', 'ros1')
 
 
@@ -132,8 +124,8 @@ KINDS = ('sqlite', 'alone', 'without metadata', 'by file', 'by message', 'mcap b
 def test_a_bag_gives_the_verdict_of_the_same_messages_in_mcap(bags, capsys, kind):
     # The reader of MCAP reads its compressed files itself.
     assert (find_format(bags[kind]) is None) == (kind == 'mcap by file')
-    ours, _ = verdict_of(capsys, bags['ours'])
-    theirs, notes = verdict_of(capsys, bags[kind])
+    ours, _ = analyze_json(capsys, bags['ours'])
+    theirs, notes = analyze_json(capsys, bags[kind])
     for one in (ours, theirs):
         run, = one['runs']
         run.pop('source')
@@ -193,7 +185,7 @@ def test_topics_of_sentences_and_quaternions_are_read(tmp_path, capsys, ros1):
     for name, expected, within in (('nmea', sentences, 5.1e-4), ('/imu', quaternions, 1e-9)):
         assert found[name].stamp_ns.tolist() == expected.stamp_ns.tolist()
         assert np.abs(found[name].heading_deg - expected.heading_deg).max() < within
-    verdict, _ = verdict_of(capsys, path, '--ts', '/nmea', '--rs', '/imu')
+    verdict, _ = analyze_json(capsys, path, '--ts', '/nmea', '--rs', '/imu')
     assert verdict['outcome'] == 'compliant' and verdict['runs'][0]['n'] > N - 10
 
 
@@ -245,7 +237,7 @@ def spoil(bag, wrong):
 
 
 def assert_three_rejected(capsys, path, *arguments):
-    verdict, notes = verdict_of(capsys, path, *arguments)
+    verdict, notes = analyze_json(capsys, path, *arguments)
     assert [line for line in notes if '3 messages cannot be read and count as invalid readings; '
             'the first: ' in line]
     assert verdict['runs'][0]['pairing']['rejected'] == {'ts': {'invalid': 3}, 'rs': {}}

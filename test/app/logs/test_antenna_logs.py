@@ -16,10 +16,11 @@
 
 from __future__ import annotations
 
-import json
+from functools import partial
 import math
 
 from checksums import with_checksum
+import command_line
 import numpy as np
 import pytest
 
@@ -32,7 +33,8 @@ from heading_intercompare.messages.motion.motion_messages import encode_motion, 
 
 N, S, LENGTH_M = 900, 10 ** 9, 20.0
 START_NS = 1_714_564_800 * S
-NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.2', '--quiet']
+NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.2']
+analyze_json = partial(command_line.analyze_json, norms=NORMS)
 HEADING = 100.0 + 20.0 * np.sin(np.arange(N) / 60.0)
 
 
@@ -73,17 +75,10 @@ def logs(tmp_path, rng):
     return [str(path) for path in paths]
 
 
-def verdict_of(capsys, *arguments):
-    """Return the JSON and the notes of `analyze`."""
-    assert main(['analyze', *map(str, arguments), *NORMS, '--json', '-']) == 0
-    out, err = capsys.readouterr()
-    return json.loads(out), err.splitlines()
-
-
 def test_two_logs_of_positions_are_an_rs(logs, capsys):
     """2 cm in each direction: sqrt(2) 0.02 / 20 rad = 0.081 deg."""
     ts, fore, aft = logs
-    verdict, notes = verdict_of(capsys, ts, '--rs-antennas', fore, aft)
+    verdict, notes = analyze_json(capsys, ts, '--rs-antennas', fore, aft)
     run = verdict['runs'][0]
     assert verdict['outcome'] == 'compliant' and run['n'] == N
     assert run['std_deg'] == pytest.approx(math.hypot(0.1, 0.081), rel=0.1)
@@ -99,7 +94,7 @@ def test_two_logs_of_positions_are_an_rs(logs, capsys):
 
 def test_length_and_angle_of_the_baseline_are_options(logs, capsys):
     ts, fore, aft = logs
-    verdict, _ = verdict_of(capsys, ts, '--rs-antennas', fore, aft, '--baseline-m', '20',
+    verdict, _ = analyze_json(capsys, ts, '--rs-antennas', fore, aft, '--baseline-m', '20',
                             '--baseline-angle', '5')
     assert verdict['runs'][0]['mean_deg'] == pytest.approx(-5.0, abs=0.02)
     assert verdict['settings']['antennas.baseline_m'] == 20.0
@@ -114,7 +109,7 @@ def test_exchanged_antennas_turn_the_rs_round_and_the_course_says_so(logs, capsy
     with open(gps, 'w', encoding='ascii') as file:
         file.write(''.join(line(k, f'GPVTG,{one:.1f},T,,M,9.0,N,,K,A')
                            for k, one in enumerate(np.full(N, 100.0))))
-    verdict, _ = verdict_of(capsys, ts, '--rs-antennas', aft, fore, '--motion', gps,
+    verdict, _ = analyze_json(capsys, ts, '--rs-antennas', aft, fore, '--motion', gps,
                             '--set', 'motion.current_max_kn=1')
     assert 'the RS points' in verdict['headline'] and 'VOID' in verdict['headline']
 
@@ -122,11 +117,11 @@ def test_exchanged_antennas_turn_the_rs_round_and_the_course_says_so(logs, capsy
 def test_an_import_gives_the_verdict_of_the_logs(logs, tmp_path, capsys):
     ts, fore, aft = logs
     options = ['--baseline-angle', '5', '--baseline-m', '20']
-    of_logs, _ = verdict_of(capsys, ts, '--rs-antennas', fore, aft, *options)
+    of_logs, _ = analyze_json(capsys, ts, '--rs-antennas', fore, aft, *options)
     bag = str(tmp_path / 'imported')
     assert main(['import-nmea', '--ts', ts, '--rs-antennas', fore, aft, *options, '-o', bag]) == 0
     assert 'baseline of 20.00 m' in capsys.readouterr().out
-    of_bag, _ = verdict_of(capsys, bag)
+    of_bag, _ = analyze_json(capsys, bag)
     assert of_bag['headline'] == of_logs['headline']
     (one,), (other,) = of_bag['runs'], of_logs['runs']
     assert one['n'] == other['n'] == N
@@ -161,8 +156,9 @@ def test_a_bag_with_two_fixes_gives_the_same(logs, tmp_path, rng, capsys):
             writer.add_topic(topic, FIX)
             rows = Motion.of_positions(ts.stamp_ns, latitude, longitude)
             writer.write_rows([Rows(topic, encode_motion(rows, 'fix', 'gps'), ts.stamp_ns)])
-    verdict, notes = verdict_of(capsys, tmp_path / 'bag', '--set', 'antennas.fore_topic=gps/fore',
-                                '--set', 'antennas.aft_topic=gps/aft')
+    verdict, notes = analyze_json(
+        capsys, tmp_path / 'bag', '--set', 'antennas.fore_topic=gps/fore',
+        '--set', 'antennas.aft_topic=gps/aft')
     assert verdict['outcome'] == 'compliant' and verdict['runs'][0]['n'] == N
     assert verdict['inputs'][0]['rs_topic'] == 'gps/fore - gps/aft'
     assert verdict['ledger_complete'] is True

@@ -19,8 +19,8 @@ from __future__ import annotations
 from functools import reduce
 import gzip
 import hashlib
-import json
 
+from command_line import analyze_json, refusal
 import numpy as np
 import pytest
 
@@ -51,29 +51,14 @@ def logs(tmp_path, rng):
     return paths
 
 
-def verdict_of(capsys, *arguments):
-    """Return the JSON and the notes of `analyze`."""
-    assert main(['analyze', *map(str, arguments), *NORMS, '--json', '-']) == 0
-    out, err = capsys.readouterr()
-    return json.loads(out), err.splitlines()
-
-
-def refused(capsys, *arguments):
-    """Return the one line that a wrong command line gives."""
-    assert main(['analyze', *map(str, arguments), *NORMS]) == 2
-    out, err = capsys.readouterr()
-    assert out == '' and err.count('\n') == 1
-    return err.removeprefix('heading-intercompare: error: ').rstrip('\n')
-
-
 @pytest.mark.parametrize('skew', ['report', 'apply'])
 def test_two_logs_give_the_verdict_of_their_bag(logs, tmp_path, capsys, skew):
     assert main(['import-nmea', '--ts', str(logs[0]), '--rs', str(logs[1]), '-o',
                  str(tmp_path / 'bag'), '--quiet']) == 0
     capsys.readouterr()
     extra = ['--set', f'alignment.skew={skew}']
-    by_bag, _ = verdict_of(capsys, tmp_path / 'bag', *extra)
-    by_logs, _ = verdict_of(capsys, *logs, *extra)
+    by_bag, _ = analyze_json(capsys, tmp_path / 'bag', *extra)
+    by_logs, _ = analyze_json(capsys, *logs, *extra)
     assert by_logs['outcome'] == by_bag['outcome'] == 'compliant'
     ours, theirs = by_logs['runs'][0], by_bag['runs'][0]
     assert ours['n'] == theirs['n'] >= N - 5 and ours['source'] == str(logs[0])
@@ -83,7 +68,7 @@ def test_two_logs_give_the_verdict_of_their_bag(logs, tmp_path, capsys, skew):
 
 
 def test_the_verdict_and_the_screen_say_which_log_is_which(logs, capsys):
-    verdict, notes = verdict_of(capsys, *logs)
+    verdict, notes = analyze_json(capsys, *logs)
     ts, rs = verdict['inputs']
     digests = [hashlib.sha256(path.read_bytes()).hexdigest() for path in logs]
     assert (ts['path'], ts['sha256'], ts['ts_topic'], ts['rs_topic']) == (
@@ -100,7 +85,7 @@ def test_the_verdict_and_the_screen_say_which_log_is_which(logs, capsys):
 def test_tables_runs_and_a_logbook_take_logs(logs, tmp_path, capsys):
     table, pairs = tmp_path / 'runs.csv', tmp_path / 'pairs.csv'
     table.write_text('start,stop,source\n2014-08-01T12:00:00Z,2014-08-01T12:05:00Z,gyro.log\n')
-    verdict, _ = verdict_of(capsys, *logs, '--runs', table, '--csv', pairs,
+    verdict, _ = analyze_json(capsys, *logs, '--runs', table, '--csv', pairs,
                             '--logbook', tmp_path / 'book.sqlite')
     assert [run['n'] for run in verdict['runs']] == [300]
     assert len(pairs.read_text().splitlines()) == N + 1
@@ -121,7 +106,7 @@ def test_report_is_analyze_with_report(logs, tmp_path, capsys):
 
 
 def test_no_run_is_said_with_both_logs(logs, capsys):
-    verdict, notes = verdict_of(capsys, *logs, '--set', 'runs.min_duration_s=3600')
+    verdict, notes = analyze_json(capsys, *logs, '--set', 'runs.min_duration_s=3600')
     assert verdict['outcome'] == 'indeterminate' and 'no_run' in verdict['inputs'][0]
     assert notes[2].startswith(f'note: {logs[0]}, {logs[1]}: no run: none of its pairs')
 
@@ -131,15 +116,16 @@ def test_wrong_inputs_are_refused_in_one_line(logs, tmp_path, capsys):
     ts, rs = logs
     apart = ('; if it is of both, tell its sensors apart with --ts-sentence and --rs-sentence, '
              '--ts-talker and --rs-talker, or --ts-instrument and --rs-instrument')
-    assert refused(capsys, ts) == f'{ts}: is the log of one sensor{use}{apart}'
-    assert refused(capsys, ts, rs, rs) == (
+    assert refusal(capsys, 'analyze', *NORMS, ts) == f'{ts}: is the log of one sensor{use}{apart}'
+    assert refusal(capsys, 'analyze', *NORMS, ts, rs, rs) == (
         f'{ts}: is one of 3 logs{use}; give the files of one sensor as their folder, or as a '
         'pattern in quotes')
-    assert refused(capsys, ts, ts) == f'{ts}: is given as TS and as RS{use}{apart}'
+    assert refusal(capsys, 'analyze', *NORMS, ts, ts) == (
+        f'{ts}: is given as TS and as RS{use}{apart}')
     (tmp_path / 'bag').mkdir()
-    assert refused(capsys, tmp_path / 'bag', rs) == (
+    assert refusal(capsys, 'analyze', *NORMS, tmp_path / 'bag', rs) == (
         f'{tmp_path / "bag"}: is not a log of NMEA sentences or headings, but {rs} is{use}')
-    assert refused(capsys, ts, tmp_path / 'none.log') == (
+    assert refusal(capsys, 'analyze', *NORMS, ts, tmp_path / 'none.log') == (
         f'{tmp_path / "none.log"}: No such file or directory')
 
 
@@ -150,11 +136,12 @@ def test_wrong_inputs_are_refused_in_one_line(logs, tmp_path, capsys):
      '1 no_sentence, 900 other_sentence.HDT); first refused line: '),
     ('--rs-sentence', 'XXX', "sentence = 'XXX': must be 'auto' or 'THS'")])
 def test_options_that_do_not_fit_logs_are_refused(logs, capsys, option, value, words):
-    assert words in refused(capsys, *logs, option, value)
+    assert words in refusal(capsys, 'analyze', *NORMS, *logs, option, value)
 
 
 def test_options_of_logs_are_refused_without_logs(tmp_path, capsys):
-    assert refused(capsys, tmp_path / 'trial.mcap', '--stamp-format', 'iso') == (
+    arguments = tmp_path / 'trial.mcap', '--stamp-format', 'iso'
+    assert refusal(capsys, 'analyze', *NORMS, *arguments) == (
         '--stamp-format iso: is for logs, and no INPUT is one; leave it out')
 
 
@@ -170,10 +157,10 @@ def test_logs_whose_clocks_lie_apart_are_named_also_without_pairs(begin_s, tmp_p
     named = (f'note: {paths[0]}, {paths[1]}: the clock of the RS lags by about {begin_s:.1f} s by '
              f'the motion in all readings: alignment.skew_s = {begin_s:.1f} pairs them')
     wide = ['--set', 'alignment.clock_range_s=1800']
-    assert named in verdict_of(capsys, *paths, *wide)[1]
-    assert not any('lags' in note for note in verdict_of(capsys, *paths, *wide, '--set',
+    assert named in analyze_json(capsys, *paths, *wide)[1]
+    assert not any('lags' in note for note in analyze_json(capsys, *paths, *wide, '--set',
                                                          'alignment.skew=off')[1])
-    mended, notes = verdict_of(capsys, *paths, *wide, '--set', f'alignment.skew_s={begin_s}')
+    mended, notes = analyze_json(capsys, *paths, *wide, '--set', f'alignment.skew_s={begin_s}')
     assert mended['outcome'] == 'compliant' and not any('lags' in note for note in notes)
 
 
@@ -198,18 +185,20 @@ def test_one_log_of_both_sensors_is_told_apart_by_talker_or_word(logs, tmp_path,
     both = tmp_path / 'both.log'
     both.write_text(''.join(line for pair in zip(logs[0].open(), logs[1].open())
                             for line in pair))
-    by_two, _ = verdict_of(capsys, *logs)
-    by_talker, _ = verdict_of(capsys, both, '--ts-talker', 'HE', '--rs-talker', 'IN')
+    by_two, _ = analyze_json(capsys, *logs)
+    by_talker, _ = analyze_json(capsys, both, '--ts-talker', 'HE', '--rs-talker', 'IN')
     words = tmp_path / 'words.log'
     words.write_text(''.join(line.replace(' $', f' G{k} $') for pair in zip(
         logs[0].open(), logs[1].open()) for k, line in enumerate(pair)))
-    by_word, _ = verdict_of(capsys, words, words, '--ts-instrument', 'G0', '--rs-instrument', 'G1')
+    by_word, _ = analyze_json(
+        capsys, words, words, '--ts-instrument', 'G0', '--rs-instrument', 'G1')
     for verdict in (by_talker, by_word):
         assert verdict['runs'][0]['variance_deg2'] == by_two['runs'][0]['variance_deg2']
     text = words.read_text().replace('$IN', '$HE')
     words.write_text(''.join(f'{line.partition("*")[0]}\n' for line in text.splitlines()))
     assert 'HEHDT comes from several instruments: G0 (900 headings), G1 (900 headings); choose ' \
-        'one with --ts-instrument' in refused(capsys, words, logs[1], '--checksum', 'if_present')
+        'one with --ts-instrument' in refusal(
+            capsys, 'analyze', *NORMS, words, logs[1], '--checksum', 'if_present')
 
 
 def test_folders_of_hourly_files_and_patterns_are_judged_as_one_log(logs, tmp_path, capsys):
@@ -221,8 +210,8 @@ def test_folders_of_hourly_files_and_patterns_are_judged_as_one_log(logs, tmp_pa
             (folder / f'{path.stem}_{k + 9}.log.gz').write_bytes(
                 gzip.compress(''.join(lines[300 * k:300 * (k + 1)]).encode()))
         (folder / 'empty.log').touch()
-    by_two, _ = verdict_of(capsys, *logs)
-    by_folder, notes = verdict_of(capsys, tmp_path / 'gyro', tmp_path / 'seapath' / '*.gz')
+    by_two, _ = analyze_json(capsys, *logs)
+    by_folder, notes = analyze_json(capsys, tmp_path / 'gyro', tmp_path / 'seapath' / '*.gz')
     assert by_folder['runs'][0]['variance_deg2'] == by_two['runs'][0]['variance_deg2']
     assert notes[0].endswith('900 headings of HEHDT; 3 files; not taken: nothing')
     assert len(by_folder['inputs'][1]['sha256']) == 64
@@ -230,8 +219,8 @@ def test_folders_of_hourly_files_and_patterns_are_judged_as_one_log(logs, tmp_pa
 
 def test_an_option_of_one_log_goes_before_that_of_both(logs, capsys):
     logs[1].write_text(logs[1].read_text().replace('2014-08-01T', '01/08/2014 '))
-    assert 'set --stamp-format to dmy or mdy' in refused(capsys, *logs)
-    verdict, _ = verdict_of(capsys, *logs, '--rs-stamp-format', 'dmy')
+    assert 'set --stamp-format to dmy or mdy' in refusal(capsys, 'analyze', *NORMS, *logs)
+    verdict, _ = analyze_json(capsys, *logs, '--rs-stamp-format', 'dmy')
     assert verdict['runs'][0]['n'] >= N - 1
 
 
@@ -241,17 +230,17 @@ def test_a_text_that_is_no_log_shows_its_first_line(logs, tmp_path, capsys):
     empty.touch()
     start = ("first refused line: '2014-08-01 calm'; recognised in it: no stamp, no sentence; "
              'a line needs a sentence that begins with $ or !; give another log')
-    assert refused(capsys, logs[0], text) == (
+    assert refusal(capsys, 'analyze', *NORMS, logs[0], text) == (
         f'{text}: is not a log of NMEA sentences or headings, but {logs[0]} is: {start}')
-    assert refused(capsys, text, text) == (
+    assert refusal(capsys, 'analyze', *NORMS, text, text) == (
         f'{text}: is neither a bag nor a log of NMEA sentences: {start}')
-    assert refused(capsys, empty, logs[1]) == (
+    assert refusal(capsys, 'analyze', *NORMS, empty, logs[1]) == (
         f'{empty}: is not a log of NMEA sentences or headings, but {logs[1]} is: it is empty')
 
 
 def test_options_that_choose_the_same_sensor_twice_are_refused(logs, capsys):
-    assert 'gives the same headings as TS and as RS' in refused(
-        capsys, logs[0], '--ts-sentence', 'HDT')
+    assert 'gives the same headings as TS and as RS' in refusal(
+        capsys, 'analyze', *NORMS, logs[0], '--ts-sentence', 'HDT')
 
 
 # --- the motion of the ship ---
@@ -284,10 +273,10 @@ def of_motion(verdict):
 @pytest.mark.parametrize('off, effect', [(0.0, 'holds'), (180.0, 'void'), (90.0, 'void')])
 def test_a_log_of_courses_shows_both_sensors_off_together(tmp_path, capsys, off, effect):
     ts, rs, gps = moving(tmp_path, off)
-    alone, notes = verdict_of(capsys, ts, rs)
+    alone, notes = analyze_json(capsys, ts, rs)
     assert of_motion(alone) is None and 'motion' not in alone['runs'][0]
     assert not any('motion' in note for note in notes)
-    beside, notes = verdict_of(capsys, ts, rs, '--motion', gps)
+    beside, notes = analyze_json(capsys, ts, rs, '--motion', gps)
     assert of_motion(beside)['effect'] == effect
     assert f'note: motion of the ship: course and speed of GPVTG in {gps} (900)' in notes
     assert (beside['outcome'] == alone['outcome']) == (effect == 'holds')
@@ -299,8 +288,8 @@ def test_the_bag_of_logs_with_motion_gives_their_verdict(tmp_path, capsys, off):
     assert main(['import-nmea', '--ts', str(ts), '--rs', str(rs), '--motion', str(gps), '-o',
                  str(tmp_path / 'bag'), '--quiet']) == 0
     assert f'course and speed of GPVTG in {gps} (900)' in capsys.readouterr().out
-    by_bag, _ = verdict_of(capsys, tmp_path / 'bag')
-    by_logs, _ = verdict_of(capsys, ts, rs, '--motion', gps)
+    by_bag, _ = analyze_json(capsys, tmp_path / 'bag')
+    by_logs, _ = analyze_json(capsys, ts, rs, '--motion', gps)
     assert by_bag['headline'] == by_logs['headline']
     ours, theirs = by_logs['runs'][0]['motion'], by_bag['runs'][0]['motion']
     assert ours['legs'].pop('ts_deg') == pytest.approx(theirs['legs'].pop('ts_deg'), abs=1e-9)
@@ -312,21 +301,21 @@ def test_the_motion_of_the_log_of_the_rs_is_found_without_an_option(tmp_path, ca
     ts, rs, gps = moving(tmp_path, 180.0)
     both = sorted(rs.read_text().splitlines()[:-1] + gps.read_text().splitlines())
     rs.write_text('\n'.join(both) + '\n')
-    verdict, notes = verdict_of(capsys, ts, rs)
+    verdict, notes = analyze_json(capsys, ts, rs)
     assert of_motion(verdict)['effect'] == 'void' and verdict['runs'][0]['reason'] == 'void.motion'
     assert any(note.endswith(f'course and speed of GPVTG in {rs} (900)') for note in notes)
-    off, notes = verdict_of(capsys, ts, rs, '--set', 'motion.compare=false')
+    off, notes = analyze_json(capsys, ts, rs, '--set', 'motion.compare=false')
     assert of_motion(off) is None and not any('motion of the ship' in note for note in notes)
 
 
 def test_a_motion_log_without_motion_is_refused_in_one_line(tmp_path, capsys):
     ts, rs, _ = moving(tmp_path)
-    assert refused(capsys, ts, rs, '--motion', ts).startswith(
+    assert refusal(capsys, 'analyze', *NORMS, ts, rs, '--motion', ts).startswith(
         f'{ts}: has no motion of the ship: no VTG, RMC, GNS, GGA, GLL or ROT with a stamp')
 
 
 def test_a_motion_log_is_for_logs_only(tmp_path, capsys):
-    assert refused(capsys, tmp_path / 'bag', '--motion', 'gps.log') == (
+    assert refusal(capsys, 'analyze', *NORMS, tmp_path / 'bag', '--motion', 'gps.log') == (
         '--motion gps.log: is for logs, and no INPUT is one; leave it out')
 
 
@@ -345,7 +334,7 @@ def test_sound_sensors_of_real_ships_raise_nothing(shared_data, capsys, ts, rs, 
                                                    ts_deg, rs_deg, bound_deg):
     """The figures of docs/howto/check_against_motion.md."""
     more = [str(shared_data / one) if '/' in one else one for one in more]
-    verdict, _ = verdict_of(capsys, shared_data / ts, shared_data / rs, *more)
+    verdict, _ = analyze_json(capsys, shared_data / ts, shared_data / rs, *more)
     found = verdict['runs'][0]['motion']
     assert of_motion(verdict)['effect'] == 'holds' and found['kind'] == 'agrees'
     assert (found['n_legs'], found['legs_s'] / 60.0) == (1, pytest.approx(minutes, abs=0.05))

@@ -16,9 +16,11 @@
 
 from __future__ import annotations
 
+from functools import partial
 import json
 import re
 
+import command_line
 from journals import some_pairs, write_journal
 import numpy as np
 import pytest
@@ -34,7 +36,8 @@ from heading_intercompare.messages.status_messages import STATUS_TYPE
 
 S = 1_000_000_000
 T0 = 1_400_000_000 * S
-NORMS = ['--set', 'norms.sigma_max_deg=0.2', '--set', 'norms.sigma_ref_max_deg=0.1', '--quiet']
+NORMS = ['--set', 'norms.sigma_max_deg=0.2', '--set', 'norms.sigma_ref_max_deg=0.1']
+analyze_json = partial(command_line.analyze_json, norms=NORMS)
 N = 9000
 
 
@@ -90,14 +93,6 @@ def write_bag(path, *, rs_step=1, rs_late_ns=0, silent=(), lost=0.0, faults=(), 
     return path
 
 
-def verdict_of(capsys, *arguments):
-    """Return the JSON of `analyze` and its notes."""
-    capsys.readouterr()
-    assert main(['analyze', *map(str, arguments), *NORMS, '--json', '-']) == 0
-    out, err = capsys.readouterr()
-    return json.loads(out), err.splitlines()
-
-
 def same(verdict):
     """Return a verdict without the names of its inputs."""
     inputs = [{name: value for name, value in one.items()
@@ -133,9 +128,9 @@ def test_a_csv_gives_the_verdict_of_its_bag_to_the_bit(tmp_path, capsys, kind):
     extra = [word for one in given.pop('set', ()) for word in ('--set', one)]
     bag = write_bag(tmp_path / 'bag', **given)
     pairs, again = tmp_path / 'pairs.csv', tmp_path / 'again.csv'
-    of_bag, _ = verdict_of(capsys, bag, *extra, '--csv', pairs)
-    of_csv, _ = verdict_of(capsys, pairs, *extra, '--csv', again)
-    of_copy, _ = verdict_of(capsys, again, *extra)
+    of_bag, _ = analyze_json(capsys, bag, *extra, '--csv', pairs)
+    of_csv, _ = analyze_json(capsys, pairs, *extra, '--csv', again)
+    of_copy, _ = analyze_json(capsys, again, *extra)
     assert same(of_csv) == same(of_bag) == same(of_copy)
     entry, = of_csv['inputs']
     assert entry['made_from'] == {str(bag): of_bag['inputs'][0]['sha256']}
@@ -147,7 +142,7 @@ def test_readings_that_are_not_in_the_pairs_still_make_the_verdict_void(tmp_path
     bag = write_bag(tmp_path / 'bag', faults=['RS mostly nan'], rs_late_ns=37_000_000)
     found = []
     for path, more in ((bag, ['--csv', tmp_path / 'p.csv']), (tmp_path / 'p.csv', [])):
-        verdict, _ = verdict_of(capsys, path, '--set', 'pairing.method=interpolate', *more)
+        verdict, _ = analyze_json(capsys, path, '--set', 'pairing.method=interpolate', *more)
         run, = verdict['runs']
         found.append((verdict['outcome'], run['reason'], run['pairing']['rs_received']))
     assert found[0] == found[1] and found[0][:2] == ('indeterminate', 'void.losses')
@@ -158,11 +153,11 @@ def test_a_table_of_runs_goes_along(tmp_path, capsys):
     write_bag(bag, lost=0.2)
     table.write_text(f'start,stop\n{T0 + 50 * S},{T0 + 300 * S}\n{T0 + 310 * S},{T0 + 880 * S}\n')
     other.write_text(f'start,stop\n{T0 + 60 * S},{T0 + 800 * S}\n')
-    of_bag, _ = verdict_of(capsys, bag, '--runs', table, '--csv', tmp_path / 'p.csv')
+    of_bag, _ = analyze_json(capsys, bag, '--runs', table, '--csv', tmp_path / 'p.csv')
     for more in ([], ['--runs', table]):
-        of_csv, _ = verdict_of(capsys, tmp_path / 'p.csv', *more)
+        of_csv, _ = analyze_json(capsys, tmp_path / 'p.csv', *more)
         assert same(of_csv) == same(of_bag) and len(of_csv['runs']) == 2
-    of_other, notes = verdict_of(capsys, tmp_path / 'p.csv', '--runs', other)
+    of_other, notes = analyze_json(capsys, tmp_path / 'p.csv', '--runs', other)
     assert len(of_other['runs']) == 1
     assert of_other['inputs'][0]['ledger_problems'] == [
         'its runs are not those of its account: what was rejected, lost or without partner is '
@@ -176,16 +171,16 @@ def test_two_logs_and_a_journal_go_along(tmp_path, capsys):
         rows = [f'{T0 + i * S},{value:.3f}' for i, value in enumerate(
             90.0 + sigma * rng.standard_normal(900))]
         (tmp_path / f'{name}.csv').write_text('\n'.join(['t_ns,heading_deg', *rows, '5,x', '']))
-    of_logs, _ = verdict_of(capsys, tmp_path / 'ts.csv', tmp_path / 'rs.csv', '--csv',
+    of_logs, _ = analyze_json(capsys, tmp_path / 'ts.csv', tmp_path / 'rs.csv', '--csv',
                             tmp_path / 'p.csv')
-    of_csv, _ = verdict_of(capsys, tmp_path / 'p.csv')
+    of_csv, _ = analyze_json(capsys, tmp_path / 'p.csv')
     assert of_csv['runs'][0]['pairing'] == of_logs['runs'][0]['pairing']
     assert (of_csv['outcome'], of_csv['inputs'][0]['made_from']) == (
         of_logs['outcome'], {one['path']: one['sha256'] for one in of_logs['inputs']})
     write_journal(tmp_path / 'a.journal', some_pairs(2000), [(500, 'start')], booked=True)
-    of_journal, _ = verdict_of(capsys, tmp_path / 'a.journal', '--csv', tmp_path / 'j.csv')
+    of_journal, _ = analyze_json(capsys, tmp_path / 'a.journal', '--csv', tmp_path / 'j.csv')
     # A journal brings its settings, a csv does not.
-    of_csv, _ = verdict_of(capsys, tmp_path / 'j.csv', '--set', 'risk.min_duration_s=0')
+    of_csv, _ = analyze_json(capsys, tmp_path / 'j.csv', '--set', 'risk.min_duration_s=0')
     assert same(of_csv)['runs'] == same(of_journal)['runs']
 
 
@@ -194,14 +189,14 @@ def pairs(tmp_path, capsys):
     """Return a csv of pairs with its account, and the verdict of its bag."""
     path = tmp_path / 'pairs.csv'
     bag = write_bag(tmp_path / 'bag', rs_step=10, rs_late_ns=37_000_000, lost=0.15)
-    return path, verdict_of(capsys, bag, '--csv', path)[0]
+    return path, analyze_json(capsys, bag, '--csv', path)[0]
 
 
 def test_a_csv_that_a_spreadsheet_saved_keeps_its_account(pairs, capsys):
     path, of_bag = pairs
     text = path.read_text().replace(',', ';').replace('.', ',')
     path.write_bytes(b'\xef\xbb\xbf' + text.replace('\n', '\r\n').encode())
-    of_csv, notes = verdict_of(capsys, path)
+    of_csv, notes = analyze_json(capsys, path)
     assert same(of_csv) == same(of_bag) and notes == []
 
 
@@ -210,7 +205,7 @@ def test_a_csv_in_another_order_of_columns_keeps_its_account(pairs, capsys):
     rows = [line.split(',')[::-1] for line in path.read_text().splitlines()]
     path.write_text(''.join(','.join([*row, 'x' if at else 'remark']) + '\n'
                             for at, row in enumerate(rows)))
-    of_csv, notes = verdict_of(capsys, path)
+    of_csv, notes = analyze_json(capsys, path)
     assert same(of_csv) == same(of_bag)
     assert notes == [f'note: {path}: columns that are not read: remark']
 
@@ -226,7 +221,7 @@ def test_an_account_of_other_pairs_does_not_count_and_the_verdict_says_so(
     text = path.read_text()
     assert change(text) != text
     path.write_text(change(text))
-    of_csv, notes = verdict_of(capsys, path)
+    of_csv, notes = analyze_json(capsys, path)
     said = ('pairs.csv.account.json belongs to other pairs, and does not count: what was '
             'rejected, lost or without partner is unknown')
     assert said in of_csv['inputs'][0]['ledger_problems']
@@ -237,7 +232,7 @@ def test_an_account_of_other_pairs_does_not_count_and_the_verdict_says_so(
 def test_the_csv_of_this_package_without_its_account_says_what_is_unknown(pairs, capsys):
     path, _ = pairs
     account_path(path).unlink()
-    of_csv, notes = verdict_of(capsys, path)
+    of_csv, notes = analyze_json(capsys, path)
     assert of_csv['inputs'][0]['ledger_problems'] == [
         'pairs.csv.account.json is not beside it: what was rejected, lost or without partner is '
         'unknown']
@@ -246,7 +241,7 @@ def test_the_csv_of_this_package_without_its_account_says_what_is_unknown(pairs,
 
 def test_pairs_cannot_be_paired_again(pairs, capsys):
     path, _ = pairs
-    of_csv, notes = verdict_of(capsys, path, '--set', 'pairing.max_gap_s=1.5', '--set',
+    of_csv, notes = analyze_json(capsys, path, '--set', 'pairing.max_gap_s=1.5', '--set',
                                'alignment.skew=apply')
     assert notes[0] == (f'note: {path}: alignment.skew = apply: a csv of pairs has no readings to '
                         'align; it is judged as it was paired')

@@ -21,6 +21,7 @@ import json
 from pathlib import Path
 import sqlite3
 
+from command_line import refusal
 import numpy as np
 import pytest
 
@@ -53,14 +54,6 @@ def books(tmp_path):
     for name, days, shift_at in (('A', 40, 30), ('BB', 35, 99)):
         Logbook(tmp_path / f'{name}.sqlite').write(rows_of(f'MV {name}', days, shift_at))
     return [str(tmp_path / f'{name}.sqlite') for name in ('A', 'BB')]
-
-
-def refused(capsys, *arguments):
-    """Return the one line that a wrong command line gives."""
-    assert main(['history', *map(str, arguments)]) == 2
-    out, err = capsys.readouterr()
-    assert out == '' and err.count('\n') == 1
-    return err
 
 
 def test_it_lists_the_runs_and_says_since_when_the_sensor_differs(books, capsys):
@@ -161,21 +154,21 @@ def test_a_fleet_is_merged_and_merging_again_changes_nothing(books, tmp_path, ca
     (['--json', '-', '--csv', '-'], 'only one can be on standard output'),
     (['--html', 'h.pdf'], '--html h.pdf: must end with .html')])
 def test_a_wrong_option_is_refused_in_one_line(books, capsys, options, why):
-    assert why in refused(capsys, books[0], *options)
+    assert why in refusal(capsys, 'history', books[0], *options)
 
 
 def test_a_logbook_is_not_overwritten_by_a_table(books, capsys):
-    assert 'that is a LOGBOOK' in refused(capsys, books[0], '--csv', books[0])
+    assert 'that is a LOGBOOK' in refusal(capsys, 'history', books[0], '--csv', books[0])
     assert len(Logbook(books[0]).read()) == 40
 
 
 def test_a_logbook_that_is_none_or_of_a_newer_version_is_refused(books, tmp_path, capsys):
-    assert 'there is no such logbook' in refused(capsys, tmp_path / 'no')
+    assert 'there is no such logbook' in refusal(capsys, 'history', tmp_path / 'no')
     Path(tmp_path / 'text').write_text('not a logbook ' * 50)
-    assert 'is not a logbook' in refused(capsys, tmp_path / 'text')
+    assert 'is not a logbook' in refusal(capsys, 'history', tmp_path / 'text')
     with sqlite3.connect(books[0]) as connection:
         connection.execute('PRAGMA user_version = 9')
-    assert 'a newer heading_intercompare wrote it' in refused(capsys, books[0])
+    assert 'a newer heading_intercompare wrote it' in refusal(capsys, 'history', books[0])
 
 
 def test_it_says_whether_a_sensor_differs_after_a_service(books, capsys):
@@ -189,4 +182,5 @@ def test_it_says_whether_a_sensor_differs_after_a_service(books, capsys):
     assert main(['history', books[0], '--service', at, '--json', '-']) == 0
     found = json.loads(capsys.readouterr().out)['histories'][0]['service']
     assert [one['figure'] for one in found] == ['mean', 'sd'] and found[0]['before'] == 30
-    assert '--service soon: must be a time' in refused(capsys, books[0], '--service', 'soon')
+    assert '--service soon: must be a time' in refusal(
+        capsys, 'history', books[0], '--service', 'soon')

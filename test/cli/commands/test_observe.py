@@ -19,6 +19,7 @@ from __future__ import annotations
 from importlib.util import find_spec
 import json
 
+from command_line import refusal
 import pytest
 
 from heading_intercompare.cli import main
@@ -38,14 +39,6 @@ def place(tmp_path, monkeypatch):
             f'2026-03-10 10:{m:02d}:00;1,5{m % 3};1,50;80;port;no {m};calm\n'
             for m in range(1, 9)) + '2026-03-10 12:00:00;1,5;1,5;80;port;late;calm\n')
     return tmp_path
-
-
-def refused(capsys, *arguments):
-    """Return the one line that a wrong command line gives."""
-    assert main(['observe', *arguments]) == 2
-    out, err = capsys.readouterr()
-    assert out == '' and err.count('\n') == 1
-    return err
 
 
 def test_it_prints_each_correction_the_budget_and_the_decision(capsys):
@@ -87,8 +80,9 @@ def test_a_table_with_the_readings_needs_no_recording(capsys, place):
     (place / 'sun.csv').write_text('time,ts_bearing_deg\n2026-03-10 08:00:00,120.4\n'
                                    '2026-03-10 08:05:00,121.6\n')
     if find_spec('ephem') is None:
-        assert 'install heading_intercompare[sun]' in refused(
-            capsys, 'sun.csv', '--sun', '--position', '54.3 10.2', '--common-u-deg', '0.3')
+        assert 'install heading_intercompare[sun]' in refusal(
+            capsys, 'observe', 'sun.csv', '--sun', '--position', '54.3 10.2',
+            '--common-u-deg', '0.3')
         return
     assert main(['observe', 'sun.csv', '--sun', '--position', '54.3 10.2', '--common-u-deg', '0.3',
                  *NORM]) == 0
@@ -121,4 +115,4 @@ def test_a_recording_without_the_time_of_any_observation_is_no_crash(capsys, pla
      'is an INPUT'),
 ])
 def test_what_is_wrong_is_said_in_one_line(capsys, arguments, says):
-    assert says in refused(capsys, *arguments)
+    assert says in refusal(capsys, 'observe', *arguments)

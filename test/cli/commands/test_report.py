@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import json
 
+from command_line import refusal
 import numpy as np
 import pytest
 
@@ -46,14 +47,6 @@ def verdict(pairs, tmp_path, capsys):
     file = tmp_path / 'verdict.json'
     assert main(['analyze', str(pairs[0]), *NORMS, '--json', str(file)]) == 0
     return file, capsys.readouterr().out
-
-
-def refused(capsys, *arguments) -> str:
-    """Return the one line that a wrong command line gives."""
-    assert main([str(a) for a in arguments]) == 2
-    out, err = capsys.readouterr()
-    assert out == '' and err.count('\n') == 1
-    return err
 
 
 @pytest.mark.slow
@@ -97,7 +90,7 @@ def test_what_a_verdict_cannot_be_asked_for_is_one_line(verdict, tmp_path, capsy
     file, _ = verdict
     monkeypatch.chdir(tmp_path)
     before = file.read_bytes()
-    said = refused(capsys, 'report', '-o', tmp_path / 'r.html',
+    said = refusal(capsys, 'report', '-o', tmp_path / 'r.html',
                    *(option.format(file=file) for option in options), file)
     assert words.format(file=file) in said
     assert file.read_bytes() == before and not (tmp_path / 'r.html').exists()
@@ -113,11 +106,11 @@ def test_what_a_verdict_cannot_be_asked_for_is_one_line(verdict, tmp_path, capsy
 def test_what_is_no_verdict_is_told_in_one_line(verdict, tmp_path, capsys, spoil, words):
     file, _ = verdict
     file.write_text(spoil(file.read_text('utf-8')), 'utf-8')
-    said = refused(capsys, 'report', file, '-o', tmp_path / 'r.html')
-    assert said.startswith(f'heading-intercompare: error: {file}: ') and words in said
+    said = refusal(capsys, 'report', file, '-o', tmp_path / 'r.html')
+    assert said.startswith(f'{file}: ') and words in said
     assert not (tmp_path / 'r.html').exists()
 
 
 def test_a_verdict_that_is_not_there_is_named(tmp_path, capsys):
-    assert 'v.json: No such file or directory' in refused(
+    assert 'v.json: No such file or directory' in refusal(
         capsys, 'report', tmp_path / 'v.json', '-o', tmp_path / 'r.html')

@@ -22,6 +22,7 @@ import math
 from pathlib import Path
 
 from checksums import with_checksum
+from command_line import refusal
 import pytest
 from ship_of_sensors import (
     course_deg,
@@ -53,14 +54,6 @@ def trial(tmp_path_factory):
     return folder
 
 
-def refused(capsys, *arguments):
-    capsys.readouterr()
-    assert main([str(a) for a in arguments]) == 2
-    out, err = capsys.readouterr()
-    assert out == '' and err.count('\n') == 1
-    return err
-
-
 def test_analyze_prints_all_sensors_and_the_wrong_one(trial, capsys):
     given = ['analyze', str(trial / 'bag'), '--config', str(trial / 'ship.yaml')]
     assert main(given) == 0
@@ -83,7 +76,7 @@ def test_two_of_the_sensors_alone_by_name(trial, capsys):
     assert alone['runs'] == several['runs'] and alone['headline'] == several['headline']
     assert main([*given, '--ts', 'gyro1', '--rs', 'gnss', '--csv',
                  str(trial / 'pairs.csv')]) == 0
-    assert '--ts gyro1: with the setting sensors give --ts and --rs' in refused(
+    assert '--ts gyro1: with the setting sensors give --ts and --rs' in refusal(
         capsys, *given, '--ts', 'gyro1')
 
 
@@ -95,7 +88,7 @@ def test_logs_by_name(trial, tmp_path, capsys):
     assert 'gyro2 NON-COMPLIANT' in out
     assert [line.split(':')[1].strip() for line in err.splitlines()[:3]] == [
         'gyro1', 'gyro2', 'gnss']
-    assert 'gnss: has no log' in refused(
+    assert 'gnss: has no log' in refusal(
         capsys, 'analyze', *logs[:2], '--config', trial / 'ship.yaml')
 
 
@@ -112,7 +105,7 @@ def test_the_logbook_has_a_row_per_sensor_and_run(trial, tmp_path, capsys):
 def test_tables_are_refused_without_a_reference_with_what_to_do(trial, option, capsys, tmp_path):
     rows = '; '.join(TABLE.strip().replace('  rs', '').splitlines())
     assert 'no sensor is the reference, and it is for two sensors; choose them with --ts' in (
-        refused(capsys, 'analyze', trial / 'bag', '--set', f'sensors={rows}', f'--{option}',
+        refusal(capsys, 'analyze', trial / 'bag', '--set', f'sensors={rows}', f'--{option}',
                 tmp_path / 'x.csv'))
     assert not (tmp_path / 'x.csv').exists()
 
@@ -160,11 +153,11 @@ def test_ensembles_and_runs_of_each_sensor(trial, capsys, tmp_path):
 
 
 def test_a_csv_is_of_one_input(trial, capsys, tmp_path):
-    assert 'takes the pairs of one INPUT, but 2 are given' in refused(
+    assert 'takes the pairs of one INPUT, but 2 are given' in refusal(
         capsys, 'analyze', trial / 'bag', trial / 'bag', '--config', trial / 'ship.yaml', '--csv',
         tmp_path / 'x.csv')
     (tmp_path / 'x-gyro1.csv').mkdir()
-    assert 'x-gyro1.csv: is a folder; name a file' in refused(
+    assert 'x-gyro1.csv: is a folder; name a file' in refusal(
         capsys, 'analyze', trial / 'bag', '--config', trial / 'ship.yaml', '--csv',
         tmp_path / 'x.csv')
 
@@ -172,8 +165,8 @@ def test_a_csv_is_of_one_input(trial, capsys, tmp_path):
 def test_what_is_for_two_sensors_or_for_logs_is_refused_with_what_to_do(trial, capsys):
     given = ['analyze', trial / 'bag', '--config', trial / 'ship.yaml']
     assert '--rs-antennas fore.log aft.log: is for two sensors; choose them with --ts NAME' in (
-        refused(capsys, *given, '--rs-antennas', 'fore.log', 'aft.log'))
-    assert '--motion gps.log: is for logs' in refused(capsys, *given, '--motion', 'gps.log')
+        refusal(capsys, *given, '--rs-antennas', 'fore.log', 'aft.log'))
+    assert '--motion gps.log: is for logs' in refusal(capsys, *given, '--motion', 'gps.log')
 
 
 @pytest.fixture
@@ -222,11 +215,11 @@ def test_logs_become_one_bag_with_the_same_verdict(ship, tmp_path, capsys):
 
 def test_a_bag_of_logs_takes_two_logs_or_one_per_sensor(ship, tmp_path, capsys):
     given = ['-o', tmp_path / 'bag']
-    assert '--ts: is missing; give --ts FILE and --rs FILE, or NAME=LOG' in refused(
+    assert '--ts: is missing; give --ts FILE and --rs FILE, or NAME=LOG' in refusal(
         capsys, 'import-nmea', *given)
-    assert '--ts a: goes without NAME=LOG' in refused(
+    assert '--ts a: goes without NAME=LOG' in refusal(
         capsys, 'import-nmea', *ship, '--ts', 'a', *given)
-    assert 'x=y: must be NAME=LOG with a sensor of the setting sensors: there are none' in refused(
+    assert 'x=y: must be NAME=LOG with a sensor of the setting sensors: there are none' in refusal(
         capsys, 'import-nmea', 'x=y', *given)
 
 
@@ -254,23 +247,23 @@ def test_logs_without_names_and_names_without_a_setting_are_one_line(trial, tmp_
     log = tmp_path / 'gyro.log'
     log.write_text('2014-08-01T00:00:00Z $HEHDT,100.00,T*17\n')
     config = ('--config', trial / 'ship.yaml')
-    assert f'NAME={log} with one of gyro1, gyro2, gnss' in refused(
+    assert f'NAME={log} with one of gyro1, gyro2, gnss' in refusal(
         capsys, 'analyze', log, log, *config)
     norms = ('--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1')
     for command in (['analyze'], ['report', '-o', tmp_path / 'x.html']):
         assert f'a={log}: NAME=LOG is for several sensors, and the setting sensors has no a' in (
-            refused(capsys, *command, f'a={log}', f'b={log}', f'c={log}', *norms))
+            refusal(capsys, *command, f'a={log}', f'b={log}', f'c={log}', *norms))
 
 
 def test_wrong_sensors_are_one_line(trial, capsys):
-    assert 'sensors, has one sensor' in refused(
+    assert 'sensors, has one sensor' in refusal(
         capsys, 'analyze', trial / 'bag', '--set', 'sensors=gyro1 sigma_max_deg=1')
-    assert 'give sigma_max_deg in the rows of both' in refused(
+    assert 'give sigma_max_deg in the rows of both' in refusal(
         capsys, 'analyze', trial / 'bag', '--set', 'sensors=gyro1; gyro2')
-    assert 'the rows of the setting sensors choose' in refused(
+    assert 'the rows of the setting sensors choose' in refusal(
         capsys, 'analyze', 'gyro1=a', 'gyro2=b', 'gnss=c', '--config', trial / 'ship.yaml',
         '--ts-talker', 'HE')
-    assert 'no INPUT is NAME=LOG' in refused(
+    assert 'no INPUT is NAME=LOG' in refusal(
         capsys, 'analyze', trial / 'bag', '--config', trial / 'ship.yaml', '--time', 'validity')
 
 

@@ -131,6 +131,19 @@ def test_what_came_before_a_successor_is_not_counted_twice(publisher, before):
         int(STAMPS[40]), int(STAMPS[99])).lost('ts')
 
 
+def test_what_waits_in_the_newest_incarnation_still_waits():
+    """The first left 3 TS and 2 RS readings without a partner; 4 and 6 wait in the second."""
+    ledgers = Incarnations()
+    for started_ns, (n_ts, n_rs) in enumerate(((3, 2), (4, 6)), 1):
+        counts = {'paired': 60, 'ts_paired': 60, 'rs_used': 60, 'ts_pending': n_ts,
+                  'rs_pending': n_rs}
+        ledgers.take(Ledger.from_segments([LedgerSegment(None, counts)], 1000 * started_ns),
+                     False, started_ns)
+    counts = ledgers.total.total.counts
+    assert (counts['ts_unpaired'], counts['rs_unused']) == (3, 2)
+    assert (counts['ts_pending'], counts['rs_pending']) == (4, 6)
+
+
 def test_readings_that_waited_and_were_taken_again_count_once():
     """The first was killed with 7 TS and 9 RS readings pending; the second took those again."""
     found = Incarnations()
