@@ -22,6 +22,7 @@ import warnings
 
 import numpy as np
 import pytest
+from trials import write_headings
 
 from heading_intercompare import analyze_bag, analyze_bags, Headings, judge_bags, Norms, Settings
 from heading_intercompare.bags.csv.pairs_csv import write_pairs_csv
@@ -46,11 +47,9 @@ def bags(tmp_path):
     for number in range(2):
         rng = np.random.default_rng(number)
         stamps = start_ns(number) + np.arange(1200) * (S // 10)
-        with BagWriter(tmp_path / f'trial_{number}') as writer:
-            for topic, error in (('ts/heading', 0.1), ('rs/heading', 0.0)):
-                writer.add_topic(topic, IMU)
-                readings = Headings.of(stamps, 100.0 + error * rng.standard_normal(1200))
-                writer.write_rows([Rows(topic, encode_imu(readings, 'x'), stamps)])
+        write_headings(tmp_path / f'trial_{number}', {
+            topic: Headings.of(stamps, 100.0 + error * rng.standard_normal(1200))
+            for topic, error in (('ts/heading', 0.1), ('rs/heading', 0.0))})
     return [tmp_path / f'trial_{number}' for number in range(2)]
 
 

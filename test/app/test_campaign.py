@@ -37,16 +37,16 @@ from types import SimpleNamespace
 from deadlines import DEADLINE_S
 import numpy as np
 import pytest
+from trials import write_headings
 
 from heading_intercompare import Headings, Settings
 from heading_intercompare.app import campaign, job
 from heading_intercompare.bags.parallel import decode_workers
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.cli import main
 from heading_intercompare.core.typed_reader import make_plain
 from heading_intercompare.messages.cdr import encode
-from heading_intercompare.messages.heading_messages import encode_imu, IMU
 
 S = 1_000_000_000
 NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1',
@@ -57,14 +57,10 @@ def write_bag(path, number: int, **records) -> str:
     """Write two minutes at 10 Hz, TS 0.1° sd, RS exact; and metadata records."""
     rng = np.random.default_rng(number)
     stamps = (1_400_000_000 + 1000 * number) * S + np.arange(1200) * (S // 10)
-    with BagWriter(path, BagSettings(chunk_bytes=50_000)) as writer:
-        for topic, error in (('ts/heading', 0.1), ('rs/heading', 0.0)):
-            writer.add_topic(topic, IMU)
-            readings = Headings.of(stamps, 100.0 + error * rng.standard_normal(1200))
-            writer.write_rows([Rows(topic, encode_imu(readings, 'x'), stamps)])
-        for name, mapping in records.items():
-            writer.metadata(name, mapping)
-    return str(path)
+    streams = {topic: Headings.of(stamps, 100.0 + error * rng.standard_normal(1200))
+               for topic, error in (('ts/heading', 0.1), ('rs/heading', 0.0))}
+    return write_headings(path, streams, records=records,
+                          settings=BagSettings(chunk_bytes=50_000))
 
 
 @pytest.fixture
@@ -169,12 +165,9 @@ def test_an_input_that_cannot_be_judged_does_not_stop_the_others(
 
 def test_an_input_without_runs_is_named_and_the_campaign_is_not_compliant(bags, tmp_path, capsys):
     stamps = 1_400_000_000 * S + np.arange(1200) * (S // 10)
-    with BagWriter(tmp_path / 'dead') as writer:
-        for topic in ('ts/heading', 'rs/heading'):
-            writer.add_topic(topic, IMU)
-        readings = Headings.of(stamps, np.where(np.arange(1200) < 7, np.nan, 100.0))
-        writer.write_rows([Rows('ts/heading', encode_imu(readings, 'x'), stamps)])
-    dead = str(tmp_path / 'dead')
+    readings = Headings.of(stamps, np.where(np.arange(1200) < 7, np.nan, 100.0))
+    dead = write_headings(tmp_path / 'dead', {
+        'ts/heading': readings, 'rs/heading': Headings.empty()})
     verdict, said = judged(capsys, bags[0], dead)
     assert verdict['outcome'] == verdict['paper_outcome'] == 'indeterminate'
     # The headline and the reason of the whole say so, too.

@@ -33,15 +33,13 @@ from typing import Any, Callable, Iterator
 
 import numpy as np
 import pytest
+from trials import write_headings
 
 from heading_intercompare import analyze_bags, Headings, Settings
 from heading_intercompare.app import campaign, remote_task
 from heading_intercompare.app.job import Job
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
-from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.cli import main
 from heading_intercompare.core.verdict.compare_verdicts import find_differences
-from heading_intercompare.messages.heading_messages import encode_imu, IMU
 from heading_intercompare.report.json import parse
 
 distributed = pytest.importorskip('distributed', reason='distributed is not installed')
@@ -98,11 +96,9 @@ def folder(tmp_path_factory):
     for number in range(2):
         rng = np.random.default_rng(number)
         stamps = (1_400_000_000 + 5000 * number) * S + np.arange(N) * (S // 10)
-        with BagWriter(made / f'trial_{number}', BagSettings()) as writer:
-            for topic, error in (('ts/heading', 0.1), ('rs/heading', 0.0)):
-                writer.add_topic(topic, IMU)
-                readings = Headings.of(stamps, 100.0 + error * rng.standard_normal(N))
-                writer.write_rows([Rows(topic, encode_imu(readings, 'x'), stamps)])
+        write_headings(made / f'trial_{number}', {
+            topic: Headings.of(stamps, 100.0 + error * rng.standard_normal(N))
+            for topic, error in (('ts/heading', 0.1), ('rs/heading', 0.0))})
     assert main(['analyze', str(made / 'trial_1'), *norms(), '--csv', str(made / 'p.csv')]) == 0
     return made
 

@@ -25,13 +25,12 @@ import subprocess
 from command_line import refusal
 import numpy as np
 import pytest
+from trials import write_headings
 
 from heading_intercompare import Headings
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.provenance import Notes
 from heading_intercompare.cli import main
 from heading_intercompare.logbook.logbook_file import Logbook
-from heading_intercompare.messages.heading_messages import encode_imu
 
 S = 1_000_000_000
 T0 = 1_406_851_200 * S
@@ -46,12 +45,10 @@ def bag(tmp_path_factory):
     stamps = T0 + np.arange(6000) * (S // 10)
     stamps[4000:] += 120 * S
     heading = np.mod(355.0 + 0.005 * np.arange(6000), 360.0)
-    with BagWriter(path) as writer:
-        Notes(writer.metadata).add('2014-08-01T00:03:00Z course <change>', T0)
-        for topic, error, offset in (('ts/heading', 0.1, 0.2), ('rs/heading', 0.0, 0.0)):
-            writer.add_topic(topic, 'sensor_msgs/msg/Imu')
-            readings = Headings.of(stamps, heading + offset + error * rng.standard_normal(6000))
-            writer.write_rows([Rows(topic, encode_imu(readings, 'x'), stamps)])
+    streams = {topic: Headings.of(stamps, heading + offset + error * rng.standard_normal(6000))
+               for topic, error, offset in (('ts/heading', 0.1, 0.2), ('rs/heading', 0.0, 0.0))}
+    write_headings(path, streams, write_more=lambda writer: Notes(writer.metadata).add(
+        '2014-08-01T00:03:00Z course <change>', T0))
     return path
 
 

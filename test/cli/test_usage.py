@@ -25,13 +25,12 @@ import sys
 from command_line import refusal
 import numpy as np
 import pytest
+from trials import write_headings
 
 from heading_intercompare import Headings
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.cli import main
 from heading_intercompare.core.version import VERSION
 from heading_intercompare.messages.cdr import encode
-from heading_intercompare.messages.heading_messages import encode_imu
 
 S = 1_000_000_000
 T0 = 1_400_000_000 * S
@@ -45,13 +44,13 @@ def bag(tmp_path_factory):
     rng = np.random.default_rng(1)
     stamps = T0 + np.arange(3000) * (S // 10)
     heading = 100.0 + 0.01 * np.arange(3000)
-    with BagWriter(path) as writer:
-        for topic, error in (('ts/heading', 0.1), ('rs/heading', 0.0)):
-            writer.add_topic(topic, 'sensor_msgs/msg/Imu')
-            readings = Headings.of(stamps, heading + error * rng.standard_normal(3000))
-            writer.write_rows([Rows(topic, encode_imu(readings, 'x'), stamps)])
+    streams = {topic: Headings.of(stamps, heading + error * rng.standard_normal(3000))
+               for topic, error in (('ts/heading', 0.1), ('rs/heading', 0.0))}
+
+    def remark(writer):
         writer.add_topic('remark', 'std_msgs/msg/String')
         writer.write('remark', encode('std_msgs/msg/String', {'data': 'x'}), T0)
+    write_headings(path, streams, write_more=remark)
     return path
 
 

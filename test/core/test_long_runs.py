@@ -22,9 +22,9 @@ import re
 import numpy as np
 import pytest
 from scipy.signal import lfilter
+from trials import judge_pairs
 
 from heading_intercompare.core.angles import wrap360
-from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.statistics import blocking
@@ -82,21 +82,13 @@ FAULTS = {
 }
 
 
-def judge(pairs):
-    compliance = Compliance(SETTINGS)
-    compliance.update(pairs)
-    compliance.finish()
-    (run,) = compliance.verdict().runs
-    return run
-
-
 def judge_both_ways(pairs):
     """Return the run judged as a long one, and with all diagnostics on all pairs."""
-    averaged = judge(pairs)
+    averaged = judge_pairs(pairs, SETTINGS).runs[0]
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(blocking, '_MOST', 1 << 40)
         patch.setattr(skew_instrument, '_MANY', 1 << 40)
-        return averaged, judge(pairs)
+        return averaged, judge_pairs(pairs, SETTINGS).runs[0]
 
 
 @pytest.fixture(scope='module')

@@ -19,8 +19,8 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from trials import judge_headings
 
-from heading_intercompare import analyze, Headings, Settings
 from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.logbook.run_row import make_rows
 
@@ -28,11 +28,10 @@ S = 1_000_000_000
 
 
 def judge(rng, n=2000, **more):
-    stamps = (1_700_000_000 + np.arange(n)) * S
-    rs = Headings.of(stamps, np.full(n, 90.0) + 0.01 * rng.standard_normal(n))
-    ts = Headings.of(stamps, 90.05 + 0.1 * rng.standard_normal(n))
-    return analyze(ts, rs, Settings.from_mapping(
-        {'norms.sigma_max_deg': 0.2, 'norms.sigma_ref_max_deg': 0.1, **more}))
+    rs_deg = 90.0 + 0.01 * rng.standard_normal(n)
+    return judge_headings(90.05 + 0.1 * rng.standard_normal(n), rs_deg,
+                          (1_700_000_000 + np.arange(n)) * S, **{
+                              'norms': {'sigma_max_deg': 0.2, 'sigma_ref_max_deg': 0.1}, **more})
 
 
 def test_a_row_has_the_figures_of_the_verdict(rng):

@@ -30,11 +30,11 @@ from nodes.ros_nodes import NORMS
 import numpy as np
 import pytest
 from ros_domain import DOMAIN
+from trials import write_headings
 import yaml
 
 from heading_intercompare import Headings, judge_bags, Settings
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
-from heading_intercompare.messages.heading_messages import encode_imu, IMU
+from heading_intercompare.messages.heading_messages import IMU
 
 pytestmark = [pytest.mark.process, pytest.mark.slow]
 
@@ -53,11 +53,8 @@ def write_bag(path):
     """Write two minutes of two sensors at 10 Hz, without the numbers of their publishers."""
     rng = np.random.default_rng(17)
     stamps = 1_700_000_000_000_000_000 + np.arange(N) * 10 ** 8
-    with BagWriter(path) as bag:
-        for topic in ('/ts/heading', '/rs/heading'):
-            bag.add_topic(topic, IMU)
-            headings = Headings.of(stamps, 90.0 + 0.1 * rng.standard_normal(N))
-            bag.write_rows([Rows(topic, encode_imu(headings, 'x'), stamps)])
+    write_headings(path, {topic: Headings.of(stamps, 90.0 + 0.1 * rng.standard_normal(N))
+                          for topic in ('/ts/heading', '/rs/heading')})
     return path
 
 

@@ -18,13 +18,11 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
 import pytest
+from trials import make_settings, make_turning_ship
 
-from heading_intercompare import analyze, Headings, pair, Settings, Verdict
+from heading_intercompare import analyze, pair, Verdict
 from heading_intercompare.report import SeriesSketch
-
-BASE = {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1}
 
 
 @pytest.fixture
@@ -32,15 +30,11 @@ def made(rng):
     """Return a function that makes a verdict on some runs, and their sketches."""
     def make(runs: int, n: int = 600, noise_deg: float = 0.2,
              **settings: Any) -> tuple[Verdict, list[SeriesSketch]]:
-        taken = Settings.from_mapping(
-            {**BASE, **{k.replace('__', '.'): v for k, v in settings.items()}})
-        ts, rs, sketches = [], [], []
-        for run in range(runs):
-            stamps = (np.arange(n) + 10_000 * run + 1_700_000_000) * 10 ** 9
-            true = 180.0 + 170.0 * np.sin(np.arange(n) / 40.0)
-            ts.append(Headings.of(stamps, true + 0.05 + rng.normal(0.0, noise_deg, n)))
-            rs.append(Headings.of(stamps, true))
-            sketches.append(SeriesSketch())
-            sketches[-1].update(pair(ts[-1], rs[-1], taken)[0], taken)
-        return analyze(ts, rs, taken), sketches
+        rules = make_settings(**settings)
+        trials = [make_turning_ship(run, 0.05 + rng.normal(0.0, noise_deg, n))
+                  for run in range(runs)]
+        sketches = [SeriesSketch() for _ in trials]
+        for sketch, trial in zip(sketches, trials):
+            sketch.update(pair(*trial, rules)[0], rules)
+        return analyze([ts for ts, _ in trials], [rs for _, rs in trials], rules), sketches
     return make

@@ -22,10 +22,10 @@ from pathlib import Path
 import runpy
 
 import jsonschema
-import numpy as np
 import pytest
+from trials import judge_turning_ship
 
-from heading_intercompare import analyze, Headings, join, Settings
+from heading_intercompare import join, Settings
 from heading_intercompare.core.verdict.verdict_document import Input, OperatorNote
 from heading_intercompare.report.json_schema import make_schema
 
@@ -38,19 +38,6 @@ CHECK = jsonschema.Draft202012Validator(make_schema())
 def faults(mapping):
     """Return the places where a verdict in JSON breaks the schema."""
     return [error.json_path for error in CHECK.iter_errors(json.loads(json.dumps(mapping)))]
-
-
-def judged(runs=1, n=600, **settings):
-    """Return a verdict on runs of a turning ship as a mapping."""
-    rng = np.random.default_rng(n)
-    ts, rs = [], []
-    for run in range(runs):
-        stamps = (np.arange(n) + 10_000 * run + 1_700_000_000) * S
-        true = 180.0 + 170.0 * np.sin(np.arange(n) / 40.0)
-        ts.append(Headings.of(stamps, true + rng.normal(0.0, 0.2, n)))
-        rs.append(Headings.of(stamps, true))
-    given = {**NORMS, **{name.replace('__', '.'): value for name, value in settings.items()}}
-    return analyze(ts, rs, Settings.from_mapping(given)).to_dict()
 
 
 @pytest.mark.slow
@@ -69,7 +56,7 @@ def test_the_file_is_what_the_classes_declare():
     (1, 2000, {'drift_order': 'auto', 'runs__stabilization_s': 'auto', 'norms__k_rule': 2.5}),
     (1, 2000, {'sequential__plan_s': 2000.0, 'alignment__skew': 'apply'})])
 def test_a_verdict_meets_the_schema(runs, n, settings):
-    assert faults(judged(runs, n, **settings)) == []
+    assert faults(judge_turning_ship(runs, n, **settings).to_dict()) == []
 
 
 def test_what_is_known_of_the_inputs_meets_the_schema():
@@ -79,7 +66,7 @@ def test_what_is_known_of_the_inputs_meets_the_schema():
 
 
 def test_keys_of_later_versions_are_allowed():
-    mapping = judged()
+    mapping = judge_turning_ship().to_dict()
     mapping['later'] = mapping['runs'][0]['guarded']['later'] = {'x': 1}
     assert faults({**mapping, 'schema_version': '2.34'}) == []
 
@@ -90,7 +77,7 @@ def test_keys_of_later_versions_are_allowed():
     ('settings.model', 'XX'), ('settings.norms.probability', 2.0), ('settings.window_s', None),
     ('runs.0.n', 1.5), ('runs.0.guarded.nu', 'many'), ('campaign.runs_by_outcome.compliant', 'x')])
 def test_what_is_no_verdict_breaks_the_schema_where_it_is_wrong(where, wrong):
-    mapping = judged()
+    mapping = judge_turning_ship().to_dict()
     first, _, rest = where.partition('.')
     *path, last = [first] + ([rest] if first == 'settings' else rest.split('.')) * bool(rest)
     block = mapping
@@ -102,7 +89,7 @@ def test_what_is_no_verdict_breaks_the_schema_where_it_is_wrong(where, wrong):
 
 @pytest.mark.slow
 def test_a_key_that_is_missing_breaks_the_schema():
-    mapping = judged()
+    mapping = judge_turning_ship().to_dict()
     # Before 2.2 and 2.7.
     absent = {'ledger_complete', 'ledger_problems', 'limit_95', 'pairing.kernel'}
     for block in (mapping, mapping['runs'][0], mapping['settings'], mapping['campaign']):

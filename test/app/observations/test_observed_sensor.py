@@ -19,15 +19,14 @@ from __future__ import annotations
 from checksums import with_checksum
 import numpy as np
 import pytest
+from trials import write_headings
 
 from heading_intercompare.app.observations.observed_sensor import observe, Uncertainties
 from heading_intercompare.app.observations.targets import Target
 from heading_intercompare.bags.csv.pairs_csv import write_pairs_csv
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.core.settings import Settings
-from heading_intercompare.messages.heading_messages import encode_imu, IMU
 
 START = 1_773_136_800
 STATED = Uncertainties(common_u_deg=0.05)
@@ -50,11 +49,7 @@ def readings():
 
 
 def write_bag(path, stamps, headings):
-    with BagWriter(path) as bag:
-        bag.add_topic('ts/heading', IMU)
-        bag.write_rows([Rows('ts/heading', encode_imu(Headings.of(stamps, headings), 'x'),
-                             stamps)])
-    return str(path)
+    return write_headings(path, {'ts/heading': Headings.of(stamps, headings)})
 
 
 def write_log(path, stamps, headings):

@@ -18,12 +18,11 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from trials import write_headings
 
 from heading_intercompare import analyze, analyze_bag, Headings, read_bag, Settings
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.provenance import Notes
-from heading_intercompare.messages.heading_messages import encode_imu, IMU
 from heading_intercompare.messages.marks import encode_mark, MARKER_TOPIC
 from heading_intercompare.messages.status_messages import STATUS_TYPE
 
@@ -43,12 +42,8 @@ def sent(rng):
 @pytest.fixture
 def bag(tmp_path, sent):
     """Return a bag of both sensors, with a note."""
-    with BagWriter(tmp_path / 'trial') as writer:
-        for topic in sent:
-            writer.add_topic(topic, IMU)
-        writer.write_rows([Rows(topic, encode_imu(readings, 'x'), STAMPS)
-                           for topic, readings in sent.items()])
-        Notes(writer.metadata).add('course 270', T0)
+    write_headings(tmp_path / 'trial', sent, write_more=lambda writer: Notes(
+        writer.metadata).add('course 270', T0))
     return tmp_path / 'trial'
 
 
@@ -70,13 +65,12 @@ def test_they_give_the_verdict_of_the_bag(bag):
 
 def test_marks_come_with_their_stamps(tmp_path, sent):
     marks = (('start', T0 + S), ('stop', T0 + 800 * S))
-    with BagWriter(tmp_path / 'marked') as writer:
-        for topic, readings in sent.items():
-            writer.add_topic(topic, IMU)
-            writer.write_rows([Rows(topic, encode_imu(readings, 'x'), STAMPS)])
+
+    def write_marks(writer):
         writer.add_topic(MARKER_TOPIC, STATUS_TYPE)
         for kind, stamp_ns in marks:
             writer.write(MARKER_TOPIC, encode_mark(kind, stamp_ns), stamp_ns)
+    write_headings(tmp_path / 'marked', sent, write_more=write_marks)
     assert read_bag(tmp_path / 'marked', SETTINGS).marks == marks
 
 

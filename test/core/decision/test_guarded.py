@@ -65,9 +65,9 @@ ANY = Risk(min_duration_s=0.0)
 """Risks that allow runs of any length."""
 
 
-def limits_of(sigma=1.0, ref=0.5, m_low=0.9, m_up=1.0, p=0.997, factor=1.0):
+def limits_of(sigma=1.0, ref=0.5, m_low=0.9, m_up=1.0, p=0.997, factor=1.0, ts_factor=1.0):
     return Limits.of(Norms(sigma_max_deg=sigma, sigma_ref_max_deg=ref, m_low=m_low, m_up=m_up,
-                           probability=p), 'NN', factor)
+                           probability=p), 'NN', factor, ts_factor)
 
 
 def judged(x, limits=None, risk=None, span_s=None, **given):
@@ -218,6 +218,12 @@ def test_figures_follow_from_the_spread(rng):
     assert got.confidence_non_compliant == 1.0 - confidence(s, 1.25)
     assert got.conformance_probability == \
         mean_confidence(s, 1.0, 0.45 * math.sqrt(2.0 / 3.0), 0.5)
+    # An interpolated TS shows as little as two thirds of its variance; the lower bound stays.
+    of_ts = judged(x, limits_of(ts_factor=2.0 / 3.0), risk, offset_u_deg=0.05)
+    assert of_ts.sigma_ts_upper_deg == \
+        pytest.approx(math.sqrt((of_ts.upper_bound_deg2 - 0.2025) * 1.5))
+    assert of_ts.sigma_ts_lower_deg == pytest.approx(math.sqrt(of_ts.lower_bound_deg2 - 0.25))
+    assert of_ts.conformance_probability == mean_confidence(s, math.sqrt(2.0 / 3.0), 0.45, 0.5)
     assert got.duration_factor == \
         duration_factor(s, got.acceptance_limit_deg2, 1.25, 0.02, variance_risk(risk))
     assert got.hours_needed == pytest.approx(got.duration_factor * 1999.9 / 3600.0)

@@ -162,6 +162,20 @@ def test_readings_that_waited_and_were_taken_again_count_once():
     assert [*found.problems()] == []
 
 
+def test_of_several_that_waited_the_newest_were_taken_again():
+    """Of 2 and 5 TS readings the second took 4 again: 1 of the newer segment stays, and both."""
+    ledgers = Incarnations()
+    first = Ledger.from_segments([LedgerSegment(None, {'ts_paired': 60, 'ts_pending': 2}),
+                                  LedgerSegment(1000, {'ts_pending': 5})], 2000)
+    second = Ledger.from_segments([LedgerSegment(None, {'ts_paired': 40})], 4000)
+    for ledger, first_number, started_ns in ((first, 1, 1), (second, 64, 2)):
+        ledgers.take(ledger, started_ns == 2, started_ns, {
+            'ts': StreamNumbers('a', first_number, 'a', first_number + 66)})
+    counts = {segment.start_ns: segment.counts.get('ts_unpaired', 0)
+              for segment in ledgers.total.segments}
+    assert counts == {None: 2, 1000: 1, 2001: 0}
+
+
 @pytest.mark.parametrize('resumed_after', [95, 60, 30])
 def test_the_ledger_counts_after_which_the_successor_went_on(resumed_after):
     """Pairs that a killed synchronizer counted last may be lost with it, and are made again."""

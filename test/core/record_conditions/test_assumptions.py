@@ -18,8 +18,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from trials import find_finding, judge_headings
 
-from heading_intercompare import analyze, Headings, Settings
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.validity.condition import DOUBTFUL, HOLDS
 
@@ -31,15 +31,8 @@ SHIP = 90.0 + 30.0 * np.sin(2.0 * np.pi * T_S / 900.0) + np.sin(2.0 * np.pi * T_
 
 def judge(error_deg, rng, ship=SHIP, **settings):
     """Judge a TS with these errors against an RS with 0.05 deg of white noise."""
-    return analyze(Headings.as_sent(STAMPS, (ship + error_deg) % 360.0),
-                   Headings.as_sent(STAMPS, (ship + 0.05 * rng.standard_normal(N)) % 360.0),
-                   Settings.from_mapping({'norms': {'sigma_max_deg': 0.2,
-                                                    'sigma_ref_max_deg': 0.1}, **settings}))
-
-
-def finding(verdict):
-    """Return the finding of the first run on the assumptions."""
-    return next(f for f in verdict.runs[0].validity if f.condition == 'assumptions')
+    return judge_headings(ship + error_deg, ship + 0.05 * rng.standard_normal(N), STAMPS,
+                          norms={'sigma_max_deg': 0.2, 'sigma_ref_max_deg': 0.1}, **settings)
 
 
 def test_a_mean_beside_zero_is_doubtful_in_variant_a_and_says_what_b_decides(rng):
@@ -53,8 +46,9 @@ def test_a_mean_beside_zero_is_doubtful_in_variant_a_and_says_what_b_decides(rng
 
 def test_a_rejection_that_variant_b_confirms_is_not_doubtful(rng):
     verdict = judge(0.4 + 0.5 * rng.standard_normal(N), rng, variant='A')
-    assert verdict.outcome is Outcome.NON_COMPLIANT and finding(verdict).effect == HOLDS
-    assert 'violated: (e)' in finding(verdict).evidence
+    assert verdict.outcome is Outcome.NON_COMPLIANT
+    assert find_finding(verdict.runs[0], 'assumptions').effect == HOLDS
+    assert 'violated: (e)' in find_finding(verdict.runs[0], 'assumptions').evidence
 
 
 @pytest.mark.slow
@@ -62,7 +56,8 @@ def test_a_dependence_on_the_heading_that_decides_is_named(rng):
     ship = 1.2 * T_S % 360.0
     errors = 0.6 * np.sin(np.radians(ship)) + 0.05 * rng.standard_normal(N)
     verdict = judge(errors, rng, ship)
-    assert verdict.outcome is Outcome.NON_COMPLIANT and finding(verdict).effect == DOUBTFUL
+    assert verdict.outcome is Outcome.NON_COMPLIANT
+    assert find_finding(verdict.runs[0], 'assumptions').effect == DOUBTFUL
     assert 'the difference depends on the heading, by up to 0.6 deg, without that compliant' in (
         verdict.headline)
 
@@ -72,4 +67,4 @@ def test_a_dependence_on_the_heading_that_decides_is_named(rng):
     lambda rng: rng.uniform(-0.3, 0.3, N), lambda rng: 0.5 * rng.standard_normal(N)],
     ids=['normal', 'heavy tails', 'uniform', 'bad'])
 def test_significance_alone_does_not_bind(errors, rng):
-    assert finding(judge(errors(rng), rng)).effect == HOLDS
+    assert find_finding(judge(errors(rng), rng).runs[0], 'assumptions').effect == HOLDS

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from trials import find_finding
 
 from heading_intercompare import analyze, Headings, Settings
 from heading_intercompare.core.outcome import Outcome
@@ -80,21 +81,17 @@ def bad(good):
     return good + np.where(np.arange(N) < BAD, 4.0, 0.0)
 
 
-def finding(verdict):
-    """Return the finding on what is left out; None if nothing is."""
-    return next((f for f in verdict.campaign.validity if f.condition == 'left_out'), None)
-
-
 def test_nothing_left_out_is_no_finding(bad, rng):
     verdict = judge(bad, rng)
     assert verdict.outcome is Outcome.NON_COMPLIANT
-    assert finding(verdict) is None and verdict.taken_out is None
+    assert find_finding(verdict.campaign, 'left_out') is None and verdict.taken_out is None
 
 
 @pytest.mark.parametrize('way', WAYS)
 def test_no_way_of_leaving_out_makes_a_verdict_better_in_silence(bad, rng, way):
     verdict = judge(bad, rng, *WAYS[way])
-    assert verdict.outcome is Outcome.COMPLIANT and finding(verdict).effect == DOUBTFUL
+    assert verdict.outcome is Outcome.COMPLIANT
+    assert find_finding(verdict.campaign, 'left_out').effect == DOUBTFUL
     assert verdict.headline.startswith('COMPLIANT, DOUBTFUL: 34 % of the pairs are left out (')
     assert ', as recorded non-compliant' in verdict.headline
 
@@ -129,7 +126,8 @@ def test_a_warm_up_that_the_data_show_may_be_left_out(good, rng):
     for settings, marks in (((), [('start', 5000)]), ({'runs': {'stabilization_s': 300.0}}, ()),
                             ({'runs': {'stabilization_s': 'auto'}}, ())):
         verdict = judge(warm, rng, settings, marks)
-        assert verdict.outcome is Outcome.COMPLIANT and finding(verdict).effect == HOLDS
+        assert verdict.outcome is Outcome.COMPLIANT
+        assert find_finding(verdict.campaign, 'left_out').effect == HOLDS
 
 
 @pytest.mark.parametrize('chunk', [1000, 3777])
@@ -143,7 +141,8 @@ def test_chunks_do_not_change_what_is_left_out(bad, chunk):
 def test_an_open_verdict_is_not_in_doubt(good, rng):
     """Two runs of five minutes are too short to certify; the record certifies."""
     verdict = judge(good, rng, (), [('start', 1), ('stop', 3000), ('start', 3500), ('stop', 6500)])
-    assert verdict.outcome is Outcome.INDETERMINATE and finding(verdict).effect == HOLDS
+    assert verdict.outcome is Outcome.INDETERMINATE
+    assert find_finding(verdict.campaign, 'left_out').effect == HOLDS
 
 
 def test_a_drift_that_is_removed_is_named_with_its_size(good, rng):
@@ -158,14 +157,16 @@ def test_a_drift_that_is_removed_is_named_with_its_size(good, rng):
 
 def test_inputs_are_accounted_for_together(bad, good, rng):
     verdict = judge_days(good, bad, rng, {'runs': {'stabilization_s': 510.0}})
-    assert verdict.taken_out.n == 2 * 5100 and finding(verdict).effect == DOUBTFUL
+    assert verdict.taken_out.n == 2 * 5100
+    assert find_finding(verdict.campaign, 'left_out').effect == DOUBTFUL
 
 
 def test_an_input_without_anything_left_out_counts_in_the_record(bad, good, rng):
     """The second day is bad and stays in: the record is as bad as the runs."""
     verdict = judge_days(good, bad, rng, {
         'exclusions': '2027-01-15 08:00:00, 2027-01-15 08:05:00, because'})
-    assert verdict.outcome is Outcome.NON_COMPLIANT and finding(verdict).effect == HOLDS
+    assert verdict.outcome is Outcome.NON_COMPLIANT
+    assert find_finding(verdict.campaign, 'left_out').effect == HOLDS
     assert verdict.taken_out.share == pytest.approx(2999 / (2 * N))
     assert verdict.taken_out.as_recorded.n == 2 * N
 
@@ -186,4 +187,5 @@ def test_the_settling_time_of_a_class_may_be_left_out(sensor_class, effect):
         Headings.as_sent(stamps, (ship + 0.03 * rng.standard_normal(n)) % 360.0),
         Settings.from_mapping({'norms': NORMS, 'runs': {'stabilization_s': 3600.0},
                                'risk': {'sensor_class': sensor_class}}))
-    assert verdict.outcome is Outcome.COMPLIANT and finding(verdict).effect == effect
+    assert verdict.outcome is Outcome.COMPLIANT
+    assert find_finding(verdict.campaign, 'left_out').effect == effect

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from trials import find_finding, judge_headings
 
 from heading_intercompare import analyze, Headings, Settings, Verdict
 from heading_intercompare.core.outcome import Outcome
@@ -65,17 +66,8 @@ def judge(rng, **stamps):
     """Judge 36 000 readings of sound sensors at 10 Hz; `ts` and `rs` give other stamps."""
     regular = START_NS + np.arange(1, 36_001) * STEP_NS
     ship = 90.0 + 40.0 * np.sin(regular / 1e11)
-    streams = {who: Headings.as_sent(stamps.get(who, regular),
-                                ship + sigma * rng.standard_normal(regular.size))
-               for who, sigma in (('ts', 0.1), ('rs', 0.05))}
-    return analyze(streams['ts'], streams['rs'], Settings.from_mapping({
-        'norms': {'sigma_max_deg': 0.3, 'sigma_ref_max_deg': 0.1}}))
-
-
-def finding(run, condition):
-    """Return the finding on a condition."""
-    (found,) = (f for f in run.validity if f.condition == condition)
-    return found
+    ts_deg, rs_deg = (ship + sigma * rng.standard_normal(regular.size) for sigma in (0.1, 0.05))
+    return judge_headings(ts_deg, rs_deg, stamps.get('ts', regular), stamps.get('rs', regular))
 
 
 @pytest.mark.parametrize('who', ['ts', 'rs'])
@@ -97,8 +89,8 @@ def test_a_clock_ahead_for_a_while_locks_the_stream_and_that_counts(rng, who):
     stamps = START_NS + np.arange(1, 36_001) * STEP_NS
     stamps[7000:7080] += 86_400 * 10 ** 9
     (run,) = judge(rng, **{who: stamps}).runs
-    assert finding(run, 'losses').effect == VOID
-    assert finding(run, 'clocks').words == (
+    assert find_finding(run, 'losses').effect == VOID
+    assert find_finding(run, 'clocks').words == (
         f'the clock of the {who.upper()} was set back by 86400.0 s at 2023-11-15 22:25:08.000 UTC')
 
 
@@ -111,9 +103,9 @@ def test_a_clock_set_back_by_an_hour_is_named(rng, both):
     (run,) = verdict.runs
     assert (run.n, run.outcome) == (24_000, Outcome.COMPLIANT)
     words = 'the clock of the TS was set back by 3600.0 s at 2023-11-14 22:53:20.000 UTC'
-    assert finding(run, 'clocks').effect == finding(run, 'losses').effect == DOUBTFUL
-    assert words in finding(run, 'clocks').words
-    assert ('of the RS' in finding(run, 'clocks').words) == both
+    assert find_finding(run, 'clocks').effect == find_finding(run, 'losses').effect == DOUBTFUL
+    assert words in find_finding(run, 'clocks').words
+    assert ('of the RS' in find_finding(run, 'clocks').words) == both
     assert words in verdict.headline
     assert run.pairing.rejected.ts == {'jump': 12_000}
     assert Verdict.from_dict(verdict.to_dict()).to_dict() == verdict.to_dict()

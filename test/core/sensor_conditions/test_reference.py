@@ -19,6 +19,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.signal import lfilter
+from trials import find_finding, judge_headings
 
 from heading_intercompare import analyze, Headings, Settings
 from heading_intercompare.core.outcome import Outcome
@@ -38,13 +39,7 @@ def judge(rng, *, ts_deg, rs_deg, hz=10, rs_step_deg=0.0, yaw_deg=1.0, ts_scale=
     if rs_step_deg:
         rs = np.round(rs / rs_step_deg) * rs_step_deg
     stamps = 10 ** 18 + np.arange(1, n + 1) * (10 ** 9 // hz)
-    return analyze(*(Headings.as_sent(stamps, np.round(h, 3) % 360.0) for h in (ts, rs)),
-                   Settings.from_mapping({'norms': NORMS}))
-
-
-def finding(verdict):
-    """Return the finding on the RS."""
-    return next(f for f in verdict.runs[0].validity if f.condition == 'reference')
+    return judge_headings(np.round(ts, 3), np.round(rs, 3), stamps, norms=NORMS)
 
 
 @pytest.mark.slow
@@ -63,8 +58,9 @@ def test_a_ts_that_breaks_its_norm_without_the_excess_stays_rejected(rng, hz):
     """0.6² + 0.3² less the excess of 0.3² - 0.1² is far above 0.2² + 0.1²."""
     verdict = judge(rng, ts_deg=0.6, rs_deg=0.3, hz=hz)
     assert verdict.outcome is Outcome.NON_COMPLIANT
-    assert finding(verdict).effect == HOLDS
-    assert 'the outcome is the same without the excess' in finding(verdict).evidence
+    assert find_finding(verdict.runs[0], 'reference').effect == HOLDS
+    assert 'the outcome is the same without the excess' in (
+        find_finding(verdict.runs[0], 'reference').evidence)
 
 
 def test_a_rejection_says_what_it_rests_on(rng):
@@ -75,7 +71,7 @@ def test_a_rejection_says_what_it_rests_on(rng):
 
 @pytest.mark.parametrize('rs_deg', [0.05, 0.1])
 def test_a_sound_rs_is_not_blamed(rng, rs_deg):
-    found = finding(judge(rng, ts_deg=0.1, rs_deg=rs_deg))
+    found = find_finding(judge(rng, ts_deg=0.1, rs_deg=rs_deg).runs[0], 'reference')
     assert found.effect == HOLDS and 'its norm is 0.1 deg' in found.evidence
 
 
@@ -84,7 +80,7 @@ def test_a_ts_of_another_scale_is_not_taken_for_noise_of_the_rs(rng):
     """A tenth of a yaw of 3 deg: an error in proportion to the motion is rejected, not void."""
     verdict = judge(rng, ts_deg=0.1, rs_deg=0.05, yaw_deg=6.0, ts_scale=0.9)
     assert verdict.outcome is Outcome.NON_COMPLIANT
-    assert finding(verdict).effect in (HOLDS, NOT_TESTABLE)
+    assert find_finding(verdict.runs[0], 'reference').effect in (HOLDS, NOT_TESTABLE)
 
 
 @pytest.mark.slow
@@ -97,4 +93,4 @@ def test_coloured_noise_that_shows_is_void_too(rng):
     verdict = analyze(Headings.as_sent(stamps, ship + 0.1 * rng.standard_normal(n)),
                       Headings.as_sent(stamps, ship + noise),
                       Settings.from_mapping({'norms': NORMS}))
-    assert finding(verdict).effect == VOID
+    assert find_finding(verdict.runs[0], 'reference').effect == VOID

@@ -20,21 +20,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from trials import judge_pairs, make_settings
 
-from heading_intercompare import analyze, Compliance, Headings, Pairs, Settings
+from heading_intercompare import analyze, Compliance, Headings, Pairs
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.verdict.judge import judge_run
 
 S = 10 ** 9
-NORMS = {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1}
 
 
-def judged(pairs, **names):
-    found = Compliance(Settings.from_mapping({**NORMS, **names}))
-    found.update(pairs)
-    found.finish()
-    return found.verdict()
+def judge(pairs, **settings):
+    """Return the verdict on pairs with the usual norms and these settings."""
+    return judge_pairs(pairs, make_settings(**settings))
+
 
 
 @pytest.fixture
@@ -48,32 +47,32 @@ def pairs(rng):
 @pytest.mark.parametrize('least_s, runs', [(998.9, 1), (999.0, 1), (999.1, 0)])
 def test_a_run_just_as_long_as_it_must_be_is_one(pairs, least_s, runs):
     """1000 pairs a second apart last 999 s."""
-    assert len(judged(pairs, **{'runs.min_duration_s': least_s}).runs) == runs
+    assert len(judge(pairs, runs__min_duration_s=least_s).runs) == runs
 
 
 @pytest.mark.parametrize('least_s, outcome', [(999.0, Outcome.COMPLIANT),
                                               (999.1, Outcome.INDETERMINATE)])
 def test_a_run_just_as_long_as_it_must_be_may_comply(pairs, least_s, outcome):
-    assert judged(pairs, **{'risk.min_duration_s': least_s}).outcome is outcome
+    assert judge(pairs, risk__min_duration_s=least_s).outcome is outcome
 
 
 def test_a_run_without_a_pair_is_refused():
-    settings = Settings.from_mapping(NORMS)
+    settings = make_settings()
     with pytest.raises(ValueError, match='has no pair'):
         judge_run(RunSeries(0, settings), settings, 1, '')
 
 
 def test_the_stabilisation_period_is_half_open(pairs):
     """The pair 10 s after the first one is analysed: 0 to 9 s are left out."""
-    run = judged(pairs, **{'runs.stabilization_s': 10.0}).runs[0]
+    run = judge(pairs, runs__stabilization_s=10.0).runs[0]
     assert (run.n_stabilization, run.n) == (10, 990)
 
 
 def test_an_invalid_pair_of_the_stabilisation_period_counts_as_invalid(pairs):
     ts = pairs.ts_deg.copy()
     ts[[3, 500]] = np.nan
-    run = judged(Pairs.of(pairs.stamp_ns, ts, pairs.rs_deg),
-                 **{'runs.stabilization_s': 10.0}).runs[0]
+    run = judge(Pairs.of(pairs.stamp_ns, ts, pairs.rs_deg),
+                 runs__stabilization_s=10.0).runs[0]
     assert (run.n_input, run.n_invalid, run.n_stabilization, run.n) == (1000, 2, 9, 989)
 
 
@@ -85,7 +84,7 @@ def test_the_figures_of_a_run_by_hand():
     """
     stamps = np.arange(1, 1001) * S
     rs = np.linspace(0.0, 90.0, 1000)
-    run = judged(Pairs.of(stamps, rs + np.tile([0.1, 0.3], 500), rs)).runs[0]
+    run = judge(Pairs.of(stamps, rs + np.tile([0.1, 0.3], 500), rs)).runs[0]
     assert (run.start_ns, run.end_ns, run.duration_s, run.n_input) == (S, 1000 * S, 999.0, 1000)
     assert run.mean_deg == pytest.approx(0.2) and run.circular_mean_deg == pytest.approx(0.2)
     assert (run.min_deg, run.max_deg) == (pytest.approx(0.1), pytest.approx(0.3))
@@ -99,31 +98,31 @@ def test_the_figures_of_a_run_by_hand():
 
 
 def test_drift_that_is_removed_is_named(pairs):
-    run = judged(pairs, drift_order=2).runs[0]
+    run = judge(pairs, drift_order=2).runs[0]
     assert len(run.drift_coefficients_deg) == 3
     assert any(w.startswith('drift_removed: a polynomial of order 2') for w in run.warnings)
 
 
 def test_a_preset_is_named(pairs):
-    run = judged(pairs, **{'norms.preset': 'imo_a424', 'norms.latitude_deg': 0.0}).runs[0]
+    run = judge(pairs, norms__preset='imo_a424', norms__latitude_deg=0.0).runs[0]
     assert 'sigma_max = 0.25 deg follows from the norm imo_a424' in run.warnings
 
 
 def test_a_variance_below_that_of_the_rs_is_named(pairs):
-    run = judged(pairs, **{'norms.sigma_ref_max_deg': 0.4, 'norms.m_low': 1.0}).runs[0]
+    run = judge(pairs, norms__sigma_ref_max_deg=0.4, norms__m_low=1.0).runs[0]
     assert any(w.startswith('difference_variance_below_reference_variance') for w in run.warnings)
 
 
 def test_a_mean_in_variant_a_is_named(pairs):
     moved = Pairs.of(pairs.stamp_ns, pairs.ts_deg + 0.2, pairs.rs_deg)
     words = 'variant_A_mean_not_zero'
-    assert any(w.startswith(words) for w in judged(moved, variant='A').runs[0].warnings)
-    assert not any(w.startswith(words) for w in judged(pairs, variant='A').runs[0].warnings)
+    assert any(w.startswith(words) for w in judge(moved, variant='A').runs[0].warnings)
+    assert not any(w.startswith(words) for w in judge(pairs, variant='A').runs[0].warnings)
 
 
 def test_short_pieces_are_counted(pairs):
     gap = np.concatenate((pairs.stamp_ns[:990], pairs.stamp_ns[990:] + 100 * S))
-    verdict = judged(Pairs.of(gap, pairs.ts_deg, pairs.rs_deg), **{'runs.min_duration_s': 60.0})
+    verdict = judge(Pairs.of(gap, pairs.ts_deg, pairs.rs_deg), runs__min_duration_s=60.0)
     assert '1 pieces shorter than runs.min_duration_s were left out' in verdict.runs[0].warnings
 
 
@@ -141,7 +140,7 @@ def test_one_run_of_three_is_rejected_at_a_third_of_the_risk(rng):
     bad = Headings.as_sent(stamps, rs + e), Headings.as_sent(stamps, rs)
     good = (Headings.as_sent(stamps, rs + 0.1 * rng.standard_normal(2000)),
             Headings.as_sent(stamps, rs))
-    settings = Settings.from_mapping(NORMS)
+    settings = make_settings()
     alone = analyze(*bad, settings)
     assert alone.runs[0].guarded.nu == pytest.approx(2000.0, rel=0.2)
     among = analyze([bad[0], good[0], good[0]], [bad[1], good[1], good[1]], settings)
@@ -154,7 +153,7 @@ def test_the_runs_by_outcome_are_counted(pairs, rng):
     ts = Headings.as_sent(pairs.stamp_ns, pairs.ts_deg)
     bad = Headings.as_sent(pairs.stamp_ns, pairs.rs_deg + rng.standard_normal(1000))
     rs = Headings.as_sent(pairs.stamp_ns, pairs.rs_deg)
-    verdict = analyze([ts, bad], [rs, rs], Settings.from_mapping(NORMS))
+    verdict = analyze([ts, bad], [rs, rs], make_settings())
     assert verdict.campaign.runs_by_outcome == {
         'compliant': 1, 'indeterminate': 0, 'non_compliant': 1}
     first, second = verdict.runs
@@ -173,7 +172,7 @@ def test_the_runs_by_outcome_are_counted(pairs, rng):
 
 def test_a_run_rejected_at_a_look_complies_among_no_others(pairs):
     """Its end would comply. Alone it stays rejected; among others it makes them indeterminate."""
-    settings = Settings.from_mapping(NORMS)
+    settings = make_settings()
     found = Compliance(settings)
     found.update(pairs)
     found.finish()

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from trials import find_finding
 
 from heading_intercompare import analyze, Headings, Settings
 from heading_intercompare.core.verdict.runs_together import shortest_apart_s
@@ -43,18 +44,13 @@ def judge(trials, rule='sensor'):
     return analyze([ts for ts, _ in headings], [rs for _, rs in headings], settings)
 
 
-def finding(verdict):
-    """Return the finding on repeated readings of the runs together; None without one."""
-    return next((one for one in verdict.campaign.validity
-                 if one.condition == 'repeated_readings'), None)
-
-
 def test_two_recorders_on_one_trial_that_is_too_short_are_one_trial(rng):
     t_s, ts, rs = trial(rng, 400.0)
     other = t_s[5:] + 0.137, np.round(ts[5:], 2), np.round(rs[5:], 2) + 0.1
     found = judge([(t_s, ts, rs), other])
     assert (found.outcome.value, found.campaign.reason) == ('indeterminate', 'a_run_repeated')
-    assert finding(found).words == 'runs 1 and 2 hold the same readings, which count once'
+    assert find_finding(found.campaign, 'repeated_readings').words == (
+        'runs 1 and 2 hold the same readings, which count once')
     assert (found.campaign.sensor.runs, found.campaign.sensor.n) == (1, 400)
     assert found.campaign.sensor.span_s == pytest.approx(399.0)
 
@@ -64,7 +60,8 @@ def test_one_record_under_five_dates_counts_once_under_either_rule(rule, rng):
     one = trial(rng)
     found = judge([(one[0] + k * (DAY_S + 0.3), *one[1:]) for k in range(5)], rule)
     assert found.outcome.value == ('indeterminate' if rule == 'sensor' else 'compliant')
-    assert finding(found).effect == found.validity_effect == 'doubtful'
+    assert find_finding(found.campaign, 'repeated_readings').effect == 'doubtful'
+    assert found.validity_effect == 'doubtful'
     shared = found.campaign.sensor
     assert (shared.runs, shared.n, shared.between_upper_bound_deg2) == (1, 1500, None)
     assert found.campaign.homogeneity.m == 1
@@ -82,7 +79,7 @@ def test_independent_runs_of_one_ship_all_count(rule, rng):
     """Also those of ships that sail at one time."""
     found = judge([(each[0] + (k // 2) * DAY_S, *each[1:])
                    for k, each in enumerate(trial(rng) for _ in range(6))], rule)
-    assert finding(found) is None
+    assert find_finding(found.campaign, 'repeated_readings') is None
     assert (found.outcome.value, found.campaign.sensor.n) == ('compliant', 9000)
 
 

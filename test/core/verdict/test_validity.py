@@ -21,6 +21,7 @@ import re
 
 import numpy as np
 import pytest
+from trials import judge_headings
 
 from heading_intercompare import analyze, Headings, Settings
 from heading_intercompare.core.outcome import Outcome
@@ -62,10 +63,8 @@ def pair(ship, rng):
 
 def judged(ts_deg, rs_deg, stamps=STAMPS, rs_stamps=None, motion=None, **settings):
     """Return the verdict on two streams of headings."""
-    rs_stamps = stamps if rs_stamps is None else rs_stamps
-    return analyze(Headings.as_sent(stamps, np.mod(ts_deg, 360.0)),
-                   Headings.as_sent(rs_stamps, np.mod(rs_deg, 360.0)),
-                   Settings.from_mapping({'norms': NORMS, **settings}), motion=motion)
+    return judge_headings(ts_deg, rs_deg, stamps, rs_stamps, motion=motion,
+                          **{'norms': NORMS, **settings})
 
 
 def effects(verdict, run=0):

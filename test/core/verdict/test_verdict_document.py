@@ -24,10 +24,10 @@ import subprocess
 import sys
 from typing import Any, Iterator
 
-import numpy as np
 import pytest
+from trials import judge_turning_ship
 
-from heading_intercompare import analyze, Headings, join, Outcome, Settings, Verdict
+from heading_intercompare import join, Outcome, Settings, Verdict
 from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.settings import settings_sha256
 from heading_intercompare.core.verdict.verdict_document import (
@@ -47,19 +47,6 @@ GIVEN = Settings.from_mapping(NORMS).to_mapping()
 WITHOUT_NORMS = {**GIVEN, 'norms.sigma_ref_max_deg': None}
 
 
-def judged(runs: int = 1, n: int = 600, **settings: Any) -> Verdict:
-    """Return a verdict on runs of a turning ship, TS 0.2° sd."""
-    rng = np.random.default_rng(n)
-    ts, rs = [], []
-    for run in range(runs):
-        stamps = (np.arange(n) + 10_000 * run + 1_700_000_000) * S
-        true = 180.0 + 170.0 * np.sin(np.arange(n) / 40.0)
-        ts.append(Headings.of(stamps, true + 0.05 + rng.normal(0.0, 0.2, n)))
-        rs.append(Headings.of(stamps, true))
-    return analyze(ts, rs, Settings.from_mapping(
-        {**NORMS, **{k.replace('__', '.'): v for k, v in settings.items()}}))
-
-
 def exact(mapping: dict[str, Any]) -> str:
     """Return a mapping as text that shows every bit and the order of the keys."""
     return json.dumps(mapping, allow_nan=False)
@@ -74,7 +61,7 @@ def exact(mapping: dict[str, Any]) -> str:
     (1, 500, {'norms__preset': 'imo_a424', 'norms__latitude_deg': 60.0,
               'norms__sigma_max_deg': None, 'norms__total_error_max_deg': 1.0})])
 def test_a_verdict_comes_back_as_it_was(runs, n, settings):
-    mapping = judged(runs, n, **settings).to_dict()
+    mapping = judge_turning_ship(runs, n, **settings).to_dict()
     again = Verdict.from_dict(json.loads(exact(mapping)))
     assert exact(again.to_dict()) == exact(mapping)
     assert exact(Verdict.from_dict(mapping).to_dict()) == exact(mapping)
@@ -98,7 +85,7 @@ def test_what_is_known_of_the_inputs_comes_back():
 
 
 def test_who_judged_is_told_as_it_was():
-    mapping = judged().to_dict()
+    mapping = judge_turning_ship().to_dict()
     mapping['software']['version'] = '0.0.1'
     again = Verdict.from_dict(mapping)
     assert again.software == Software('heading_intercompare', '0.0.1')
@@ -106,7 +93,7 @@ def test_who_judged_is_told_as_it_was():
 
 
 def test_an_absent_figure_is_nan_where_there_is_always_one():
-    mapping = judged().to_dict()
+    mapping = judge_turning_ship().to_dict()
     mapping['runs'][0]['total_error']['low_deg'] = None
     mapping['runs'][0]['duration_s'] = None
     again = Verdict.from_dict(mapping)
@@ -116,7 +103,7 @@ def test_an_absent_figure_is_nan_where_there_is_always_one():
 
 
 def test_unknown_keys_are_passed_over():
-    mapping = judged().to_dict()
+    mapping = judge_turning_ship().to_dict()
     newer = copy.deepcopy(mapping)
     newer['runs'][0]['guarded']['later'] = newer['later'] = {'x': 1}
     assert Verdict.from_dict(newer).to_dict() == mapping
@@ -145,7 +132,7 @@ def name_of(path: tuple) -> str:
 
 @pytest.mark.slow
 def test_whatever_key_is_missing_is_named():
-    mapping = judged(2).to_dict()
+    mapping = judge_turning_ship(2).to_dict()
     free = {('campaign', 'runs_by_outcome'), ('runs', 0, 'pairing', 'rejected'),
             ('runs', 0, 'pairing', 'lost')}
     ways = [path for path in keys(mapping) if path[:-1] not in free]
@@ -177,14 +164,14 @@ def of_2_0(mapping: dict) -> dict:
 
 
 def test_a_verdict_of_2_0_is_read_and_its_rule_is_unknown():
-    mapping = judged().to_dict()
+    mapping = judge_turning_ship().to_dict()
     again = Verdict.from_dict(of_2_0(mapping))
     assert again.rule_version is None
     assert again.to_dict() == {**mapping, 'rule_version': None}
 
 
 def test_a_verdict_of_2_0_that_lacks_a_key_says_how_it_is_made_anew():
-    mapping = of_2_0(judged().to_dict())
+    mapping = of_2_0(judge_turning_ship().to_dict())
     del mapping['runs'][0]['looks']
     with pytest.raises(VerdictError, match=r'^runs\[0\].looks is missing; if an earlier version '
                        'wrote it, judge the recordings again, with `analyze` or `rejudge`$'):
@@ -192,34 +179,34 @@ def test_a_verdict_of_2_0_that_lacks_a_key_says_how_it_is_made_anew():
 
 
 def test_a_verdict_names_its_rule_and_the_hash_of_its_settings():
-    verdict = judged()
+    verdict = judge_turning_ship()
     mapping = verdict.to_dict()
     assert mapping['schema_version'] == SCHEMA_VERSION
     assert SCHEMA == f'heading_intercompare/verdict/{SCHEMA_VERSION.partition(".")[0]}'
     assert mapping['rule_version'] == RULE_VERSION
     assert mapping['settings_sha256'] == settings_sha256(mapping['settings'])
-    assert mapping['settings_sha256'] != judged(model='UN').settings_sha256
+    assert mapping['settings_sha256'] != judge_turning_ship(model='UN').settings_sha256
 
 
 def test_the_hash_of_the_settings_is_found_as_the_page_says(tmp_path):
     """The page gives a command; it is run on a verdict."""
     page = (ROOT / 'docs' / 'verdict_json.md').read_text('utf-8')
     program = page.split("python3 -c '")[1].split("' < verdict.json")[0]
-    mapping = judged(ts_topic='grad/°').to_dict()
+    mapping = judge_turning_ship(ts_topic='grad/°').to_dict()
     done = subprocess.run([sys.executable, '-c', program], input=json.dumps(mapping), text=True,
                           check=True, capture_output=True)
     assert done.stdout.strip() == mapping['settings_sha256']
 
 
 def test_settings_changed_by_another_hand_are_seen():
-    mapping = judged().to_dict()
+    mapping = judge_turning_ship().to_dict()
     mapping['settings']['norms.sigma_max_deg'] = 0.4
     with pytest.raises(VerdictError, match='so they were changed afterwards'):
         Verdict.from_dict(mapping)
 
 
 def test_a_later_minor_version_is_read_and_a_later_major_one_is_not():
-    mapping = judged().to_dict()
+    mapping = judge_turning_ship().to_dict()
     later = {**mapping, 'schema_version': '2.34', 'later': 1}
     assert Verdict.from_dict(later).to_dict() == mapping
     for newer in ({'schema_version': '3.0'}, {'schema': 'heading_intercompare/verdict/3'},
@@ -231,7 +218,7 @@ def test_a_later_minor_version_is_read_and_a_later_major_one_is_not():
 
 @pytest.mark.slow
 def test_whatever_value_is_of_a_wrong_type_is_named():
-    mapping = judged(2).to_dict()
+    mapping = judge_turning_ship(2).to_dict()
     for path in keys(mapping):
         if reached(mapping, path) == {}:
             continue
@@ -271,6 +258,6 @@ def test_whatever_value_is_of_a_wrong_type_is_named():
     ({'settings': {**GIVEN, 'window_s': 0.0}}, 'settings: window_s = 0.0: must be a number')])
 def test_what_is_no_verdict_is_told_in_one_line(wrong, words):
     if isinstance(wrong, dict) and wrong and 'schema' not in wrong:
-        wrong = {**judged().to_dict(), **wrong}
+        wrong = {**judge_turning_ship().to_dict(), **wrong}
     with pytest.raises(VerdictError, match=words):
         Verdict.from_dict(wrong)

@@ -17,35 +17,24 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import partial
 import sys
 from types import ModuleType
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from trials import judge_turning_ship
 
-from heading_intercompare import analyze, Headings, Norms, Risk, Settings
+from heading_intercompare import analyze, Headings, Settings
 from heading_intercompare.core.runs.pairing_figures import RejectedReadings
 from heading_intercompare.core.verdict.verdict_document import Input
 
-SETTINGS = Settings(norms=Norms(sigma_max_deg=0.3, sigma_ref_max_deg=0.1),
-                    risk=Risk(min_duration_s=0.0))
-
-
-def judged(runs: int):
-    """Return a verdict on runs of ten minutes, TS 0.2° sd."""
-    rng = np.random.default_rng(runs)
-    ts, rs = [], []
-    for run in range(runs):
-        stamps = (np.arange(600) + 10_000 * run + 1_700_000_000) * 10 ** 9
-        true = 180.0 + 170.0 * np.sin(np.arange(600) / 40.0)
-        ts.append(Headings.of(stamps, true + rng.normal(0.0, 0.2, 600)))
-        rs.append(Headings.of(stamps, true))
-    return analyze(ts, rs, SETTINGS)
+judge_ship = partial(judge_turning_ship, risk__min_duration_s=0.0)
 
 
 def test_a_verdict_is_printed_as_a_table():
-    verdict = judged(1)
+    verdict = judge_ship(1)
     run = verdict.runs[0]
     lines = str(verdict).splitlines()
     assert lines[:5] == [
@@ -67,14 +56,14 @@ def test_a_verdict_is_printed_as_a_table():
 
 
 def test_runs_stand_side_by_side_five_in_a_table():
-    heads = [line.split() for line in str(judged(7)).splitlines() if line.startswith('   ')
+    heads = [line.split() for line in str(judge_ship(7)).splitlines() if line.startswith('   ')
              and 'run' in line]
     assert heads == [['run', '1', 'run', '2', 'run', '3', 'run', '4', 'run', '5'],
                      ['run', '6', 'run', '7']]
 
 
 def test_what_is_absent_is_a_dash_and_what_is_rejected_has_its_reason():
-    verdict = judged(1)
+    verdict = judge_ship(1)
     run = verdict.runs[0]
     other = replace(run, mean_deg=float('nan'), max_abs_deg=None, pairing=replace(
         run.pairing, rejected=RejectedReadings({'invalid': 2}, {'no_stamp': 1})))
@@ -84,7 +73,7 @@ def test_what_is_absent_is_a_dash_and_what_is_rejected_has_its_reason():
 
 
 def test_without_runs_the_reason_stands_there():
-    empty = judged(0)
+    empty = judge_ship(0)
     assert str(empty).endswith(
         'No run: there are no pairs, or none in a run of sufficient length.')
     given = replace(empty, inputs=[Input('a.mcap', error='is cut')])
@@ -92,13 +81,13 @@ def test_without_runs_the_reason_stands_there():
 
 
 def test_who_only_names_a_verdict_sees_its_headline():
-    verdict = judged(2)
+    verdict = judge_ship(2)
     assert repr(verdict) == f'<Verdict on 2 runs: {verdict.headline}>'
-    assert repr(judged(1)).startswith('<Verdict on 1 run: COMPLIANT')
+    assert repr(judge_ship(1)).startswith('<Verdict on 1 run: COMPLIANT')
 
 
 def test_the_summary_is_a_line_and_one_a_run():
-    verdict = judged(2)
+    verdict = judge_ship(2)
     headline, first, second = verdict.summary().splitlines()
     run = verdict.runs[0]
     assert headline == verdict.headline
@@ -109,7 +98,7 @@ def test_the_summary_is_a_line_and_one_a_run():
 
 
 def test_a_notebook_shows_the_same_table():
-    verdict = judged(6)
+    verdict = judge_ship(6)
     root = ElementTree.fromstring(verdict._repr_html_())
     rows = [[cell.text or '' for cell in row] for row in root.iter('tr')]
     words = {' '.join(' '.join(row).split()) for row in rows}
@@ -122,7 +111,7 @@ def test_a_notebook_shows_the_same_table():
 
 def test_a_hostile_name_is_shown_in_a_notebook_and_not_obeyed():
     name = '<script>alert(1)</script>&amp;\udcff'
-    verdict = replace(judged(1), headline=name, inputs=[Input(name, error=name)])
+    verdict = replace(judge_ship(1), headline=name, inputs=[Input(name, error=name)])
     page = verdict._repr_html_()
     page.encode('utf-8')
     assert '<script' not in page
@@ -144,20 +133,20 @@ def test_a_frame_has_a_row_a_run_and_dotted_names(monkeypatch):
     pandas = ModuleType('pandas')
     pandas.DataFrame = Frame
     monkeypatch.setitem(sys.modules, 'pandas', pandas)
-    verdict = judged(2)
+    verdict = judge_ship(2)
     frame = verdict.to_frame()
     assert frame.index == 'run' and [row['run'] for row in frame.rows] == [1, 2]
     row, run = frame.rows[1], verdict.runs[1]
     assert (row['outcome'], row['n'], row['guarded.nu']) == ('compliant', 600, run.guarded.nu)
     assert row['pairing.ts_received'] == 600 and 'validity' not in row
     assert not any(isinstance(thing, (dict, list)) for thing in row.values())
-    assert judged(0).to_frame().rows == []
+    assert judge_ship(0).to_frame().rows == []
 
 
 def test_without_pandas_one_line_says_so(monkeypatch):
     monkeypatch.setitem(sys.modules, 'pandas', None)
     with pytest.raises(ValueError, match=r'^to_frame needs pandas \(no module pandas\): install'):
-        judged(1).to_frame()
+        judge_ship(1).to_frame()
 
 
 @pytest.mark.parametrize('model, variant, words', [

@@ -21,8 +21,9 @@ import re
 
 import numpy as np
 import pytest
+from trials import make_settings, make_turning_ship
 
-from heading_intercompare import analyze, Headings, Outcome, Settings
+from heading_intercompare import analyze, Outcome
 from heading_intercompare.core.verdict.conclusion import explain
 from heading_intercompare.report.contents.tables import GUARDED, RESULTS, rows_of
 
@@ -49,15 +50,9 @@ def errors(kind, n, rng):
 
 def judged(kind, n, rng, runs=1, **settings):
     """Return the verdict on runs of one reading a second."""
-    taken = Settings.from_mapping(
-        {**NORMS, **{k.replace('__', '.'): v for k, v in settings.items()}})
-    ts, rs = [], []
-    for run in range(runs):
-        stamps = (np.arange(n) + 50_000 * run + 1_700_000_000) * 10 ** 9
-        true = 180.0 + 170.0 * np.sin(np.arange(n) / 40.0)
-        ts.append(Headings.of(stamps, true + errors(kind, n, rng)))
-        rs.append(Headings.of(stamps, true + 0.02 * rng.standard_normal(n)))
-    return analyze(ts, rs, taken)
+    trials = [make_turning_ship(run, errors(kind, n, rng), 0.02 * rng.standard_normal(n))
+              for run in range(runs)]
+    return analyze([ts for ts, _ in trials], [rs for _, rs in trials], make_settings(**settings))
 
 
 FAMILY = [

@@ -26,10 +26,9 @@ from deadlines import DEADLINE_S
 import numpy as np
 import pytest
 from ros_domain import take_domain
+from trials import write_headings
 
 from heading_intercompare import Headings
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
-from heading_intercompare.messages.heading_messages import encode_imu, IMU
 
 pytest.importorskip('rclpy')
 
@@ -41,11 +40,8 @@ S = 1_000_000_000
 @pytest.mark.parametrize('options, then', [([], 'replaying'), (['--start-paused'], 'paused')])
 def test_without_a_terminal_lines_say_for_whom_a_replay_waits(tmp_path, options, then):
     stamps = 1_400_000_000 * S + np.arange(100) * S // 10
-    with BagWriter(tmp_path / 'bag') as writer:
-        for topic in ('ts/heading', 'rs/heading'):
-            writer.add_topic(topic, IMU)
-            readings = Headings.of(stamps, np.full(100, 90.0))
-            writer.write_rows([Rows(topic, encode_imu(readings, 'x'), stamps)])
+    write_headings(tmp_path / 'bag', dict.fromkeys(
+        ('ts/heading', 'rs/heading'), Headings.of(stamps, np.full(100, 90.0))))
     wanted = ('bag: waiting for a subscriber of /ts/heading and /rs/heading; then '
               f'{then} at 0.000 s of 9.900 s')
     said = tmp_path / 'said'
