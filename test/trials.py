@@ -43,7 +43,8 @@ RUN_S = 50_000
 def make_settings(norms: Mapping[str, float] = NORMS, **settings: Any) -> Settings:
     """Return settings; a keyword is a section, or a name with two underscores for its point."""
     return Settings.from_mapping(
-        {'norms': norms, **{name.replace('__', '.'): value for name, value in settings.items()}})
+        {**{f'norms.{name}': value for name, value in norms.items()},
+         **{name.replace('__', '.'): value for name, value in settings.items()}})
 
 
 def make_turning_ship(run: int, error_deg: ArrayLike, rs_error_deg: ArrayLike = 0.0,
