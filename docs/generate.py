@@ -13,10 +13,10 @@
 # limitations under the License.
 
 """
-Generate from the sources: parameter file, settings, JSON Schema, conditions, modules.
+Generate from the sources: parameter file, settings, JSON and its schema, conditions, modules.
 
-Run it after adding or changing a setting, a condition or a module: ``make docs``. The tests
-compare the files with its output.
+Run it after adding or changing a setting, a figure, a condition or a module: ``make docs``. The
+tests compare the files with its output.
 """
 
 from __future__ import annotations
@@ -29,6 +29,14 @@ from typing import Any, Iterator, Mapping, NamedTuple
 
 from heading_intercompare.ahrs.settings import Scenario, Sensor
 from heading_intercompare.bags.settings import BagSettings
+from heading_intercompare.core.declared_figures import list_figures
+from heading_intercompare.core.sensors.sensors_verdict import (
+    PairFigures,
+    SensorResult,
+    SensorsVerdict,
+    SensorVariance,
+    Vote,
+)
 from heading_intercompare.core.settings import list_settings, Setting, Settings
 from heading_intercompare.core.verdict.validity import CONDITIONS
 from heading_intercompare.drivers.settings import DriverSettings
@@ -53,6 +61,7 @@ ARCHITECTURE = ROOT / 'docs' / 'ARCHITECTURE.md'
 TABLES = ROOT / 'docs' / 'settings.md'
 REFUSALS = ROOT / 'docs' / 'refusals.md'
 SCHEMA = ROOT / 'schema' / 'verdict.schema.json'
+KEYS = ROOT / 'docs' / 'verdict_json.md'
 
 
 class Section(NamedTuple):
@@ -249,6 +258,20 @@ def schema() -> str:
     return json.dumps(make_schema(), indent=1, ensure_ascii=False) + '\n'
 
 
+def keys(text: str) -> str:
+    """Return docs/verdict_json.md with a table of the keys of each dataclass of a verdict."""
+    parts = {'Verdict': make_schema(), **make_schema()['$defs']}
+    tables = {name: {key: declared['description'] for key, declared in part['properties'].items()}
+              for name, part in parts.items()}
+    for kind in (SensorsVerdict, SensorResult, SensorVariance, PairFigures, Vote):
+        tables[kind.__name__] = {key: figure.text for key, figure in list_figures(kind).items()
+                                 if '.' not in key}
+    for name, rows in tables.items():
+        text = _fill(text, name, '| key | meaning |\n|---|---|\n' + ''.join(
+            f'| `{key}` | {_cell(words)} |\n' for key, words in rows.items()))
+    return text
+
+
 def _module_rows() -> Iterator[str]:
     package = ROOT / 'heading_intercompare'
     order = ('core', 'drivers', 'ahrs', 'messages', 'bags', 'report', 'nodes', 'app', 'cli')
@@ -303,5 +326,6 @@ if __name__ == '__main__':
     SCHEMA.write_text(schema(), 'utf-8')
     ARCHITECTURE.write_text(architecture(ARCHITECTURE.read_text('utf-8')), 'utf-8')
     REFUSALS.write_text(refusals(REFUSALS.read_text('utf-8')), 'utf-8')
+    KEYS.write_text(keys(KEYS.read_text('utf-8')), 'utf-8')
     print('wrote', *(str(p.relative_to(ROOT)) for p in (
-        YAML, TABLES, SCHEMA, ARCHITECTURE, REFUSALS)))
+        YAML, TABLES, SCHEMA, ARCHITECTURE, REFUSALS, KEYS)))

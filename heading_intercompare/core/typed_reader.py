@@ -25,7 +25,7 @@ import re
 from types import NoneType, UnionType
 from typing import Any, get_args, get_origin, get_type_hints, Literal, TypeGuard, Union
 
-from heading_intercompare.core.json_keys import is_left_out, list_keys
+from heading_intercompare.core.declared_figures import is_left_out, list_keys
 from heading_intercompare.core.outcome import Outcome
 
 __all__ = ['check_schema', 'make_plain', 'read_plain', 'VerdictError']

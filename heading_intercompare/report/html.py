@@ -24,6 +24,8 @@ from typing import Any, Callable, Mapping, Sequence
 import jinja2
 
 from heading_intercompare.core.decision.sequential import LookVerdict
+from heading_intercompare.core.declared_figures import list_figures
+from heading_intercompare.core.statistics.ergodicity import Homogeneity
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.validity.condition import VOID
 from heading_intercompare.core.verdict.verdict_document import Verdict
@@ -35,7 +37,7 @@ from heading_intercompare.core.verdict.vocabulary import (
 )
 
 from .contents.decision_rule import describe_norms, describe_uncertainty, state_conformity
-from .contents.findings import describe_findings, HOMOGENEITY, rows_of_block
+from .contents.findings import describe_findings, rows_of_block
 from .contents.first_page import compose_first_page
 from .contents.identification import identify, name_trial, span_of, verdict_id
 from .contents.tables import (
@@ -130,7 +132,8 @@ def _compare_runs(verdict: Verdict) -> list[Table]:
     """Return the table that compares the runs with each other; none for a single run."""
     if len(verdict.runs) < 2:
         return []
-    return rows_of_block(HOMOGENEITY, [(0, dict(flatten(verdict.campaign.homogeneity)))])
+    figures = dict(flatten(verdict.campaign.homogeneity))
+    return rows_of_block(list_figures(Homogeneity), [(0, figures)])
 
 
 def _pick_figure(verdict: Verdict, sketches: Sequence[SeriesSketch],

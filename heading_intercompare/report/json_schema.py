@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The JSON Schema of the verdict, derived from its dataclasses."""
+"""The JSON Schema of the verdict, derived from its dataclasses and their declared figures."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from enum import Enum, EnumMeta
 from types import NoneType, UnionType
 from typing import Any, cast, get_args, get_origin, get_type_hints, Literal, Union
 
-from heading_intercompare.core.json_keys import is_left_out, list_keys
+from heading_intercompare.core.declared_figures import is_left_out, list_figures, list_keys
 from heading_intercompare.core.settings import (
     is_added,
     list_settings,
@@ -59,19 +59,24 @@ def make_schema() -> dict[str, Any]:
     kinds: dict[str, Any] = {}
     whole = _describe_dataclass(Verdict, kinds)
     properties = {
-        'schema': {'const': SCHEMA},
-        'schema_version': {'type': 'string', 'pattern': rf'^{_MAJOR}\.[0-9]+$'},
-        'settings_sha256': {'type': 'string', 'pattern': '^[0-9a-f]{64}$'},
+        'schema': {'const': SCHEMA,
+                   'description': f'`{SCHEMA}`: kind of the document, and its major version'},
+        'schema_version': {'type': 'string', 'pattern': rf'^{_MAJOR}\.[0-9]+$',
+                           'description': f'major and minor version, `{SCHEMA_VERSION}`'},
+        'settings_sha256': {'type': 'string', 'pattern': '^[0-9a-f]{64}$',
+                            'description': 'hash of `settings`'},
         **whole['properties'],
     }
-    properties['settings'] = _describe_settings()
+    properties['settings'] = {'description': properties['settings']['description'],
+                              **_describe_settings()}
     required = [*properties.keys() - whole['properties'].keys(), *whole['required']]
-    properties['ledger_complete'] = {'type': 'boolean'}
+    properties['ledger_complete'] = {
+        'type': 'boolean', 'description': 'whether every reading is accounted for'}
     del kinds[Settings.__name__]
     # Later minor versions may add conditions, so the names are no closed list.
-    kinds[Finding.__name__]['properties'] |= {
-        'condition': {'type': 'string', 'examples': [*CONDITION_WORDS]},
-        'effect': {'enum': [HOLDS, NOT_TESTABLE, DOUBTFUL, VOID]}}
+    finding = kinds[Finding.__name__]['properties']
+    finding['condition'] |= {'examples': [*CONDITION_WORDS]}
+    finding['effect'] |= {'enum': [HOLDS, NOT_TESTABLE, DOUBTFUL, VOID]}
     return {
         '$schema': 'https://json-schema.org/draft/2020-12/schema',
         '$id': f'urn:heading_intercompare:verdict:{SCHEMA_VERSION}',
@@ -106,10 +111,11 @@ def _describe(kind: Any, kinds: dict[str, Any]) -> dict[str, Any]:
 
 
 def _describe_dataclass(kind: Any, kinds: dict[str, Any]) -> dict[str, Any]:
-    hints = get_type_hints(kind)
+    hints, figures = get_type_hints(kind), list_figures(kind)
     return {'type': 'object',
             'required': [f.name for f in list_keys(kind) if not is_left_out(f, None)],
-            'properties': {f.name: _describe(hints[f.name], kinds) for f in list_keys(kind)}}
+            'properties': {f.name: {'description': figures[f.name].text,
+                                    **_describe(hints[f.name], kinds)} for f in list_keys(kind)}}
 
 
 def _describe_several(origin: type, parts: tuple[Any, ...],

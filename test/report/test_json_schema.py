@@ -45,9 +45,16 @@ def test_the_schema_is_a_schema():
     jsonschema.Draft202012Validator.check_schema(make_schema())
 
 
+GENERATED = runpy.run_path(str(ROOT / 'docs' / 'generate.py'))
+
+
 def test_the_file_is_what_the_classes_declare():
-    generated = runpy.run_path(str(ROOT / 'docs' / 'generate.py'))
-    assert generated['SCHEMA'].read_text('utf-8') == generated['schema'](), 'run: make docs'
+    assert GENERATED['SCHEMA'].read_text('utf-8') == GENERATED['schema'](), 'run: make docs'
+
+
+def test_the_page_of_the_json_is_what_the_classes_declare():
+    page = GENERATED['KEYS'].read_text('utf-8')
+    assert page == GENERATED['keys'](page), 'run: make docs'
 
 
 @pytest.mark.slow

@@ -31,7 +31,7 @@ from typing import Any, Mapping, NamedTuple
 import numpy as np
 
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.core.json_keys import leave_out_none
+from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.pairing.ledger import Ledger
 from heading_intercompare.core.pairing.ledger_keys import LedgerSegment
 from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
@@ -74,8 +74,6 @@ class PairsAccount:
     set_backs : tuple of SetBack
         The times at which a clock was set back.
     software_version : str
-    motion : mapping of str to str, or None
-        The motion of the ship, see `motion_text`; None if it is not known.
 
     """
 
@@ -87,7 +85,7 @@ class PairsAccount:
     segments: tuple[LedgerSegment, ...]
     set_backs: tuple[SetBack, ...]
     software_version: str = VERSION
-    motion: Mapping[str, str] | None = leave_out_none()
+    motion: Mapping[str, str] | None = figure('motion of the ship, `motion_text`', left_out=True)
 
     @property
     def ledger(self) -> Ledger:

@@ -16,10 +16,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 import math
 from typing import Sequence
 
+from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.outcome import Outcome, worst
 from heading_intercompare.core.settings import Risk
 from heading_intercompare.core.statistics.confidence_bounds import rate_lower
@@ -73,64 +74,34 @@ CAMPAIGN_REASONS = {
 
 @dataclass(frozen=True, slots=True)
 class Together:
-    """
-    The common variance of the differences of all runs; keys of the JSON.
+    """The common variance of the differences of all runs; keys of the JSON."""
 
-    Attributes
-    ----------
-    runs : int
-        Runs used: those with at least 128 differences.
-    n : int
-        Total number of their differences.
-    span_s : float
-        Sum of their lengths, seconds.
-    apart_s : float
-        Shortest time between two runs, seconds; negative if they overlap, infinite for one run.
-    d_hat_deg2 : float
-        Mean variance, weighted by the number of differences; square degrees. S.12.
-    nu, f : float
-        Effective degrees of freedom of this variance, and of its slow part. S.12.
-    slow_allowance_deg2 : float
-        Allowance of `pooled_upper_bound_deg2` for a visible slow part, square degrees.
-    pooled_upper_bound_deg2 : float
-        Upper bound from the variation within each run, square degrees. S.12, S.18.
-    between_upper_bound_deg2 : float or None
-        Upper bound that takes the slow part from the means of the runs, square degrees; None in
-        variants A and C, for fewer than five runs, and for runs too close to each other. S.13.
-    upper_bound_deg2, lower_bound_deg2 : float
-        The bounds that decide, square degrees; the upper one is the larger of those of S.13 and
-        S.19, if there are such.
-    acceptance_limit_deg2, rejection_limit_deg2 : float
-        The limits that they are compared with, square degrees.
-    rate_plus_lower : float
-        Lower bound of the rate of extreme deviations. S.14.
-    scatter_upper_bound_deg2 : float or None
-        Upper bound from the scatter of the runs, square degrees; None where that of the means
-        is. S.19.
-    stated_times : float or None
-        Length of the shortest run in slowest errors stated, if `pooled_upper_bound_deg2` rests
-        on the statement (S.18); otherwise None.
-
-    """
-
-    runs: int
-    n: int
-    span_s: float
-    apart_s: float
-    d_hat_deg2: float
-    nu: float
-    f: float
-    slow_allowance_deg2: float
-    pooled_upper_bound_deg2: float
-    between_upper_bound_deg2: float | None
-    upper_bound_deg2: float
-    lower_bound_deg2: float
-    acceptance_limit_deg2: float
-    rejection_limit_deg2: float
-    rate_plus_lower: float
-    scatter_upper_bound_deg2: float | None = field(
-        default=None, metadata={'left_out': True})
-    stated_times: float | None = field(default=None, metadata={'left_out': True})
+    runs: int = figure('runs with 128 differences or more')
+    n: int = figure('their differences')
+    span_s: float = figure('their total duration')
+    apart_s: float = figure(
+        'shortest time between two of them', 'negative if they overlap, null for one run')
+    d_hat_deg2: float = figure('mean variance, weighted', 'by the number of differences, S.12')
+    nu: float = figure('effective degrees of freedom of the variance', 'S.12')
+    f: float = figure('degrees of freedom of the slow part', 'S.12')
+    slow_allowance_deg2: float = figure(
+        'allowance for a visible slow part', 'in the bound from within the runs')
+    pooled_upper_bound_deg2: float = figure('upper bound from within the runs', 'S.12, S.18')
+    between_upper_bound_deg2: float | None = figure(
+        'upper bound from the means of the runs', 'S.13; null in variants A and C, for fewer than '
+        'five runs, and for runs no further apart than the slowest error stated, or than 600 s')
+    upper_bound_deg2: float = figure(
+        'upper bound U in force', 'under the rule `sensor`: the larger of those from the means '
+        'and from the scatter, if there are such')
+    lower_bound_deg2: float = figure('lower bound L')
+    acceptance_limit_deg2: float = figure('acceptance limit A')
+    rejection_limit_deg2: float = figure('rejection limit R')
+    rate_plus_lower: float = figure('lower bound of the rate beyond the limit', 'S.14')
+    scatter_upper_bound_deg2: float | None = figure('upper bound from the scatter of the runs',
+                                                    'S.19; absent where the bound from the means '
+                                                    'is null', left_out=True)
+    stated_times: float | None = figure('shortest run in slowest errors stated, if U rests on '
+                                        'them', 'S.18; otherwise absent', left_out=True)
 
 
 def judge_together(runs: Sequence[Evidence], limits: Sequence[Limits], risk: Risk, variant: str,

@@ -16,9 +16,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Mapping, Sequence
 
+from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.settings import Risk
 from heading_intercompare.core.statistics.variance_uncertainty import LEAST_TIMES
 
@@ -105,33 +106,16 @@ SENSOR_CLASSES: Mapping[str, SensorClass] = {
 
 @dataclass(frozen=True, slots=True)
 class Coverage:
-    """
-    The errors that a record covers; keys of the JSON.
+    """The errors that a record covers; keys of the JSON."""
 
-    Attributes
-    ----------
-    span_s : float
-        Length of the record, seconds.
-    longest_s : float
-        Slowest errors for which the risks hold: a twentieth of the record, or the shortest time
-        between runs whose means count; seconds.
-    stated_s : float or None
-        Slowest error stated in the settings, seconds; None if not stated.
-    least_duration_s : float
-        Least duration of a run that may comply, seconds.
-    by_run_means : bool
-        Whether the means of several runs cover slower errors.
-    scope : Scope or None
-        Fast errors, headings, latitude, mean and risk; None for a verdict of an older version.
-
-    """
-
-    span_s: float
-    longest_s: float
-    stated_s: float | None
-    least_duration_s: float
-    by_run_means: bool = False
-    scope: Scope | None = field(default=None, metadata={'left_out': True})
+    span_s: float = figure('length analysed')
+    longest_s: float = figure('slowest errors covered, if the run decides', 'a twentieth of the '
+                              'length, or the shortest time between runs whose means count')
+    stated_s: float | None = figure('slowest error stated', 'null if none is')
+    least_duration_s: float = figure('least length of a run that may comply')
+    by_run_means: bool = figure('the means of several runs cover slower errors', default=False)
+    scope: Scope | None = figure('what else a certificate covers', 'absent if unknown',
+                                 left_out=True)
 
     @property
     def words(self) -> str:

@@ -20,6 +20,7 @@ from dataclasses import dataclass, replace
 from fractions import Fraction
 import math
 
+from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import Norms, SettingsError
 
@@ -241,27 +242,15 @@ class Limits:
 
 @dataclass(frozen=True, slots=True)
 class VarianceCriterion:
-    """
-    The result of GK (5) for one run.
+    """The result of GK (5) for one run."""
 
-    Attributes
-    ----------
-    limit_deg2, tightened_limit_deg2 : float
-        GK (5), (5'); square degrees.
-    ratio : float or None
-        GK (5''): the RS standard deviation, relative to its norm, at which the TS would just
-        meet its own; None if the variance is below sigma_max^2 or the RS norm is zero.
-    dead_zone_width : float
-        1 - M.
-    outcome : Outcome
-
-    """
-
-    limit_deg2: float
-    tightened_limit_deg2: float
-    ratio: float | None
-    dead_zone_width: float
-    outcome: Outcome
+    limit_deg2: float = figure('GK (5): variance limit')
+    tightened_limit_deg2: float = figure("GK (5'): tightened variance limit")
+    ratio: float | None = figure(
+        "GK (5''): ratio", 'the RS standard deviation in norms of the RS at which the TS would '
+        'just meet its own; null if the variance is below sigma_max², or without a norm of the RS')
+    dead_zone_width: float = figure('GK (5): width of the dead zone', '1 − M')
+    outcome: Outcome = figure('GK (5): outcome', row='GK (5) variance')
 
 
 def apply_variance_criterion(variance_deg2: float | None, limits: Limits) -> VarianceCriterion:
@@ -299,34 +288,18 @@ def apply_variance_criterion(variance_deg2: float | None, limits: Limits) -> Var
 
 @dataclass(frozen=True, slots=True)
 class CountCriterion:
-    """
-    The result of GK (6) for one run.
+    """The result of GK (6) for one run."""
 
-    Attributes
-    ----------
-    k, k_tightened : float
-        Coverage factors of (*) and (**).
-    limit_deg, tightened_limit_deg : float
-        The limits of (*) and (**), degrees.
-    n_plus, n_plus_plus : int
-        Number of deviations that exceed them.
-    allowed : float
-        n (1 - P).
-    dead_zone_width : float or None
-        (n++ - n+) / [n (1 - P)]; None for n = 0.
-    outcome : Outcome
-
-    """
-
-    k: float
-    k_tightened: float
-    limit_deg: float
-    tightened_limit_deg: float
-    n_plus: int
-    n_plus_plus: int
-    allowed: float
-    dead_zone_width: float | None
-    outcome: Outcome
+    k: float = figure('GK (*): coverage factor')
+    k_tightened: float = figure('GK (**): coverage factor')
+    limit_deg: float = figure('GK (*): limit of a deviation')
+    tightened_limit_deg: float = figure('GK (**): tightened limit')
+    n_plus: int = figure('GK (6): n+ beyond the limit')
+    n_plus_plus: int = figure('GK (6): n++ beyond the tightened limit')
+    allowed: float = figure('GK (6): allowed, n (1 - P)')
+    dead_zone_width: float | None = figure(
+        'GK (6): width of the dead zone', '(n⁺⁺ − n⁺) / [n (1 − P)]; null for n = 0')
+    outcome: Outcome = figure('GK (6): outcome', row='GK (6) counts')
 
 
 def apply_count_criterion(n: int, n_plus: int, n_plus_plus: int, limits: Limits) -> CountCriterion:
@@ -373,32 +346,24 @@ def apply_count_criterion(n: int, n_plus: int, n_plus_plus: int, limits: Limits)
 
 @dataclass(frozen=True, slots=True)
 class TotalError:
-    """
-    Confidence limits of the total TS error of one run, GK (7).
+    """Confidence limits of the total TS error of one run, GK (7)."""
 
-    Attributes
-    ----------
-    k : float or None
-        Coverage factor used (for 'composition' that of the wide limits).
-    sigma_ts_low_deg, sigma_ts_up_deg : float or None
-        The TS standard deviation with the RS at the upper and at the lower bound of M.
-    low_deg, up_deg : float or None
-        Wide limits (RS at its lower bound), degrees.
-    low_narrow_deg, up_narrow_deg : float or None
-        Narrow limits (RS at its upper bound), degrees.
-    outcome : Outcome or None
-        Outcome against the norm of the total error; None without a norm.
-
-    """
-
-    k: float | None = None
-    sigma_ts_low_deg: float | None = None
-    sigma_ts_up_deg: float | None = None
-    low_deg: float | None = None
-    up_deg: float | None = None
-    low_narrow_deg: float | None = None
-    up_narrow_deg: float | None = None
-    outcome: Outcome | None = None
+    k: float | None = figure('GK (7): coverage factor', 'of the rule `composition` that of the '
+                             'wide limits', default=None)
+    sigma_ts_low_deg: float | None = figure(
+        'GK (7): TS standard deviation, RS at its upper .. lower bound', 'the lower end',
+        default=None, up='sigma_ts_up_deg')
+    sigma_ts_up_deg: float | None = figure('its upper end', default=None)
+    low_deg: float | None = figure(
+        'GK (7): total TS error, wide', 'the lower limit, with the RS at its lower bound',
+        default=None, up='up_deg', row='total TS error')
+    up_deg: float | None = figure('its upper limit', default=None)
+    low_narrow_deg: float | None = figure(
+        'GK (7): total TS error, narrow', 'the lower limit, with the RS at its upper bound',
+        default=None, up='up_narrow_deg')
+    up_narrow_deg: float | None = figure('its upper limit', default=None)
+    outcome: Outcome | None = figure('GK (7): outcome', 'null without a norm of the total error',
+                                     default=None)
 
 
 def estimate_total_error(mean_deg: float | None, variance_deg2: float | None, limits: Limits,

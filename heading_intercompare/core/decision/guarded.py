@@ -16,11 +16,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 import math
 
 import scipy
 
+from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import Risk
 from heading_intercompare.core.statistics.cells import Cells
@@ -106,81 +107,64 @@ class Guarded:
 
     A missing figure is None (fewer than 128 differences); a figure without a bound is infinite.
     Angles are in degrees, variances in square degrees.
-
-    Attributes
-    ----------
-    d_hat_deg2 : float or None
-        Variance D, with the part that the removed mean absorbed added back. S.2.
-    nu, f : float or None
-        Effective degrees of freedom of the variance, and of its slow part. S.4, S.6.
-    corner_j : float or None
-        Frequency at which the power of the squares falls off, in half-periods per record. S.5.
-    r_slow, slow_variance_deg2, slow_allowance_deg2 : float or None
-        Excess power of the lowest half-periods, the variance in it, and the allowance of the
-        upper bound for it. S.8, S.9.
-    stated_times : float or None
-        Length of the run in slowest errors stated, if the upper bound rests on the statement
-        (S.17); otherwise None.
-    upper_bound_deg2, lower_bound_deg2 : float or None
-        Bounds U at the consumer's and L at the producer's risk. S.10, S.17; S.11.
-    acceptance_limit_deg2, rejection_limit_deg2 : float
-        The limits A and R that they are compared with.
-    sigma_ts_lower_deg, sigma_ts_upper_deg : float or None
-        Bounds of the TS standard deviation, with the RS at its upper and at its lower value. The
-        upper one allows for the reduction by interpolating the TS.
-    confidence_compliant, confidence_non_compliant : float or None
-        Confidence that the variance is at most A; that it is above R.
-    conformance_probability : float or None
-        Probability that the TS meets its norm, with the RS uniform between its bounds. E.10.
-    duration_factor, hours_needed : float or None
-        Factor by which the run must grow to decide, other things being equal, and the length that
-        gives.
-    m_low_needed : float or None
-        Least `norms.m_low` with which a run that is long enough would comply as it is; None if
-        none would, or if it complies.
-    bias_u_deg, bias_interval_deg, bias_significant : float, pair of float, bool or None
-        Standard uncertainty of the mean, its 95 % interval, and whether that excludes 0.
-    rate_plus, rate_plus_plus : float or None
-        Rates of extreme deviations; None for n = 0.
-    rate_plus_lower, rate_plus_plus_upper : float or None
-        Their bounds. S.14.
-    count_outcome, outcome : Outcome
-        Outcome of the counts, and of the variance.
-    reason : str
-        A key of `REASONS`.
-
     """
 
-    d_hat_deg2: float | None = None
-    nu: float | None = None
-    f: float | None = None
-    corner_j: float | None = None
-    r_slow: float | None = None
-    slow_variance_deg2: float | None = None
-    slow_allowance_deg2: float | None = None
-    stated_times: float | None = field(default=None, metadata={'left_out': True})
-    upper_bound_deg2: float | None = None
-    lower_bound_deg2: float | None = None
-    acceptance_limit_deg2: float
-    rejection_limit_deg2: float
-    sigma_ts_lower_deg: float | None = None
-    sigma_ts_upper_deg: float | None = None
-    confidence_compliant: float | None = None
-    confidence_non_compliant: float | None = None
-    conformance_probability: float | None = None
-    duration_factor: float | None = None
-    hours_needed: float | None = None
-    m_low_needed: float | None = field(default=None, metadata={'left_out': True})
-    bias_u_deg: float | None = None
-    bias_interval_deg: tuple[float, float] | None = None
-    bias_significant: bool | None = None
-    rate_plus: float | None = None
-    rate_plus_plus: float | None = None
-    rate_plus_lower: float | None = None
-    rate_plus_plus_upper: float | None = None
-    count_outcome: Outcome
-    outcome: Outcome
-    reason: str
+    d_hat_deg2: float | None = figure(
+        'variance, including the part that the removed mean absorbed', 'D, S.2', default=None)
+    nu: float | None = figure('effective degrees of freedom of the variance', 'S.4, S.6',
+                              default=None, row='effective size nu')
+    f: float | None = figure('degrees of freedom of the slow part, f', 'S.4, S.6', default=None)
+    corner_j: float | None = figure('corner of the spectrum of the squares, half-periods',
+                                    'where their power falls off, in half-periods of the record, '
+                                    'S.5', default=None)
+    r_slow: float | None = figure('ratio of the lowest half-periods to the middle ones',
+                                  'of the power of the squares, S.8', default=None)
+    slow_variance_deg2: float | None = figure('variance of the visible slow part', 'S.8',
+                                              default=None)
+    slow_allowance_deg2: float | None = figure('allowance for the slow part in U', 'S.9',
+                                               default=None)
+    stated_times: float | None = figure('length in slowest errors stated, if U rests on them',
+                                        'S.17; otherwise absent', left_out=True)
+    upper_bound_deg2: float | None = figure("its upper bound U, at the consumer's risk",
+                                            'the bound of the variance, S.10, S.17', default=None)
+    lower_bound_deg2: float | None = figure("its lower bound L, at the producer's risk",
+                                            'the bound of the variance, S.11', default=None)
+    acceptance_limit_deg2: float = figure('acceptance limit A', row='  acceptance limit')
+    rejection_limit_deg2: float = figure('rejection limit R', row='  rejection limit')
+    sigma_ts_lower_deg: float | None = figure(
+        'TS standard deviation, bounds', 'the lower one, with the RS at its upper value',
+        default=None, up='sigma_ts_upper_deg', row='sigma of the TS')
+    sigma_ts_upper_deg: float | None = figure('its upper bound', 'with the RS at its lower value; '
+                                              'allows for interpolating the TS', default=None)
+    confidence_compliant: float | None = figure('confidence that the variance is at most A',
+                                                default=None)
+    confidence_non_compliant: float | None = figure('confidence that the variance is above R',
+                                                    default=None)
+    conformance_probability: float | None = figure(
+        'conformance probability', 'that the TS meets its norm, with the RS uniform between its '
+        'bounds, E.10', default=None)
+    duration_factor: float | None = figure(
+        'length with which the run alone decides, times this one', 'if everything stayed as it '
+        'is; null if no length does', default=None)
+    hours_needed: float | None = figure('length with which the run alone decides', default=None,
+                                        unit='h')
+    m_low_needed: float | None = figure(
+        'least `norms.m_low` with which the run would comply as it is', 'absent if none would, if '
+        'it complies, or if it is too short', left_out=True)
+    bias_u_deg: float | None = figure('mean difference: standard uncertainty', default=None)
+    bias_interval_deg: tuple[float, float] | None = figure('mean difference: 95 % interval',
+                                                           default=None)
+    bias_significant: bool | None = figure(
+        'mean difference significant', 'its interval excludes 0', default=None)
+    rate_plus: float | None = figure('rate beyond the limit, n+ / n', default=None)
+    rate_plus_plus: float | None = figure('rate beyond the tightened limit, n++ / n', default=None)
+    rate_plus_lower: float | None = figure('its lower bound', 'of the rate beyond the limit, S.14',
+                                           default=None)
+    rate_plus_plus_upper: float | None = figure(
+        'its upper bound', 'of the rate beyond the tightened limit, S.14', default=None)
+    count_outcome: Outcome = figure('outcome on the counts')
+    outcome: Outcome = figure('outcome on the variance')
+    reason: str = figure('why the outcome on the variance is as it is', 'see risk.md')
 
 
 def gather_evidence(cells: Cells, *, n_plus: int, n_plus_plus: int, span_s: float,

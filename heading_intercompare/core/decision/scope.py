@@ -22,6 +22,7 @@ from typing import Sequence
 
 import numpy as np
 
+from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.records import Integers, Reals
 from heading_intercompare.core.settings import Settings
 
@@ -34,29 +35,18 @@ _USUAL_RISK = 0.05
 
 @dataclass(frozen=True, slots=True)
 class Scope:
-    """
-    The scope of a certificate; keys of the JSON.
+    """The scope of a certificate; keys of the JSON."""
 
-    Attributes
-    ----------
-    shortest_s : float or None
-        Errors that change faster than this fall between the pairs: two usual steps, seconds.
-    headings_deg : tuple of int
-        Starts of the sectors of ten degrees in which the ship headed.
-    latitude_deg : pair of float or None
-        Latitudes of the trial as stated, degrees; None if not stated.
-    mean_is_judged : bool
-        Whether the mean difference has a norm, that of the total error.
-    alpha_consumer : float
-        Risk of a certificate for a TS at its norm.
-
-    """
-
-    shortest_s: float | None = None
-    headings_deg: tuple[int, ...] = ()
-    latitude_deg: tuple[float, float] | None = None
-    mean_is_judged: bool = False
-    alpha_consumer: float = _USUAL_RISK
+    shortest_s: float | None = figure('errors that change faster fall between the pairs',
+                                      'two usual steps', default=None)
+    headings_deg: tuple[int, ...] = figure(
+        'starts of the sectors of ten degrees in which the ship headed, by the RS', default=())
+    latitude_deg: tuple[float, float] | None = figure('latitudes of the trial as stated',
+                                                      'null if not stated', default=None)
+    mean_is_judged: bool = figure(
+        'the mean difference has a norm', '`norms.total_error_max_deg` is set', default=False)
+    alpha_consumer: float = figure('risk of a certificate for a TS at its norm',
+                                   default=_USUAL_RISK)
 
     @classmethod
     def of(cls, stamp_ns: Integers, heading_deg: Reals, settings: Settings) -> 'Scope':

@@ -21,6 +21,7 @@ from typing import Sequence
 
 import numpy as np
 
+from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import Risk, Settings, SettingsError
 
@@ -52,32 +53,17 @@ class Look:
 
 @dataclass(frozen=True, slots=True)
 class LookVerdict:
-    """
-    The result of a look at a run in progress; keys of the JSON.
+    """The result of a look at a run in progress; keys of the JSON."""
 
-    Attributes
-    ----------
-    look, looks : int
-        Number of the look, from 1, and number of looks planned.
-    span_s : float
-        Time since the first difference, seconds.
-    outcome : Outcome
-    reason : str
-        As for a run; or 'not_confirmed' if an earlier look accepted and this one does not.
-    validity_effect : {'holds', 'doubtful', 'void'}
-        The most serious effect of a finding at that time.
-    headline : str
-        The result in one line.
-
-    """
-
-    look: int
-    looks: int
-    span_s: float
-    outcome: Outcome
-    reason: str
-    validity_effect: str = 'holds'
-    headline: str = ''
+    look: int = figure('number of the look, from 1')
+    looks: int = figure('looks planned')
+    span_s: float = figure('time since the first difference')
+    outcome: Outcome = figure('outcome at the look')
+    reason: str = figure(
+        'why, as for a run', '`not_confirmed` if an earlier look accepted and this one does not')
+    validity_effect: str = figure('gravest effect of a finding at that time', '`holds`, '
+                                  '`doubtful` or `void`', default='holds')
+    headline: str = figure('look in one line', default='')
 
     def __str__(self) -> str:
         return (f'look {self.look} of {self.looks}, {self.span_s:.1f} s after the first '

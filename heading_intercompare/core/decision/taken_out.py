@@ -19,7 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Iterable, Sequence
 
-from heading_intercompare.core.json_keys import leave_out_none
+from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.outcome import Outcome
 
 __all__ = ['AsRecorded', 'Stretch', 'sum_stretches', 'TakenOut']
@@ -27,73 +27,40 @@ __all__ = ['AsRecorded', 'Stretch', 'sum_stretches', 'TakenOut']
 
 @dataclass(frozen=True, slots=True)
 class Stretch:
-    """
-    What is left out for one reason; keys of the JSON.
+    """What is left out for one reason; keys of the JSON."""
 
-    Attributes
-    ----------
-    start_ns, end_ns : int
-        Its ends; the end does not belong to it.
-    reason : str
-    n : int
-        Differences that it took out.
-
-    """
-
-    start_ns: int
-    end_ns: int
-    reason: str
-    n: int
+    start_ns: int = figure('start of the stretch')
+    end_ns: int = figure('end of the stretch', 'not included')
+    reason: str = figure(
+        'why it is left out', 'the reason of the person, or `outside the marks`, `not in the '
+        'table of runs`, `settling`, `shorter than runs.min_duration_s`')
+    n: int = figure('differences that it takes out')
 
 
 @dataclass(frozen=True, slots=True)
 class AsRecorded:
-    """
-    The judgement with nothing taken out; keys of the JSON.
+    """The judgement with nothing taken out; keys of the JSON."""
 
-    Attributes
-    ----------
-    outcome : Outcome
-    validity_effect : {'holds'}
-        Nothing but the variance decides on a record as recorded.
-    headline : str
-        The outcome in words.
-    n : int
-        Differences analysed.
-    variance_deg2 : float or None
-        Of one run; None for several.
-
-    """
-
-    outcome: Outcome
-    validity_effect: str
-    headline: str
-    n: int
-    variance_deg2: float | None
+    outcome: Outcome = figure('outcome with nothing left out')
+    validity_effect: str = figure(
+        '`holds`', 'nothing but the variance decides on a record as recorded')
+    headline: str = figure('outcome in words')
+    n: int = figure('differences analysed')
+    variance_deg2: float | None = figure('variance of one run', 'null for several')
 
 
 @dataclass(frozen=True, slots=True)
 class TakenOut:
-    """
-    What is left out of a run, or of all runs; keys of the JSON.
+    """What is left out of a run, or of all runs; keys of the JSON."""
 
-    Attributes
-    ----------
-    n : int
-        Differences taken out that would have been analysed.
-    share : float
-        Their share of those.
-    stretches : sequence of Stretch
-        Each with its reason.
-    as_recorded : AsRecorded or None
-        The judgement with nothing left out; None for a single run, or if it is unknown.
-
-    """
-
-    n: int
-    share: float
-    stretches: Sequence[Stretch]
-    as_recorded: AsRecorded | None = leave_out_none()
+    n: int = figure(
+        'pairs left out', 'of a run, those taken out by hand that would have been analysed')
+    share: float = figure(
+        'their share', 'of all pairs; of a run, of those that would have been analysed')
+    stretches: Sequence[Stretch] = figure('stretches left out, each with its reason')
+    as_recorded: AsRecorded | None = figure('decision on the variance with nothing left out',
+                                            'absent of a run, and where it is unknown',
+                                            left_out=True)
 
 
 def sum_stretches(parts: Iterable[Sequence[Stretch]]) -> tuple[Stretch, ...]:

@@ -24,6 +24,7 @@ from dataclasses import dataclass
 import math
 
 from heading_intercompare.core.conditions.one_source import OneSource
+from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.statistics.drift import Order, Slope
 from heading_intercompare.core.statistics.ergodicity import Homogeneity
 from heading_intercompare.core.statistics.normality import Shape
@@ -77,25 +78,12 @@ SMALL_OFFSET = 1.0 / 3.0
 
 @dataclass(frozen=True, slots=True)
 class Assumption:
-    """
-    One assumption; keys of the JSON.
+    """One assumption; keys of the JSON."""
 
-    Attributes
-    ----------
-    id : str
-        'a' to 'j'.
-    statement : str
-        Its text in `STATEMENTS`.
-    state : {'met', 'violated', 'not_testable'}
-    evidence : str
-        The figures, in a sentence.
-
-    """
-
-    id: str
-    statement: str
-    state: str
-    evidence: str
+    id: str = figure('letter of the assumption', '`a` to `j`')
+    statement: str = figure('what is assumed')
+    state: str = figure('whether it holds', '`met`, `violated` or `not_testable`')
+    evidence: str = figure('figures in a sentence')
 
 
 _UNRESOLVED = 'the run is too short for the correlation of the errors'

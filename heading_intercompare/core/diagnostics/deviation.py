@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike
 import scipy
 
 from heading_intercompare.core.angles import unwrap_deg, wrap360
+from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.records import Reals
 from heading_intercompare.core.statistics.autocorrelation import sokal_times
 from heading_intercompare.core.statistics.blocking import block_means, block_size
@@ -48,47 +49,29 @@ _CELLS = 1 << 16
 
 @dataclass(frozen=True, slots=True)
 class HeadingDependence:
-    """
-    x = A + B sin(psi) + C cos(psi) + D sin(2 psi) + E cos(2 psi); keys of the JSON.
+    """x = A + B sin(psi) + C cos(psi) + D sin(2 psi) + E cos(2 psi); keys of the JSON."""
 
-    Attributes
-    ----------
-    n : int
-        Number of samples.
-    reason : str
-        Empty, or why there are no coefficients: 'insufficient_data', 'headings_too_narrow', or
-        'errors_outlast_the_turns': the ship made fewer than four full turns, and the errors
-        change too slowly to be told from a dependence on the heading.
-    empty_arc_deg : float or None
-        Largest arc of the compass without a heading of the RS; None for n = 0.
-    condition : float or None
-        Condition number of the normal equations; None for fewer than 64 samples.
-    coefficients_deg, u_deg : tuple of 5 floats or None
-        A to E, and their standard uncertainties, which allow for correlation; degrees. B and C
-        are semicircular (an uncorrected speed error is in C), D and E quadrantal.
-    covariance_deg2 : tuple of 5 tuples or None
-        Covariance of the coefficients.
-    amplitude_deg : float or None
-        Largest deviation from A over the compass.
-    f, p : float or None
-        F statistic of the hypothesis that B to E are all zero, and the probability of a value at
-        least this large if they are.
-    residual_std_deg : float or None
-        Standard deviation of the differences minus the fit.
-
-    """
-
-    n: int
-    reason: str
-    empty_arc_deg: float | None
-    condition: float | None
-    coefficients_deg: tuple[float, ...] | None = None
-    u_deg: tuple[float, ...] | None = None
-    covariance_deg2: tuple[tuple[float, ...], ...] | None = None
-    amplitude_deg: float | None = None
-    f: float | None = None
-    p: float | None = None
-    residual_std_deg: float | None = None
+    n: int = figure('differences')
+    reason: str = figure(
+        'why it could not be fitted', 'empty, or `insufficient_data`, `headings_too_narrow` or '
+        '`errors_outlast_the_turns`: fewer than four full turns, and errors that change too '
+        'slowly to be told from a dependence on the heading')
+    empty_arc_deg: float | None = figure(
+        'largest arc without a heading', 'of the RS; null for n = 0')
+    condition: float | None = figure('condition number of the fit', 'above 10⁴ it is rejected; '
+                                     'null for fewer than 64 differences')
+    coefficients_deg: tuple[float, ...] | None = figure(
+        'A to E, with their standard uncertainties', 'B and C are semicircular, an uncorrected '
+        'speed error is in C, D and E are quadrantal; null with a `reason`, as all that follow',
+        default=None, u='u_deg')
+    u_deg: tuple[float, ...] | None = figure('standard uncertainties of A to E',
+                                             'allow for correlation', default=None)
+    covariance_deg2: tuple[tuple[float, ...], ...] | None = figure(
+        'covariance of the coefficients, five rows', default=None)
+    amplitude_deg: float | None = figure('largest departure from A', default=None)
+    f: float | None = figure('F statistic of B to E being zero', default=None)
+    p: float | None = figure('its probability', default=None)
+    residual_std_deg: float | None = figure('standard deviation about the fit', default=None)
 
 
 def largest_empty_arc(heading_deg: ArrayLike) -> float | None:

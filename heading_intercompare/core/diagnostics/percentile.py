@@ -22,6 +22,8 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
+from heading_intercompare.core.declared_figures import figure
+
 __all__ = ['estimate_percentile', 'Percentile']
 
 SHARE = 0.95
@@ -33,24 +35,15 @@ _LEAST = 20
 
 @dataclass(frozen=True, slots=True)
 class Percentile:
-    """
-    A limit that a share of the differences keeps; keys of the JSON.
+    """A limit that a share of the differences keeps; keys of the JSON."""
 
-    Attributes
-    ----------
-    share : float
-        Share of the differences within the limit, 0.95.
-    limit_deg : float
-        Distance from their centre that this share does not exceed, degrees.
-    lower_deg, upper_deg : float or None
-        Bounds of the limit at 95 % confidence, degrees; None for an upper one beyond the record.
-
-    """
-
-    share: float
-    limit_deg: float
-    lower_deg: float
-    upper_deg: float | None
+    share: float = figure('share of the differences within the limit', '0.95')
+    limit_deg: float = figure('limit that 95 % of the differences keep, about their mean',
+                              'in variant A about zero')
+    lower_deg: float = figure('its lower .. upper bound at 95 % confidence', 'the lower one, by '
+                              'order statistics and the effective number', up='upper_deg')
+    upper_deg: float | None = figure(
+        'its upper bound at 95 % confidence', 'null beyond the record')
 
 
 def estimate_percentile(x_deg: ArrayLike, center_deg: float,

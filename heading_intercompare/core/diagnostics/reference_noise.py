@@ -22,7 +22,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from heading_intercompare.core.json_keys import leave_out_none
+from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.records import Reals
 from heading_intercompare.core.statistics.moments import Moments
 
@@ -42,33 +42,24 @@ _PIECE = 1 << 13
 
 @dataclass(frozen=True, slots=True)
 class ReferenceNoise:
-    """
-    The variance of x split between TS and RS, by octaves of averaging time; keys of the JSON.
+    """The variance of x split between TS and RS, by octaves of averaging time."""
 
-    Attributes
-    ----------
-    octaves : tuple of int
-        Samples averaged in the octaves used: those of 1, 2, 4, ... in which the ship is quiet;
-        empty if it is quiet in none.
-    ts_variance_deg2, rs_variance_deg2, u_deg2 : tuple of float
-        For each octave used, the variances of TS and RS, which add up to that of x, and the
-        standard error of the RS variance; square degrees.
-    sigma_ref_lower_deg : float or None
-        Lower 95 % confidence bound of the RS standard deviation; noise in other octaves adds to
-        it. None without any octave, 0 if the bound is below zero.
-    following_deg2 : tuple of float or None
-        For each octave used, the part of the RS variance that follows the motion of the ship:
-        an error of either sensor in proportion to it, such as that of a TS that averages. It is
-        not noise, and is subtracted from the bound; square degrees. None before version 2.7.
-
-    """
-
-    octaves: tuple[int, ...] = ()
-    ts_variance_deg2: tuple[float, ...] = ()
-    rs_variance_deg2: tuple[float, ...] = ()
-    u_deg2: tuple[float, ...] = ()
-    sigma_ref_lower_deg: float | None = None
-    following_deg2: tuple[float, ...] | None = leave_out_none()
+    octaves: tuple[int, ...] = figure('readings averaged', 'in the octaves in which the ship is '
+                                      'quiet enough to tell the sensors apart', default=())
+    ts_variance_deg2: tuple[float, ...] = figure('variance of the TS', 'together with that of the '
+                                                 'RS the octave variance of the differences',
+                                                 default=())
+    rs_variance_deg2: tuple[float, ...] = figure(
+        'variance of the RS, with its standard uncertainty', default=(), u='u_deg2')
+    u_deg2: tuple[float, ...] = figure('standard uncertainty of the variance of the RS',
+                                       default=())
+    sigma_ref_lower_deg: float | None = figure('standard deviation of the RS, lower 95 % bound',
+                                               'minus a possible skew; null without octaves, 0 if '
+                                               'the bound is below zero', default=None)
+    following_deg2: tuple[float, ...] | None = figure(
+        'of it in proportion to the motion', 'of the variance of the RS, as an error of either '
+        'sensor in proportion to the motion is; the bound leaves it out; absent if unknown',
+        left_out=True)
 
     @property
     def white_upper_deg2(self) -> float | None:

@@ -22,6 +22,7 @@ import math
 import numpy as np
 
 from heading_intercompare.core.decision.criteria import apply_variance_criterion, Limits
+from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.statistics.autocorrelation import (
     compute_allan_deviation,
@@ -49,123 +50,66 @@ __all__ = ['Allan', 'Correlation', 'describe_allan', 'describe_correlation', 'de
 
 @dataclass(frozen=True, slots=True)
 class RunSkew:
-    """
-    The time skew of a run, and the variance criterion with and without it.
+    """The time skew of a run, and the variance criterion with and without it."""
 
-    Attributes
-    ----------
-    estimate : Skew
-        Estimate from the pairs.
-    variance_aligned_deg2 : float or None
-        Variance of the differences with the part of the skew removed; None unless the skew is
-        well determined.
-    outcome_as_paired, outcome_aligned : Outcome or None
-        GK (5) on the variance as paired, and on the aligned one; None without a variance.
-    scan : Scan or None
-        Scan of the two streams, if they were available.
-
-    """
-
-    estimate: Skew
-    variance_aligned_deg2: float | None
-    outcome_as_paired: Outcome | None
-    outcome_aligned: Outcome | None
-    scan: Scan | None
+    estimate: Skew = figure('skew from the pairs')
+    variance_aligned_deg2: float | None = figure('variance of the differences without the skew',
+                                                 'null unless the skew is well determined')
+    outcome_as_paired: Outcome | None = figure('GK (5) as paired')
+    outcome_aligned: Outcome | None = figure('GK (5) without the skew')
+    scan: Scan | None = figure('skew from a scan of the two streams', 'null if only pairs were '
+                               'available', prefix='scan: ')
 
 
 @dataclass(frozen=True, slots=True)
 class Drift:
-    """
-    The drift of a run. A figure is None if there is too little data for it.
+    """The drift of a run. A figure is None if there is too little data for it."""
 
-    Attributes
-    ----------
-    order : Order or None
-        The order that the differences need, whatever order was removed.
-    coefficients_deg : tuple of float or None
-        Legendre coefficients up to that order.
-    left_deg2 : float or None
-        Upper 95 % bound of the variance that a drift of that order, at least a slope, adds if it
-        is not removed; square degrees.
-    residual_std_deg : float or None
-        Standard deviation about that polynomial, the root of RSS/(n - 1 - order).
-    span_h : float
-        Length of the run, hours.
-    line : Slope or None
-    warm_up : WarmUp or None
-    mser_s : float or None
-        Time after which the start no longer disturbs the mean, by MSER-5: seconds after the
-        first stamp.
-
-    """
-
-    order: Order | None
-    coefficients_deg: tuple[float, ...] | None
-    left_deg2: float | None
-    residual_std_deg: float | None
-    span_h: float
-    line: Slope | None
-    warm_up: WarmUp | None
-    mser_s: float | None
+    order: Order | None = figure('order of the polynomial that the differences call for',
+                                 'whatever order was removed; null for fewer than 64 differences')
+    coefficients_deg: tuple[float, ...] | None = figure('Legendre coefficients of that polynomial')
+    left_deg2: float | None = figure('variance of the drift if it is left in, upper 95 % bound',
+                                     'of a drift of that order, at least a slope')
+    residual_std_deg: float | None = figure('standard deviation about the polynomial',
+                                            'the root of RSS/(n − 1 − order)')
+    span_h: float = figure('length of the run')
+    line: Slope | None = figure('straight line through the differences', 'null for fewer than two')
+    warm_up: WarmUp | None = figure('exponential, as after switching on', 'null for fewer than 64 '
+                                    'differences')
+    mser_s: float | None = figure('time until the start no longer disturbs the mean',
+                                  'MSER-5, after the first difference; null for fewer than 20')
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Correlation:
-    """
-    The correlation of the differences in time.
+    """The correlation of the differences in time."""
 
-    Attributes
-    ----------
-    n : int
-        Number of differences.
-    stamps : StampSteps
-        Steps of their stamps; the figures below ignore silences.
-    r1 : float or None
-        Autocorrelation at a lag of one sample.
-    window_s, tau_1_s, tau_2_s : float or None
-        Largest lag summed, and the correlation times for mean and variance, seconds.
-    n_effective_mean, n_effective_variance : float
-        Number of independent differences that give an equally good mean, and an equally good
-        variance.
-    closed : bool
-        Whether the sum ended before a quarter of the run; if not, the times are too short.
-
-    """
-
-    n: int
-    stamps: StampSteps
-    r1: float | None = None
-    window_s: float | None = None
-    tau_1_s: float | None = None
-    tau_2_s: float | None = None
-    n_effective_mean: float
-    n_effective_variance: float
-    closed: bool
+    n: int = figure('differences')
+    stamps: StampSteps = figure('how their stamps follow each other', 'the other keys count '
+                                'readings, so they do not see silences')
+    r1: float | None = figure('correlation of neighbours', default=None)
+    window_s: float | None = figure('largest lag summed', default=None)
+    tau_1_s: float | None = figure('correlation time for the mean', default=None)
+    tau_2_s: float | None = figure('correlation time for the variance', default=None)
+    n_effective_mean: float = figure('effective number for the mean', 'of independent differences '
+                                     'that would give as good a mean')
+    n_effective_variance: float = figure(
+        'effective number for the variance', 'of those that would give as good a variance')
+    closed: bool = figure('the run is long enough for these times', 'the sum ended before a '
+                          'quarter of it; if not, they are too short')
 
 
 @dataclass(frozen=True, slots=True)
 class Allan:
-    """
-    Scatter of the differences against averaging time.
+    """Scatter of the differences against averaging time."""
 
-    Attributes
-    ----------
-    m : tuple of int
-        Samples per average: 1, 2, 4, ...; empty for n < 2.
-    tau_s, deviation_deg : tuple of float
-        Averaging times, seconds, and overlapping Allan deviations, degrees.
-    terms : tuple of int
-        Number of squared differences in each.
-    reference_noise : ReferenceNoise
-        The same variance split between TS and RS where the ship is quiet.
-
-    """
-
-    m: tuple[int, ...]
-    tau_s: tuple[float, ...]
-    deviation_deg: tuple[float, ...]
-    terms: tuple[int, ...]
-    reference_noise: ReferenceNoise
+    m: tuple[int, ...] = figure('readings averaged', '1, 2, 4, …')
+    tau_s: tuple[float, ...] = figure('averaging time')
+    deviation_deg: tuple[float, ...] = figure('Allan deviation', 'overlapping')
+    terms: tuple[int, ...] = figure('differences of averages')
+    reference_noise: ReferenceNoise = figure(
+        'noise of the reference sensor', 'the variance split between the sensors, where the ship '
+        'is quiet')
 
 
 def describe_skew(estimate: Skew, variance_deg2: float | None, limits: Limits,

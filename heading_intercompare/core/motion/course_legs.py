@@ -23,6 +23,7 @@ from typing import Sequence
 import numpy as np
 
 from heading_intercompare.core.angles import circular_mean, wrap180
+from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.records import Integers, KNOT_M_S, Motion, Reals
 from heading_intercompare.core.settings import MotionRule
 
@@ -52,32 +53,16 @@ _SECOND_NS = 10 ** 9
 
 @dataclass(frozen=True, slots=True)
 class CourseLegs:
-    """
-    The straight legs of a run in order of time; keys of the JSON, lists of equal length.
+    """The straight legs of a run in order of time; keys of the JSON, lists of equal length."""
 
-    Attributes
-    ----------
-    start_ns : tuple of int
-        Stamp of the first course of each leg, nanoseconds.
-    duration_s : tuple of float
-        Time to its last course, seconds.
-    course_deg, speed_kn : tuple of float
-        Mean course over ground, and the slowest mean speed of a window: degrees, knots.
-    bound_deg : tuple of float
-        How far leeway and current may turn the course off the heading there, degrees; 180 if
-        they may turn it anywhere.
-    ts_deg, rs_deg : tuple of float
-        Medians of TS - course and of RS - course on the circle, degrees.
-
-    """
-
-    start_ns: tuple[int, ...] = ()
-    duration_s: tuple[float, ...] = ()
-    course_deg: tuple[float, ...] = ()
-    speed_kn: tuple[float, ...] = ()
-    bound_deg: tuple[float, ...] = ()
-    ts_deg: tuple[float, ...] = ()
-    rs_deg: tuple[float, ...] = ()
+    start_ns: tuple[int, ...] = figure('first course of the leg', default=())
+    duration_s: tuple[float, ...] = figure('leg', 'its duration', default=())
+    course_deg: tuple[float, ...] = figure('course', 'mean over ground', default=())
+    speed_kn: tuple[float, ...] = figure('speed', 'over ground, of the slowest minute', default=())
+    bound_deg: tuple[float, ...] = figure('bound', 'the angle off the course that leeway and '
+                                          'current explain; 180 for any', default=())
+    ts_deg: tuple[float, ...] = figure('TS - course', 'median', default=())
+    rs_deg: tuple[float, ...] = figure('RS - course', 'median', default=())
 
     def __len__(self) -> int:
         return len(self.start_ns)

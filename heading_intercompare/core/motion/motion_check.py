@@ -23,7 +23,7 @@ from typing import Mapping, NamedTuple, Sequence
 import numpy as np
 
 from heading_intercompare.core.angles import wrap180, wrap360
-from heading_intercompare.core.json_keys import leave_out_none
+from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.records import Integers, Motion, Reals
 from heading_intercompare.core.settings import MotionRule
 
@@ -60,74 +60,39 @@ class WrongLeg(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class SensorMotion:
-    """
-    One heading against the motion of the ship; keys of the JSON.
+    """One heading against the motion of the ship; keys of the JSON."""
 
-    Attributes
-    ----------
-    kind : {'agrees', 'off', 'mirrored', 'frozen', 'astray', 'not_testable'}
-        Against the course over ground. 'off': it points off the course by one angle. 'mirrored':
-        it turns against the course from leg to leg. 'frozen': it stays while the course changes.
-        'astray': it points off the course, by no angle in particular.
-    off_deg : float or None
-        Mean of heading - course over the legs by their time, on the circle; of their sum if
-        mirrored. Degrees.
-    largest_deg : float or None
-        The largest heading - course of a leg by size, degrees.
-    against_s : float
-        Time of the legs where the heading points further off the course than leeway and current
-        explain, seconds.
-    turns : TurnRate or None
-        Against the rate of turn; None if there is none.
-
-    """
-
-    kind: str = 'not_testable'
-    off_deg: float | None = None
-    largest_deg: float | None = None
-    against_s: float = 0.0
-    turns: TurnRate | None = leave_out_none()
+    kind: str = figure('against the course', '`agrees`, `off` (by one angle), `mirrored`, '
+                       '`frozen`, `astray` (by no angle in particular), `not_testable`',
+                       default='not_testable')
+    off_deg: float | None = figure('mean angle off the course', 'heading − course over the legs, '
+                                   'weighted by their time; of heading + course if mirrored',
+                                   default=None)
+    largest_deg: float | None = figure('largest angle off the course of a leg', default=None)
+    against_s: float = figure('time of the legs with an angle beyond the bound', default=0.0)
+    turns: TurnRate | None = figure('heading against the rate of turn', 'absent if there is none',
+                                    left_out=True)
 
 
 @dataclass(frozen=True, slots=True)
 class MotionCheck:
-    """
-    The headings of a run against the motion of the ship; keys of the JSON.
+    """The headings of a run against the motion of the ship; keys of the JSON."""
 
-    Attributes
-    ----------
-    kind : {'agrees', 'doubt', 'contradicts', 'not_testable'}
-        'contradicts': a heading is wrong by a gross error. 'doubt': it may be.
-    whose : {'', 'ts', 'rs', 'both'}
-        The sensors that contradict the motion, if any.
-    n_positions, n_velocities, n_rates : int
-        Rows of the motion within the run.
-    n_legs : int
-        Straight legs.
-    legs_s : float
-        Their time, seconds.
-    astern_s : float
-        Time of those on which the ship seems to go astern, which say nothing; seconds.
-    least_bound_deg : float or None
-        The least angle off the course that shows; None without a leg.
-    ts, rs : SensorMotion
-    legs : CourseLegs
-        The longest 64.
-
-    """
-
-    kind: str
-    whose: str
-    n_positions: int
-    n_velocities: int
-    n_rates: int
-    n_legs: int
-    legs_s: float
-    astern_s: float
-    least_bound_deg: float | None
-    ts: SensorMotion
-    rs: SensorMotion
-    legs: CourseLegs
+    kind: str = figure('conclusion', '`agrees`, `doubt`, `contradicts` or `not_testable`')
+    whose: str = figure(
+        'sensor that is wrong', '`ts`, `rs` or `both`; empty if none contradicts the motion')
+    n_positions: int = figure('positions in the run')
+    n_velocities: int = figure('velocities in the run')
+    n_rates: int = figure('rates of turn in the run')
+    n_legs: int = figure('straight legs')
+    legs_s: float = figure('their time')
+    astern_s: float = figure('part of it on which the ship seems to go astern',
+                             'these legs say nothing')
+    least_bound_deg: float | None = figure('least angle off the course that shows',
+                                           'null without a leg')
+    ts: SensorMotion = figure('heading of the TS against the motion', prefix='TS: ')
+    rs: SensorMotion = figure('heading of the RS against the motion', prefix='RS: ')
+    legs: CourseLegs = figure('longest 64 legs in order of time', 'lists of equal length')
 
     def find_wrong_legs(self, sensor: str) -> list[WrongLeg]:
         """Return the legs in which ``'ts'`` or ``'rs'`` alone points off the course."""

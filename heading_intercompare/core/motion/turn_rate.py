@@ -22,6 +22,7 @@ import math
 import numpy as np
 
 from heading_intercompare.core.angles import wrap180
+from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.records import Integers, Motion, Reals
 
 __all__ = ['compare_turns', 'TurnRate']
@@ -51,31 +52,16 @@ _SECOND_NS = 10 ** 9
 
 @dataclass(frozen=True, slots=True)
 class TurnRate:
-    """
-    A heading against the rate of turn; keys of the JSON.
+    """A heading against the rate of turn; keys of the JSON."""
 
-    Attributes
-    ----------
-    kind : {'follows', 'against', 'scaled', 'astray', 'not_testable'}
-        'against': it turns against the rate. 'scaled': it turns with it, but by another factor.
-        'astray': it does not turn with the rate, although the rate says that the ship turns much.
-    n : int
-        Spans of 5 s compared.
-    turn_deg : float or None
-        Root mean square of their turns by the rate of turn, degrees.
-    slope, correlation : float or None
-        Of the changes of the heading on the integrated rate, at the delay that fits best.
-    delay_s : float or None
-        Delay of the heading, seconds.
-
-    """
-
-    kind: str
-    n: int = 0
-    turn_deg: float | None = None
-    slope: float | None = None
-    correlation: float | None = None
-    delay_s: float | None = None
+    kind: str = figure(
+        'against the rate of turn', '`follows`; `against`; `scaled`: by another factor; `astray`: '
+        'not at all, although the ship turns much; `not_testable`')
+    n: int = figure('spans of 5 s compared', default=0)
+    turn_deg: float | None = figure('turn in a span, root mean square', default=None)
+    slope: float | None = figure('slope of its turns on the rate of turn', default=None)
+    correlation: float | None = figure('their correlation', default=None)
+    delay_s: float | None = figure('delay of the heading that fits best', default=None)
 
 
 def compare_turns(motion: Motion, stamp_ns: Integers, heading_deg: Reals) -> TurnRate:

@@ -19,7 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Mapping
 
-from heading_intercompare.core.json_keys import leave_out_none
+from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.pairing.ledger_keys import LedgerKey, LedgerSegment
 
 __all__ = ['LostReadings', 'PairingFigures', 'RejectedReadings']
@@ -29,40 +29,53 @@ __all__ = ['LostReadings', 'PairingFigures', 'RejectedReadings']
 class RejectedReadings:
     """Counts of the readings of each sensor rejected before pairing, by reason."""
 
-    ts: Mapping[str, int]
-    rs: Mapping[str, int]
+    ts: Mapping[str, int] = figure('readings of the TS by reason')
+    rs: Mapping[str, int] = figure('readings of the RS by reason')
 
 
 @dataclass(frozen=True, slots=True)
 class LostReadings:
     """Counts of the readings of each sensor that were sent and never came, by where."""
 
-    ts: Mapping[str, int]
-    rs: Mapping[str, int]
+    ts: Mapping[str, int] = figure('readings of the TS by where')
+    rs: Mapping[str, int] = figure('readings of the RS by where')
 
 
 @dataclass(frozen=True, slots=True)
 class PairingFigures:
     """The share of one run in the pairing ledger, and the lags of its pairs."""
 
-    ts_received: int
-    rs_received: int
-    paired: int
-    ts_paired: int
-    ts_used: int
-    ts_unpaired: int
-    rs_used: int
-    rs_unused: int
-    rejected: RejectedReadings
-    mean_lag_s: float | None
-    max_lag_s: float | None
-    rs_variance_factor: float | None
-    ts_variance_factor: float | None
-    lost: LostReadings | None = leave_out_none()  # None until 2.1, the others until 2.6.
-    ts_unbridged: int | None = leave_out_none()
-    rs_unbridged: int | None = leave_out_none()
-    ts_held: int | None = leave_out_none()
-    rs_held: int | None = leave_out_none()
+    ts_received: int = figure('TS readings received', row='TS received')
+    rs_received: int = figure('RS readings received', row='RS received')
+    paired: int = figure('pairs')
+    ts_paired: int = figure('of these paired as they are', 'TS readings')
+    ts_used: int = figure('of these only interpolated between', 'TS readings')
+    ts_unpaired: int = figure('of these without a partner', 'TS readings', row='  without partner')
+    rs_used: int = figure('of these paired or interpolated between', 'RS readings')
+    rs_unused: int = figure('of these not used', 'RS readings')
+    rejected: RejectedReadings = figure('rejected readings by sensor and reason',
+                                        '`invalid`, `out_of_range`, `no_stamp`, '
+                                        '`stamp_not_increasing`, `jump`')
+    mean_lag_s: float | None = figure('mean lag RS - TS')
+    max_lag_s: float | None = figure('largest |lag|')
+    rs_variance_factor: float | None = figure('factor of the RS noise variance by interpolation',
+                                              'mean sum of the squared weights of the readings; 1 '
+                                              'if the RS is not interpolated')
+    ts_variance_factor: float | None = figure('factor of the TS noise variance by interpolation',
+                                              '1 if the TS is not interpolated')
+    lost: LostReadings | None = figure(
+        'readings that were sent and never came, by sensor and by where', '`on_the_way`: gaps in '
+        'the numbers of the publisher; `at_source`: datagrams that the kernel dropped before the '
+        'driver read them, whatever they held; `before_start`: published before the first reading '
+        'that was taken, in the first run; absent if unknown', left_out=True)
+    ts_unbridged: int | None = figure('of these beside a gap of the RS', 'TS readings; absent if '
+                                      'unknown', left_out=True)
+    rs_unbridged: int | None = figure('of these beside a gap of the TS', 'RS readings; absent if '
+                                      'unknown', left_out=True)
+    ts_held: int | None = figure('of these repeating a held value', 'TS readings, E.26; absent if '
+                                 'unknown', left_out=True)
+    rs_held: int | None = figure('of these repeating a held value', 'RS readings, E.26; absent if '
+                                 'unknown', left_out=True)
 
     def find_interpolated(self, method: str) -> str | None:
         """Return the sensor, 'ts' or 'rs', that a method interpolated; None for none or both."""

@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import math
 from typing import Sequence
 
+from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.statistics.variance_uncertainty import (
     lower_bound,
     pool,
@@ -39,66 +40,39 @@ _LOW_MODES = 4
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class PairFigures:
-    """
-    The figures of one pair of sensors; keys of the JSON. A missing figure is None.
+    """The figures of one pair of sensors; keys of the JSON. A missing figure is None."""
 
-    Attributes
-    ----------
-    first, second : str
-        Names of the sensors; the difference is first - second.
-    of_reference : bool
-        Whether the second is the reference. Then all pairs of readings are judged, and the verdict
-        on the first has all figures; otherwise two pairs a second.
-    runs, n : int
-        Number of runs, and of the differences analysed in them.
-    mean_deg, std_deg : float or None
-        Mean difference over all runs, installation angles removed; standard deviation about the
-        mean of each run.
-    variance_deg2, u_deg2 : float or None
-        Common variance of the runs and its standard uncertainty, square degrees.
-    lower_bound_deg2, upper_bound_deg2 : float or None
-        Its bounds, at the risks of the vote and of the consumer.
-    limit_deg2 : float
-        Largest variance that the norms of both explain, square degrees.
-    differs : bool or None
-        Whether a run shows more than that; None if no run has enough differences.
-    gross : str
-        Words of what no norm explains, such as another convention; empty if there is nothing.
-    skew_s, skew_u_s : float or None
-        Time skew and its standard uncertainty, seconds: by how much the data of the first are
-        older than those of the second. Of the run that determines it best.
-    first_factor, second_factor : float or None
-        Mean factor by which interpolation reduced the white noise of each.
-    one_source : bool
-        Whether a run shows that both come from one source.
-    validity_effect : {'holds', 'doubtful', 'void'}
-        The most serious effect of a finding in any run.
-    findings : tuple of str
-        The findings that are doubtful or void, in words.
-
-    """
-
-    first: str
-    second: str
-    of_reference: bool
-    runs: int
-    n: int
-    mean_deg: float | None
-    std_deg: float | None
-    variance_deg2: float | None
-    u_deg2: float | None
-    lower_bound_deg2: float | None
-    upper_bound_deg2: float | None
-    limit_deg2: float
-    differs: bool | None
-    gross: str
-    skew_s: float | None
-    skew_u_s: float | None
-    first_factor: float | None
-    second_factor: float | None
-    one_source: bool
-    validity_effect: str
-    findings: tuple[str, ...]
+    first: str = figure('first sensor', 'the difference is first − second')
+    second: str = figure('second sensor')
+    of_reference: bool = figure('the second is the reference', 'then all pairs of readings are '
+                                'judged; otherwise two pairs a second')
+    runs: int = figure('runs')
+    n: int = figure('differences analysed in them')
+    mean_deg: float | None = figure(
+        'mean difference', 'over all runs, installation angles removed')
+    std_deg: float | None = figure('standard deviation about the mean of each run')
+    variance_deg2: float | None = figure('common variance of the runs', u='u_deg2')
+    u_deg2: float | None = figure('standard uncertainty of the variance')
+    lower_bound_deg2: float | None = figure(
+        'lower bound of the variance', 'at the risk of the vote')
+    upper_bound_deg2: float | None = figure(
+        'upper bound of the variance', "at the consumer's risk")
+    limit_deg2: float = figure('largest variance that the norms of both explain')
+    differs: bool | None = figure(
+        'a run shows more than that', 'null if no run has enough differences')
+    gross: str = figure(
+        'what no norm explains, in words', 'such as another convention; empty if there is nothing')
+    skew_s: float | None = figure('time skew: by how much the data of the first are older',
+                                  'of the run that determines it best', u='skew_u_s')
+    skew_u_s: float | None = figure('standard uncertainty of the skew')
+    first_factor: float | None = figure(
+        'factor of the noise variance of the first by interpolation')
+    second_factor: float | None = figure(
+        'factor of the noise variance of the second by interpolation')
+    one_source: bool = figure('a run shows that both come from one source')
+    validity_effect: str = figure(
+        'gravest effect of a finding in any run', '`holds`, `doubtful` or `void`')
+    findings: tuple[str, ...] = figure('findings that are doubtful or void, in words')
 
     @property
     def names(self) -> tuple[str, str]:

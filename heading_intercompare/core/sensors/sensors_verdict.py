@@ -16,9 +16,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Mapping, Sequence
 
+from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import (
     leave_out_added,
@@ -51,78 +52,39 @@ SCHEMA = f'{_SCHEMA}{_MAJOR}'
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SensorResult:
-    """
-    What the comparison says of one sensor; keys of the JSON.
+    """What the comparison says of one sensor; keys of the JSON."""
 
-    Attributes
-    ----------
-    name, role, topic : str
-        As in the settings.
-    sigma_max_deg : float
-        Its norm, degrees.
-    outcome : Outcome or None
-        None for the reference, which is not tested.
-    headline : str
-        The outcome in one line.
-    validity_effect : {'holds', 'doubtful', 'void'}
-        Whether the outcome can be relied on.
-    variance : SensorVariance or None
-        Its share of the variances of all pairs; None for fewer than three sensors.
-
-    """
-
-    name: str
-    role: str
-    topic: str
-    sigma_max_deg: float
-    outcome: Outcome | None
-    headline: str
-    validity_effect: str
-    variance: SensorVariance | None
+    name: str = figure('name of the sensor')
+    role: str = figure('role of the sensor', '`ts` or `rs`')
+    topic: str = figure('its topic')
+    sigma_max_deg: float = figure('its norm')
+    outcome: Outcome | None = figure(
+        'outcome of the sensor', 'null for the reference, which is not tested')
+    headline: str = figure('outcome in one line')
+    validity_effect: str = figure('gravest effect of a finding', '`holds`, `doubtful` or `void`')
+    variance: SensorVariance | None = figure('its share in the variances of all pairs',
+                                             'null for fewer than three sensors')
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SensorsVerdict:
-    """
-    The verdict on several sensors.
+    """The verdict on several sensors."""
 
-    Attributes
-    ----------
-    outcome : Outcome
-        The worst of the tested sensors.
-    headline : str
-        All outcomes and the vote in one line.
-    validity_effect : {'holds', 'doubtful', 'void'}
-        The most serious effect on any outcome.
-    settings : Settings
-        With the sensors.
-    inputs : sequence of Input
-    sensors : sequence of SensorResult
-        In the order of the settings.
-    pairs : sequence of PairFigures
-        All pairs.
-    vote : Vote
-        Which sensor is wrong.
-    risk : float
-        Risk that the vote names a sound sensor while most are sound.
-    verdicts : mapping of str to Verdict
-        The verdict on each tested sensor against the reference, by its name, as if these two were
-        alone. Empty without a reference.
-
-    """
-
-    outcome: Outcome
-    headline: str
-    validity_effect: str
-    settings: Settings
-    inputs: Sequence[Input]
-    sensors: Sequence[SensorResult]
-    pairs: Sequence[PairFigures]
-    vote: Vote
-    risk: float
-    verdicts: Mapping[str, Verdict]
-    software: Software = field(default_factory=Software)
-    rule_version: int | None = RULE_VERSION
+    outcome: Outcome = figure('worst outcome of the tested sensors')
+    headline: str = figure('all outcomes and the vote in one line')
+    validity_effect: str = figure('gravest effect on any outcome', '`holds`, `doubtful` or `void`')
+    settings: Settings = figure('every setting by its dotted name', 'with the sensors')
+    inputs: Sequence[Input] = figure('where the readings came from')
+    sensors: Sequence[SensorResult] = figure(
+        'what the comparison says of each sensor, in the order of the settings')
+    pairs: Sequence[PairFigures] = figure('figures of each pair of sensors')
+    vote: Vote = figure('which sensor is wrong')
+    risk: float = figure('risk that the vote names a sound sensor while most are sound')
+    verdicts: Mapping[str, Verdict] = figure(
+        'verdict on each tested sensor against the reference, by its name', 'as if these two were '
+        'alone; empty without a reference')
+    software: Software = figure('the program that judged', default=Software())
+    rule_version: int | None = figure('version of the decision rule', default=RULE_VERSION)
 
     @property
     def settings_sha256(self) -> str:

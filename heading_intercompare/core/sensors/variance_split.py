@@ -23,6 +23,8 @@ from typing import Sequence
 import numpy as np
 import scipy
 
+from heading_intercompare.core.declared_figures import figure
+
 __all__ = ['PairVariance', 'SensorVariance', 'split_variances']
 
 _FEWEST = 3
@@ -56,24 +58,12 @@ class PairVariance:
 
 @dataclass(frozen=True, slots=True)
 class SensorVariance:
-    """
-    The variance of the errors of one sensor; keys of the JSON.
+    """The variance of the errors of one sensor; keys of the JSON."""
 
-    Attributes
-    ----------
-    variance_deg2 : float
-        Square degrees. A negative one stays as it is: then the errors of sensors are correlated,
-        or the record is too short.
-    interval_deg2 : pair of float
-        At least 95 % interval, square degrees.
-    std_deg : float or None
-        Its root; None if it is negative.
-
-    """
-
-    variance_deg2: float
-    interval_deg2: tuple[float, float]
-    std_deg: float | None
+    variance_deg2: float = figure('variance of the errors of the sensor', 'a negative one stays: '
+                                  'the errors are correlated, or the record is too short')
+    interval_deg2: tuple[float, float] = figure('interval of at least 95 %')
+    std_deg: float | None = figure('standard deviation', 'null if the variance is negative')
 
     @property
     def is_negative(self) -> bool:

@@ -26,6 +26,8 @@ from dataclasses import dataclass
 from itertools import combinations
 from typing import Iterable, Mapping, Sequence
 
+from heading_intercompare.core.declared_figures import figure
+
 __all__ = ['find_wrong', 'Vote']
 
 Names = tuple[str, ...]
@@ -35,28 +37,16 @@ _FEWEST_VOTERS = 3
 
 @dataclass(frozen=True, slots=True)
 class Vote:
-    """
-    The result of a vote; keys of the JSON.
+    """The result of a vote; keys of the JSON."""
 
-    Attributes
-    ----------
-    wrong : tuple of str
-        The sensors that differ from all others, while the others do not differ from each other.
-        Empty if there is none, or if these pairs cannot tell.
-    suspected : tuple of str
-        The sensors whose fault would explain every pair that differs, though not all their pairs
-        differ. Empty if some are `wrong`, or if several explanations are equally likely.
-    one_source : tuple of tuple of str
-        Groups of sensors that show one source. A group has one voice.
-    words : str
-        The result in a sentence.
-
-    """
-
-    wrong: Names
-    suspected: Names
-    one_source: tuple[Names, ...]
-    words: str
+    wrong: Names = figure('sensors that differ from all others, while the others agree',
+                          'empty if there is none, or if these pairs cannot tell')
+    suspected: Names = figure(
+        'sensors whose fault would explain every pair that differs, though not all their pairs '
+        'differ', 'empty if some are wrong, or if several explanations are equally likely')
+    one_source: tuple[Names, ...] = figure('groups of sensors that show one source',
+                                           'a group has one voice')
+    words: str = figure('result in a sentence')
 
 
 def find_wrong(names: Sequence[str], differs: Mapping[tuple[str, str], bool | None],

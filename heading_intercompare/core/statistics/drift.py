@@ -25,6 +25,7 @@ from numpy.polynomial.legendre import legvander
 from numpy.typing import ArrayLike
 import scipy
 
+from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.records import Reals
 
 from .autocorrelation import sokal_times
@@ -156,26 +157,15 @@ def remove_polynomial(stamp_ns: ArrayLike, x_deg: ArrayLike, order: int) -> Poly
 
 @dataclass(frozen=True, slots=True)
 class Order:
-    """
-    The polynomial order that the drift of a run needs.
+    """The polynomial order that the drift of a run needs."""
 
-    Attributes
-    ----------
-    order : int
-        The order from 0 to 3 with the smallest criterion.
-    bic : tuple of float or None
-        Schwarz's criterion of orders 0 to 4; None where the fit leaves no residual.
-    blocks : int
-        Number of block means used, 64 to 127.
-    beyond : bool
-        Whether order 4 would fit even better: then no order up to 3 describes the drift.
-
-    """
-
-    order: int
-    bic: tuple[float | None, ...]
-    blocks: int
-    beyond: bool
+    order: int = figure('order of the polynomial that the differences call for',
+                        "0 to 3, by Schwarz's criterion on block means")
+    bic: tuple[float | None, ...] = figure("Schwarz's criterion of orders 0 to 4",
+                                           'null if a fit leaves no residual')
+    blocks: int = figure('block means that the order is chosen by', '64 to 127')
+    beyond: bool = figure(
+        'a higher order would fit better still', 'order 4: no order up to 3 describes the drift')
 
 
 def bic_of(rss: float, blocks: int, parameters: int, floor: float) -> float:
@@ -316,37 +306,20 @@ def drift_left_deg2(rest: Detrended) -> float | None:
 
 @dataclass(frozen=True, slots=True)
 class Slope:
-    """
-    A straight line through the differences.
+    """A straight line through the differences."""
 
-    Attributes
-    ----------
-    slope_deg_per_h : float
-        Degrees per hour.
-    intercept_deg : float
-        Value at the first stamp.
-    u_naive_deg_per_h : float or None
-        Standard error as if the residuals were uncorrelated; None for n < 3.
-    u_deg_per_h : float or None
-        Standard uncertainty that allows for correlation, from the power of the residuals at the
-        lowest half-periods of the record. For fewer than 128 differences it is the naive one
-        times the root of the correlation time.
-    interval_deg_per_h : pair of float or None
-        95 % interval of the slope.
-    tau_samples : float
-        Correlation time of the residuals, in samples.
-    residual_std_deg : float or None
-        Root of RSS/(n - 1).
-
-    """
-
-    slope_deg_per_h: float
-    intercept_deg: float
-    u_naive_deg_per_h: float | None
-    u_deg_per_h: float | None
-    interval_deg_per_h: tuple[float, float] | None
-    tau_samples: float
-    residual_std_deg: float | None
+    slope_deg_per_h: float = figure('slope, with its standard uncertainty', u='u_deg_per_h')
+    intercept_deg: float = figure('value of the line at the first difference')
+    u_naive_deg_per_h: float | None = figure(
+        'uncertainty of the slope if the errors were uncorrelated', 'null for n < 3')
+    u_deg_per_h: float | None = figure(
+        'standard uncertainty of the slope', 'from the power of the residuals at the lowest '
+        'half-periods; for fewer than 128 differences the naive one times the root of the '
+        'correlation time')
+    interval_deg_per_h: tuple[float, float] | None = figure('95 % interval of the slope')
+    tau_samples: float = figure('correlation time about the line', unit='readings')
+    residual_std_deg: float | None = figure('standard deviation about the line',
+                                            'the root of RSS/(n − 1)')
 
 
 def fit_slope(stamp_ns: ArrayLike, x_deg: ArrayLike,

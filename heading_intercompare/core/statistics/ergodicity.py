@@ -16,11 +16,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 import math
 from typing import Sequence
 
 import scipy
+
+from heading_intercompare.core.declared_figures import figure
 
 __all__ = ['examine_homogeneity', 'Homogeneity', 'RunFigures']
 
@@ -57,45 +59,29 @@ class RunFigures:
 
 @dataclass(frozen=True, slots=True)
 class Homogeneity:
-    """
-    How far the runs agree with each other; keys of the JSON.
+    """How far the runs agree with each other; keys of the JSON."""
 
-    Attributes
-    ----------
-    m : int
-        Runs compared: those with figures and with a variance above zero.
-    weighted_mean_deg : float or None
-        Mean of the means, weighted by the inverse of their variances. This and all that follows
-        is None for m < 2.
-    q, q_p : float or None
-        Cochran's statistic of equal means, and the probability of a value at least this large
-        if the means are equal.
-    birge_ratio : float or None
-        sqrt(Q/(m - 1)): above 1 the means scatter more than their uncertainties say.
-    between_variance_deg2 : float or None
-        Variance of the systematic error from run to run, square degrees.
-    bartlett, bartlett_p : float or None
-        Bartlett's statistic of equal variances with effective degrees of freedom, and its
-        probability.
-    means_equal, variances_equal : bool or None
-        Whether the probabilities are at least 0.01. Means that differ call for variant C.
-    drift_orders : tuple of int or None
-        Order of the drift of each run compared; None if one is unknown. GK assumes that the
-        order is the same in every run.
-
-    """
-
-    m: int
-    weighted_mean_deg: float | None = None
-    q: float | None = None
-    q_p: float | None = None
-    birge_ratio: float | None = None
-    between_variance_deg2: float | None = None
-    bartlett: float | None = None
-    bartlett_p: float | None = None
-    means_equal: bool | None = None
-    variances_equal: bool | None = None
-    drift_orders: tuple[int, ...] | None = field(default=None, metadata={'left_out': True})
+    m: int = figure('runs compared', 'those with figures and a variance above zero; with fewer '
+                    'than two, all figures below are null')
+    weighted_mean_deg: float | None = figure('mean of the means, weighted by their uncertainties',
+                                             default=None)
+    q: float | None = figure("Cochran's statistic of equal means", default=None)
+    q_p: float | None = figure('probability of one as large if the means are equal', default=None)
+    birge_ratio: float | None = figure(
+        'Birge ratio: above 1 the means scatter more than they should', '√(Q/(m−1))', default=None)
+    between_variance_deg2: float | None = figure(
+        'variance of the systematic error from run to run', default=None)
+    bartlett: float | None = figure("Bartlett's statistic of equal variances", 'with effective '
+                                    'degrees of freedom', default=None)
+    bartlett_p: float | None = figure('probability of one as large if the variances are equal',
+                                      default=None)
+    means_equal: bool | None = figure('the means agree', 'the probability is at least 0.01; means '
+                                      'that differ call for variant C', default=None)
+    variances_equal: bool | None = figure(
+        'the variances agree', 'the probability is at least 0.01', default=None)
+    drift_orders: tuple[int, ...] | None = figure('order of the drift of each run',
+                                                  'GK assumes the same in every run; absent if '
+                                                  'one is unknown', left_out=True)
 
 
 def examine_homogeneity(runs: Sequence[RunFigures]) -> Homogeneity:

@@ -24,7 +24,7 @@ from numpy.typing import ArrayLike
 import scipy
 
 from heading_intercompare.core.angles import unwrap_deg, wrap180
-from heading_intercompare.core.json_keys import leave_out_none
+from heading_intercompare.core.declared_figures import figure
 
 from .autocorrelation import effective_size, sokal_times
 from .blocking import pick_stretches
@@ -40,38 +40,23 @@ _LEAST = 8
 
 @dataclass(frozen=True, slots=True)
 class Shape:
-    """
-    Skewness and kurtosis of values, and how unlikely they are for normal values.
+    """Skewness and kurtosis of values, and how unlikely they are for normal values."""
 
-    Attributes
-    ----------
-    n : int
-        Number of values.
-    n_effective : float
-        Number of independent values they are equivalent to.
-    std_deg : float or None
-        Standard deviation, degrees; None for n < 2.
-    skewness, excess_kurtosis : float or None
-        g_1 and g_2 from moments about the mean. These and all that follow are None for n < 8 or
-        equal values. The excess kurtosis of uniform values is -1.2, that of the difference of
-        two equal uniforms -0.6.
-    skewness_z, kurtosis_z : float or None
-        The same in units of their standard deviations for normal values.
-    jarque_bera, p : float or None
-        Sum of the squares of both, and the probability of a sum at least this large for normal
-        values.
-
-    """
-
-    n: int
-    n_effective: float
-    std_deg: float | None = None
-    skewness: float | None = None
-    excess_kurtosis: float | None = None
-    skewness_z: float | None = None
-    kurtosis_z: float | None = None
-    jarque_bera: float | None = None
-    p: float | None = None
+    n: int = figure('values')
+    n_effective: float = figure('independent values they are worth for the shape')
+    std_deg: float | None = figure('standard deviation', 'null for n < 2', default=None)
+    skewness: float | None = figure('skewness', '0 for normal values; null, like all below, for '
+                                    'fewer than 8 values or equal ones', default=None)
+    excess_kurtosis: float | None = figure(
+        'excess kurtosis', '0 for normal values, −1.2 for uniform ones, −0.6 for the difference '
+        'of two equal uniform ones', default=None)
+    skewness_z: float | None = figure(
+        'skewness, in its standard deviations', 'for `n_effective` normal values', default=None)
+    kurtosis_z: float | None = figure('excess kurtosis, in its standard deviations',
+                                      'for `n_effective` normal values', default=None)
+    jarque_bera: float | None = figure(
+        'Jarque-Bera statistic', 'the sum of the squares of these two', default=None)
+    p: float | None = figure('its probability', default=None)
 
 
 def measure_shape(values: ArrayLike, n_effective: float | None = None) -> Shape:
@@ -252,53 +237,32 @@ def moving_average_residual(heading_deg: ArrayLike, width: int) -> np.ndarray:
 
 @dataclass(frozen=True, slots=True)
 class Normality:
-    """
-    The normality of a run; keys of the JSON.
+    """The normality of a run; keys of the JSON."""
 
-    Attributes
-    ----------
-    difference : Shape
-        Shape of the differences, at their effective size.
-    thinned_step, thinned_n : int
-        Taking every `thinned_step`-th difference leaves `thinned_n`, nearly independent.
-    anderson_darling, anderson_darling_p : float or None
-        Adjusted statistic of the thinned differences and its probability; None for fewer than 8
-        or equal ones.
-    ts_first_difference, rs_first_difference : Shape
-        Shape of the symmetric first differences of each sensor's headings.
-    ts_moving_average, rs_moving_average : Shape
-        Shape of the headings minus their centred moving average.
-    moving_average_width : int
-        Readings per average.
-    ts_step_deg, rs_step_deg : float or None
-        Resolution of the paired headings; an interpolated RS shows none.
-    ts_repeated_share, rs_repeated_share : float or None
-        Share of readings equal to the previous one.
-    rounding_variance_deg2 : float
-        Variance that these resolutions add to the differences; not subtracted.
-    ts_step_seen_deg, rs_step_seen_deg : float or None
-        Coarsest step of the sensor whose rounding would show, by the motion that the other sensor
-        saw, degrees; 0 if none would.
-
-    """
-
-    difference: Shape
-    thinned_step: int
-    thinned_n: int
-    anderson_darling: float | None
-    anderson_darling_p: float | None
-    ts_first_difference: Shape
-    rs_first_difference: Shape
-    ts_moving_average: Shape
-    rs_moving_average: Shape
-    moving_average_width: int
-    ts_step_deg: float | None
-    rs_step_deg: float | None
-    ts_repeated_share: float | None
-    rs_repeated_share: float | None
-    rounding_variance_deg2: float
-    ts_step_seen_deg: float | None = leave_out_none()
-    rs_step_seen_deg: float | None = leave_out_none()
+    difference: Shape = figure('differences', 'at their effective size')
+    thinned_step: int = figure('step between nearly independent differences', unit='readings')
+    thinned_n: int = figure('number of these')
+    anderson_darling: float | None = figure('Anderson-Darling statistic of these',
+                                            'null for fewer than 8, or equal ones')
+    anderson_darling_p: float | None = figure('its probability')
+    ts_first_difference: Shape = figure('change of the TS', 'θ(i−1) − θ(i+1)')
+    rs_first_difference: Shape = figure('change of the RS', 'θ(i−1) − θ(i+1)')
+    ts_moving_average: Shape = figure('TS about its moving average')
+    rs_moving_average: Shape = figure('RS about its moving average')
+    moving_average_width: int = figure('width of the moving average', 'about a second',
+                                       unit='readings')
+    ts_step_deg: float | None = figure(
+        'resolution of the TS', 'as paired; null if there is none, as for an interpolated sensor')
+    rs_step_deg: float | None = figure('resolution of the RS', 'as paired')
+    ts_repeated_share: float | None = figure('share of TS readings equal to the one before')
+    rs_repeated_share: float | None = figure('share of RS readings equal to the one before')
+    rounding_variance_deg2: float = figure('variance that rounding adds', 'it is not subtracted')
+    ts_step_seen_deg: float | None = figure('coarsest step of the TS whose rounding would show',
+                                            'by the motion that the RS saw, E.28; 0 if none '
+                                            'would; absent if unknown', left_out=True)
+    rs_step_seen_deg: float | None = figure('coarsest step of the RS whose rounding would show',
+                                            'by the motion that the TS saw; absent if unknown',
+                                            left_out=True)
 
 
 def examine_normality(x_deg: ArrayLike, ts_deg: ArrayLike, rs_deg: ArrayLike, *,

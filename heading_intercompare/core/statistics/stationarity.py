@@ -23,6 +23,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 import scipy
 
+from heading_intercompare.core.declared_figures import figure
+
 from .blocking import block_means, block_size
 
 __all__ = ['apply_kpss', 'Arrangements', 'count_arrangements', 'examine_stationarity', 'Kpss',
@@ -171,37 +173,22 @@ def _bridge_tail(value: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Stationarity:
-    """
-    Whether the moments of a run are constant, judged from its blocks; keys of the JSON.
+    """Whether the moments of a run are constant, judged from its blocks; keys of the JSON."""
 
-    Attributes
-    ----------
-    blocks : int
-        Blocks compared for a trend, 16 to 31; 0 for fewer than 64 samples, and then all other
-        attributes are None.
-    block_s : float or None
-        Block length, seconds.
-    mean_z, mean_p : float or None
-        Reverse arrangements of the block means.
-    square_z, square_p : float or None
-        Reverse arrangements of the block means of the squared deviation.
-    kpss, kpss_p : float or None
-        KPSS statistic of 64 to 127 block means, and its probability; None also if these are
-        all equal.
-    kpss_lags : int or None
-        Lags of its kernel.
-
-    """
-
-    blocks: int
-    block_s: float | None = None
-    mean_z: float | None = None
-    mean_p: float | None = None
-    square_z: float | None = None
-    square_p: float | None = None
-    kpss: float | None = None
-    kpss_lags: int | None = None
-    kpss_p: float | None = None
+    blocks: int = figure('blocks compared', 'for a trend, 16 to 31; 0 for fewer than 64 '
+                         'differences, and then all below are null')
+    block_s: float | None = figure('their length', default=None)
+    mean_z: float | None = figure('trend of the mean, in its standard deviations',
+                                  'reverse arrangements of the block means; positive if they fall',
+                                  default=None)
+    mean_p: float | None = figure('its probability', default=None)
+    square_z: float | None = figure('trend of the variance, in its standard deviations',
+                                    'the same for the squared deviations', default=None)
+    square_p: float | None = figure('its probability', default=None)
+    kpss: float | None = figure('KPSS statistic of a constant level', 'on 64 to 127 block means; '
+                                'null if these are all equal', default=None)
+    kpss_lags: int | None = figure('lags that it allows for', default=None)
+    kpss_p: float | None = figure('its probability', default=None)
 
     @property
     def least_p(self) -> float | None:

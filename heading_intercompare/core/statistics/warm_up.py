@@ -22,6 +22,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
+from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.records import Integers, Reals
 
 from .drift import average_blocks, bic_of, rounding_floor, select_order
@@ -39,35 +40,17 @@ CLEAR = 10.0
 
 @dataclass(frozen=True, slots=True)
 class WarmUp:
-    """
-    An exponential warm-up, x = level + amplitude exp(-(t - t_1)/tau).
+    """An exponential warm-up, x = level + amplitude exp(-(t - t_1)/tau)."""
 
-    Attributes
-    ----------
-    level_deg, amplitude_deg : float
-        Degrees.
-    tau_s : float
-        Time constant, seconds; from a hundredth of the run to the run.
-    tolerance_deg : float
-        The TS has settled when the exponential has fallen to this, degrees.
-    settle_s : float
-        Time at which that happens, seconds after the first stamp; 0 if the amplitude is within
-        the tolerance. Meaningless unless `preferred`.
-    preferred : bool
-        Whether the exponential fits the run clearly better than a constant, and better than any
-        polynomial up to order 3.
-    span_s : float
-        Length of the run, seconds.
-
-    """
-
-    level_deg: float
-    amplitude_deg: float
-    tau_s: float
-    tolerance_deg: float
-    settle_s: float
-    preferred: bool
-    span_s: float
+    level_deg: float = figure('warm-up: final level')
+    amplitude_deg: float = figure('warm-up: amplitude')
+    tau_s: float = figure('warm-up: time constant', 'from a hundredth of the run to the run')
+    tolerance_deg: float = figure('warm-up: remainder that is tolerated', 'a tenth of sigma_max')
+    settle_s: float = figure('warm-up: time until then', 'after the first difference; 0 if the '
+                             'amplitude is tolerated; meaningless unless `preferred`')
+    preferred: bool = figure('an exponential describes the run better', 'clearly better than a '
+                             'constant, and better than any polynomial up to order 3')
+    span_s: float = figure('warm-up: length of the run')
 
     @property
     def stabilization_s(self) -> float:

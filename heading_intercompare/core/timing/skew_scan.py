@@ -24,6 +24,7 @@ from typing import Callable
 import numpy as np
 
 from heading_intercompare.core.angles import wrap180
+from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.records import Headings, Reals
 from heading_intercompare.core.statistics.blocking import sum_covariance
 
@@ -38,51 +39,26 @@ _CURVE = 50
 
 @dataclass(frozen=True, slots=True)
 class Scan:
-    """
-    A scan of the skew between two streams; keys of the JSON.
+    """A scan of the skew between two streams; keys of the JSON."""
 
-    Attributes
-    ----------
-    n : int
-        TS readings compared, the same at every skew: up to 262144.
-    range_s, step_s : float
-        Largest skew tried, in either direction, and the step of the grid.
-    skew_s : float
-        L*: minimum of the parabola through the least variance and its neighbours.
-    u_s : float or None
-        Its standard uncertainty, which allows for correlation; None for fewer than 64 readings
-        or if the RS does not turn.
-    bias_s : float or None
-        Largest shift of the minimum that interpolating a noisy RS can have caused.
-    at_edge : bool
-        Whether the least variance is at an end of the range: then `skew_s` is that end, and no
-        skew was found.
-    well_determined : bool
-        Whether the ship turned enough: not at an edge, and `u_s` and `bias_s` together at most
-        a tenth of the range.
-    std_deg, mean_deg : float
-        Standard deviation and mean of the differences at `skew_s`.
-    std_zero_deg, mean_zero_deg : float
-        The same at zero skew.
-    curve_s, curve_std_deg : tuple of float
-        Grid points for a plot, at most 101.
-
-    """
-
-    n: int
-    range_s: float
-    step_s: float
-    skew_s: float
-    u_s: float | None
-    bias_s: float | None
-    at_edge: bool
-    well_determined: bool
-    std_deg: float
-    mean_deg: float
-    std_zero_deg: float
-    mean_zero_deg: float
-    curve_s: tuple[float, ...]
-    curve_std_deg: tuple[float, ...]
+    n: int = figure('TS readings compared', 'the same at every skew; 262 144 at most')
+    range_s: float = figure('range', 'largest skew tried, in either direction')
+    step_s: float = figure('step')
+    skew_s: float = figure('skew of the least scatter', 'L*; minimum of the parabola through the '
+                           'least variance and its neighbours', u='u_s')
+    u_s: float | None = figure('standard uncertainty of the skew', 'allows for correlation; null '
+                               'for fewer than 64 readings, or if the RS does not turn')
+    bias_s: float | None = figure(
+        'shift that a noisy RS may cause, at most', 'by its interpolation')
+    at_edge: bool = figure('the least scatter is at an end of the range', 'then no skew was found')
+    well_determined: bool = figure('the skew is well determined', 'not at an edge, and `u_s` + '
+                                   '`bias_s` at most a tenth of the range')
+    std_deg: float = figure('standard deviation at that skew')
+    mean_deg: float = figure('mean difference at that skew')
+    std_zero_deg: float = figure('standard deviation without a skew')
+    mean_zero_deg: float = figure('mean difference without a skew')
+    curve_s: tuple[float, ...] = figure('skews of the scan, for a plot', 'at most 101')
+    curve_std_deg: tuple[float, ...] = figure('standard deviations at these skews')
 
 
 class _Differences:

@@ -23,6 +23,7 @@ from typing import Iterable, Iterator
 import numpy as np
 from numpy.typing import ArrayLike
 
+from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.pairing.direction import typical_step_ns
 from heading_intercompare.core.statistics.blocking import pick_stretches
 
@@ -44,39 +45,20 @@ _PAUSE = 10.0
 
 @dataclass(frozen=True, slots=True)
 class StampSteps:
-    """
-    The steps between the stamps of one stream.
+    """The steps between the stamps of one stream."""
 
-    Attributes
-    ----------
-    n : int
-        Number of stamps.
-    typical_s : float or None
-        Median step, of a long record in the stretches of `pick_stretches`, seconds; None for
-        n < 2.
-    nominal_s : float or None
-        Step whose multiples the stamps follow, seconds: the step of the sensor, even if many of
-        its readings are missing. None for n < 2, and if the steps have no common measure.
-    lost_share : float or None
-        Share of the readings missing between the first and the last, as far as the stamps show
-        it; None for n < 2.
-    backward, equal, silences : int
-        Number of steps back, of steps of zero, and of steps much longer than usual.
-    longest_back_s, longest_s : float or None
-        Absolute length of the longest step back (None if there is none), and longest step,
-        seconds.
-
-    """
-
-    n: int
-    typical_s: float | None = None
-    nominal_s: float | None = None
-    lost_share: float | None = None
-    backward: int = 0
-    equal: int = 0
-    silences: int = 0
-    longest_back_s: float | None = None
-    longest_s: float | None = None
+    n: int = figure('stamps')
+    typical_s: float | None = figure('median step of the stamps', default=None)
+    nominal_s: float | None = figure('step of the sensor', 'of which the stamps are multiples, '
+                                     'even if readings are missing; null if there is none',
+                                     default=None)
+    lost_share: float | None = figure('share of readings that the stamps show as missing',
+                                      'between the first and the last', default=None)
+    backward: int = figure('steps back', default=0)
+    equal: int = figure('equal stamps', default=0)
+    silences: int = figure('silences', 'steps of more than ten typical ones', default=0)
+    longest_back_s: float | None = figure('longest step back', 'null without any', default=None)
+    longest_s: float | None = figure('longest step', default=None)
 
 
 def _cut_steps(stamps: np.ndarray) -> Iterator[np.ndarray]:

@@ -28,7 +28,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from heading_intercompare.core.json_keys import leave_out_none
+from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.statistics.blocking import student_95
 
@@ -143,70 +143,46 @@ def _regress(x: np.ndarray, rate: np.ndarray) -> Regression | None:
 
 @dataclass(frozen=True, slots=True)
 class Skew:
-    """
-    The time skew of a run; keys of the JSON.
+    """The time skew of a run; keys of the JSON."""
 
-    Attributes
-    ----------
-    n : int
-        Pairs, or short averages of pairs, used for the estimate; 0 if there are fewer than 64,
-        and then all figures are None.
-    kind : {'found', 'unclear', 'beyond', 'no_fit', 'not_turned', 'too_few'}
-        'found': well determined. 'unclear': found, but poorly determined. 'beyond': the
-        differences scatter least at a skew beyond the range. 'no_fit': the ship moved, but no
-        skew fits. 'not_turned': the ship did not turn enough. 'too_few': too few pairs.
-    rs_rate_std_deg_s : float or None
-        Standard deviation of the rate of turn of the RS, including its noise.
-    rate_std_deg_s : float or None
-        Standard deviation of the rate common to both sensors, free of their noise.
-    strength : float or None
-        F of that common rate; below 10 the ship did not turn enough.
-    ols_s, ols_u_s : float or None
-        Ordinary least squares and its naive standard error; attenuated by noise.
-    iv_s : float or None
-        One step of the instrumental estimate, E.8.
-    skew_s, u_s : float or None
-        The instrumental estimate, repeated on shifted pairs until no skew remains, and its
-        standard uncertainty, which allows for correlation. None if it does not converge within
-        the range.
-    interval_s : pair of float or None
-        95 % interval.
-    well_determined : bool or None
-        Whether the ship turned enough, and the uncertainty is at most a tenth of the range.
-    significant : bool or None
-        Whether the interval excludes zero; meaningless unless well determined.
-    std_deg, std_aligned_deg, mean_aligned_deg : float or None
-        Standard deviation of the differences as paired, that of the same differences with the
-        skew removed, and the mean of the latter.
-    beyond_s : float or None
-        Approximate skew beyond the range; None unless `kind` is 'beyond'.
-    also_s : float or None
-        Another skew that fits about as well as `beyond_s`, because the motion repeats itself.
-    searched_s : float or None
-        Largest skew that the search for clocks that lie apart could see; 0 if the pairs overlap
-        too little for it; None if there was no such search.
-
-    """
-
-    n: int
-    kind: str = 'too_few'
-    rs_rate_std_deg_s: float | None = None
-    rate_std_deg_s: float | None = None
-    strength: float | None = None
-    ols_s: float | None = None
-    ols_u_s: float | None = None
-    iv_s: float | None = None
-    skew_s: float | None = None
-    u_s: float | None = None
-    interval_s: tuple[float, float] | None = None
-    well_determined: bool | None = None
-    significant: bool | None = None
-    std_deg: float | None = None
-    std_aligned_deg: float | None = None
-    mean_aligned_deg: float | None = None
-    beyond_s: float | None = None
-    also_s: float | None = leave_out_none()
-    searched_s: float | None = leave_out_none()
+    n: int = figure('pairs or short averages used', 'averages over up to 0.25 s; 0: too few, or '
+                    '`alignment.skew` is `off`')
+    kind: str = figure(
+        'result of the estimate', '`found`; `unclear`: found, but poorly determined; `beyond`: '
+        'the differences scatter least at a skew beyond the range; `no_fit`: the ship moved, but '
+        'no skew fits; `not_turned`; `too_few`', default='too_few')
+    rs_rate_std_deg_s: float | None = figure('rate of turn of the RS, standard deviation',
+                                             'with its noise', default=None)
+    rate_std_deg_s: float | None = figure('rate of turn that both sensors show',
+                                          'standard deviation, free of their noise', default=None)
+    strength: float | None = figure('strength of that rate; below 10 the ship did not turn enough',
+                                    'its F', default=None)
+    ols_s: float | None = figure('skew by least squares, too small because of noise', default=None,
+                                 u='ols_u_s')
+    ols_u_s: float | None = figure('its naive standard error', default=None)
+    iv_s: float | None = figure('skew after one step of the estimate', 'instrumental, E.8',
+                                default=None)
+    skew_s: float | None = figure(
+        'skew, with its standard uncertainty', 'E.8, repeated until no skew remains; null if '
+        'there is none within `alignment.skew_range_s`', default=None, u='u_s')
+    u_s: float | None = figure('standard uncertainty of the skew', 'allows for correlation',
+                               default=None)
+    interval_s: tuple[float, float] | None = figure('95 % interval of the skew', default=None)
+    well_determined: bool | None = figure('the skew is well determined', 'the ship turned enough, '
+                                          'and `u_s` is at most a tenth of the range',
+                                          default=None)
+    significant: bool | None = figure('the interval excludes zero', default=None)
+    std_deg: float | None = figure('standard deviation of the differences used', default=None)
+    std_aligned_deg: float | None = figure('the same without the skew', default=None)
+    mean_aligned_deg: float | None = figure('mean of the differences without the skew',
+                                            default=None)
+    beyond_s: float | None = figure('skew beyond the range of the search, about',
+                                    'null unless `kind` is `beyond`', default=None)
+    also_s: float | None = figure('another that fits about as well', 'because the motion repeats '
+                                  'itself; absent without one', left_out=True)
+    searched_s: float | None = figure('clocks that lie apart were sought up to',
+                                      '`alignment.clock_range_s`, or less if the run is short; '
+                                      'absent if there was no search', left_out=True)
 
     @property
     def about_s(self) -> float:

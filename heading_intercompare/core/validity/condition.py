@@ -19,6 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Callable, Iterable, TYPE_CHECKING
 
+from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.outcome import Outcome
 
 if TYPE_CHECKING:
@@ -34,28 +35,17 @@ _RANK = {HOLDS: 0, NOT_TESTABLE: 0, DOUBTFUL: 1, VOID: 2}
 
 @dataclass(frozen=True, slots=True)
 class Finding:
-    """
-    The finding on one condition; keys of the JSON.
+    """The finding on one condition; keys of the JSON."""
 
-    Attributes
-    ----------
-    condition : str
-        Name of a `Condition`.
-    effect : {'holds', 'doubtful', 'void', 'not_testable'}
-        'doubtful': the outcome stands, and the headline says why it is doubtful. 'void': the run
-        says nothing about the TS. 'not_testable': these data cannot show whether the condition
-        holds.
-    words : str
-        The finding in a few words, for a headline.
-    evidence : str
-        The figures, in a sentence.
-
-    """
-
-    condition: str
-    effect: str
-    words: str
-    evidence: str
+    condition: str = figure(
+        'name of the condition', 'the reason of a void run repeats it as `void.NAME`')
+    effect: str = figure(
+        'effect of the finding', '`holds`; `doubtful`: the outcome stands and the headline doubts '
+        'it; `void`: the run says nothing about the TS; `not_testable`: these data cannot show it')
+    words: str = figure('finding in a few words, for a headline')
+    evidence: str = figure(
+        'figures in a sentence', 'of `same_source` the coherence and its band, or how many '
+        'glitches of the RS the TS follows, how late, and the probability of chance')
 
 
 def worst_effect(findings: Iterable[Finding]) -> str:

@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any, Callable, Iterable, Mapping, Sequence, TYPE_CHECKING
 
 from heading_intercompare.core.decision.campaign import Together
@@ -30,11 +30,11 @@ from heading_intercompare.core.decision.criteria import (
 from heading_intercompare.core.decision.guarded import Guarded
 from heading_intercompare.core.decision.sequential import LookVerdict
 from heading_intercompare.core.decision.taken_out import TakenOut
+from heading_intercompare.core.declared_figures import figure, no_key
 from heading_intercompare.core.diagnostics.assumptions import Assumption
 from heading_intercompare.core.diagnostics.deviation import HeadingDependence
 from heading_intercompare.core.diagnostics.percentile import Percentile
 from heading_intercompare.core.diagnostics.run_findings import Allan, Correlation, Drift, RunSkew
-from heading_intercompare.core.json_keys import leave_out_none, no_key
 from heading_intercompare.core.motion.motion_check import MotionCheck
 from heading_intercompare.core.outcome import Outcome, worst
 from heading_intercompare.core.runs.pairing_figures import PairingFigures
@@ -86,55 +86,61 @@ class RunVerdict:
     """
     All findings of one run; the fields are the keys of the JSON, in its order.
 
-    Attributes are documented with the JSON in ``docs/verdict_json.md``. Angles are in degrees,
-    variances in square degrees, stamps in nanoseconds; a missing figure is None.
+    Angles are in degrees, variances in square degrees, stamps in nanoseconds; a missing figure is
+    None.
     """
 
-    run: int
-    source: str
-    start_ns: int
-    end_ns: int
-    duration_s: float
-    pairing: PairingFigures
-    n_input: int
-    n_invalid: int
-    n_stabilization: int
-    n: int
-    mean_deg: float | None
-    min_deg: float | None
-    max_deg: float | None
-    max_abs_deg: float | None
-    mean_square_deg2: float | None
-    circular_mean_deg: float | None
-    resultant_length: float | None
-    drift_coefficients_deg: tuple[float, ...]
-    variance_deg2: float | None
-    std_deg: float | None
-    variance_criterion: VarianceCriterion
-    count_criterion: CountCriterion
-    total_error: TotalError
-    outcome: Outcome
-    reason: str
-    headline: str
-    validity: Sequence[Finding]
-    validity_effect: str
-    coverage: Coverage
-    looks: Sequence[LookVerdict]
-    paper_outcome: Outcome
-    guarded: Guarded
-    skew: RunSkew
-    drift: Drift
-    heading_dependence: HeadingDependence
-    normality: Normality
-    stationarity: Stationarity
-    correlation: Correlation
-    allan: Allan
-    assumptions: Sequence[Assumption]
-    warnings: Sequence[str]
-    taken_out: TakenOut | None = leave_out_none()
-    motion: MotionCheck | None = leave_out_none()
-    #: None before version 2.7, and with too few independent differences.
-    limit_95: Percentile | None = leave_out_none()
+    run: int = figure('number of the run, from 1', unit='')
+    source: str = figure('source', 'name of the input')
+    start_ns: int = figure('first pair', row='first pair, UTC')
+    end_ns: int = figure('last pair')
+    duration_s: float = figure('duration')
+    pairing: PairingFigures = figure('share of the run in the ledger')
+    n_input: int = figure('pairs given')
+    n_invalid: int = figure('left out: not finite')
+    n_stabilization: int = figure('left out: stabilisation period')
+    n: int = figure('differences analysed, n', row='analysed n')
+    mean_deg: float | None = figure('mean difference')
+    min_deg: float | None = figure('minimum difference')
+    max_deg: float | None = figure('maximum difference')
+    max_abs_deg: float | None = figure('largest |difference|')
+    mean_square_deg2: float | None = figure('mean square')
+    circular_mean_deg: float | None = figure('direction of the mean of unit vectors')
+    resultant_length: float | None = figure('resultant length', 'of the mean of unit vectors')
+    drift_coefficients_deg: tuple[float, ...] = figure('coefficients of the drift removed',
+                                                       'Legendre; empty for `drift_order` 0')
+    variance_deg2: float | None = figure('variance, GK (4)', row='variance')
+    std_deg: float | None = figure('standard deviation')
+    variance_criterion: VarianceCriterion = figure('GK (5)')
+    count_criterion: CountCriterion = figure('GK (6)')
+    total_error: TotalError = figure('GK (7)')
+    outcome: Outcome = figure('verdict on the run', row='outcome')
+    reason: str = figure('why the outcome is as it is', 'see risk.md')
+    headline: str = figure(
+        'outcome in one line', 'with the findings that bind it, and what it covers')
+    validity: Sequence[Finding] = figure('what the data say about each condition')
+    validity_effect: str = figure('gravest effect of a finding', '`holds`, `doubtful` or `void`')
+    coverage: Coverage = figure('errors that the verdict covers')
+    looks: Sequence[LookVerdict] = figure('looks at the run while it was in progress',
+                                          'empty without a plan')
+    paper_outcome: Outcome = figure('verdict as printed in GK', row='GK as printed')
+    guarded: Guarded = figure('decision with a stated risk', 'see risk.md')
+    skew: RunSkew = figure('time skew between the sensors')
+    drift: Drift = figure('drift and warm-up')
+    heading_dependence: HeadingDependence = figure('dependence on the heading')
+    normality: Normality = figure('distribution of the errors')
+    stationarity: Stationarity = figure('constancy in time')
+    correlation: Correlation = figure('correlation in time')
+    allan: Allan = figure('scatter against averaging time')
+    assumptions: Sequence[Assumption] = figure('assumptions (a) to (j) of GK')
+    warnings: Sequence[str] = figure('sentences of warning', 'the word before the colon is fixed')
+    taken_out: TakenOut | None = figure('what was taken out of the run by hand',
+                                        'absent if nothing was', left_out=True)
+    motion: MotionCheck | None = figure('headings against the motion of the ship',
+                                        'absent if it is not known', left_out=True)
+    limit_95: Percentile | None = figure('limit that 95 % of the differences keep',
+                                         'absent with fewer than 20 independent differences',
+                                         left_out=True)
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,22 +152,26 @@ class Campaign:
     with each outcome; the common variance.
     """
 
-    rule: str
-    reason: str
-    m: int
-    worst_variance_deg2: float | None
-    worst_variance_run: int | None
-    worst_plus_rate: float | None
-    worst_plus_plus_rate: float | None
-    a_low_deg: float | None
-    a_up_deg: float | None
-    low_worst_deg: float | None
-    up_worst_deg: float | None
-    homogeneity: Homogeneity
-    runs_by_outcome: Mapping[str, int]
-    sensor: Together | None
-    #: Findings on the runs together; None before version 2.7.
-    validity: Sequence[Finding] | None = leave_out_none()
+    rule: str = figure('rule for the runs together', 'the setting `campaign.rule`')
+    reason: str = figure('why the outcome is as it is', 'see risk.md')
+    m: int = figure('runs, m')
+    worst_variance_deg2: float | None = figure('largest variance')
+    worst_variance_run: int | None = figure(
+        'in run', 'the number of the run with the largest variance', unit='')
+    worst_plus_rate: float | None = figure('largest rate beyond the limit', 'n⁺/n')
+    worst_plus_plus_rate: float | None = figure('largest rate beyond the tightened limit', 'n⁺⁺/n')
+    a_low_deg: float | None = figure('mean difference, minimum')
+    a_up_deg: float | None = figure('mean difference, maximum')
+    low_worst_deg: float | None = figure(
+        'total TS error, minimum', 'the outermost limit of GK (7)')
+    up_worst_deg: float | None = figure('total TS error, maximum', 'the outermost limit of GK (7)')
+    homogeneity: Homogeneity = figure('how the runs compare with each other')
+    runs_by_outcome: Mapping[str, int] = figure(
+        'number of runs with each outcome, each on its own')
+    sensor: Together | None = figure('the variance that all runs share, under either rule',
+                                     'null if no run has 128 differences')
+    validity: Sequence[Finding] | None = figure('findings on the runs together, as those of a run',
+                                                'absent if unknown', left_out=True)
 
     @classmethod
     def of(cls, runs: Sequence[RunVerdict], homogeneity: Homogeneity, rule: str, reason: str,
@@ -195,53 +205,41 @@ class Campaign:
 class OperatorNote:
     """A note of the operator, with its time."""
 
-    stamp_ns: int
-    text: str
+    stamp_ns: int = figure('time of the note')
+    text: str = figure('its text')
 
 
 @dataclass(frozen=True, slots=True)
 class Input:
-    """
-    The source of readings, and its problems.
+    """The source of readings, and its problems."""
 
-    Attributes
-    ----------
-    path : str
-        Path as given.
-    sha256 : str or None
-        Hash of its data; None if it could not be read.
-    ts_topic, rs_topic : str or None
-        Topics read, or that made the pairs of a journal or csv. Of a log one topic is its sentence
-        ('HEHDT'), or 'csv', and the other topic None.
-    notes : tuple of OperatorNote, or None
-        Notes of the operator, in time order.
-    error : str or None
-        Why it could not be read.
-    no_run : str or None
-        Why it gave no run, and the fate of its readings.
-    same_as, continues : str or None
-        Path of an earlier input: with the same data; judged together, as this trial began there.
-    ledger_problems : tuple of str, or None
-        Why its readings are not all accounted for.
-    not_taken : mapping, or None
-        Lines of a log that gave no heading, by reason; None if it is no log.
-    made_from : mapping, or None
-        Path and hash of each recording whose readings a csv of pairs has.
-
-    """
-
-    path: str
-    sha256: str | None = None
-    ts_topic: str | None = None
-    rs_topic: str | None = None
-    notes: tuple[OperatorNote, ...] | None = leave_out_none()
-    error: str | None = leave_out_none()
-    no_run: str | None = leave_out_none()
-    same_as: str | None = leave_out_none()
-    continues: str | None = leave_out_none()
-    ledger_problems: tuple[str, ...] | None = leave_out_none()
-    not_taken: Mapping[str, int] | None = leave_out_none()
-    made_from: Mapping[str, str | None] | None = leave_out_none()
+    path: str = figure('path as given')
+    sha256: str | None = figure('SHA-256 of the data', 'null if they could not be read',
+                                default=None)
+    ts_topic: str | None = figure(
+        'topic of the TS', 'of the readings that made the pairs of a journal or csv; of the first '
+        'of two logs the sentence, or `csv`; otherwise null', default=None)
+    rs_topic: str | None = figure('topic of the RS', 'as for the TS; of the second of two logs '
+                                  'the sentence, or `csv`', default=None)
+    notes: tuple[OperatorNote, ...] | None = figure(
+        'notes of the operator, in the order of their times', 'absent without any', left_out=True)
+    error: str | None = figure('why it could not be read', 'then no outcome is better than '
+                               'indeterminate; otherwise absent', left_out=True)
+    no_run: str | None = figure('why it has no run, and an account of its readings',
+                                'then no outcome is better than indeterminate; otherwise absent',
+                                left_out=True)
+    same_as: str | None = figure('path of an earlier input with the same data',
+                                 'absent if there is none', left_out=True)
+    continues: str | None = figure('path of the input that it was judged together with, as this '
+                                   'trial began there', 'otherwise absent', left_out=True)
+    ledger_problems: tuple[str, ...] | None = figure(
+        'why its readings are not all accounted for, and where a journal ends', 'otherwise absent',
+        left_out=True)
+    not_taken: Mapping[str, int] | None = figure('lines of a log that gave no heading, by reason',
+                                                 'absent if it is no log', left_out=True)
+    made_from: Mapping[str, str | None] | None = figure(
+        'path and SHA-256 of each recording whose readings a csv of pairs has', 'otherwise absent',
+        left_out=True)
 
     @property
     def why_no_run(self) -> str | None:
@@ -257,60 +255,37 @@ class Input:
 class Software:
     """The software that judged."""
 
-    name: str = 'heading_intercompare'
-    version: str = VERSION
+    name: str = figure('name of the program', default='heading_intercompare')
+    version: str = figure('its version', default=VERSION)
 
 
 @dataclass(frozen=True, slots=True)
 class Verdict:
-    """
-    The verdict of all runs on the TS.
+    """The verdict of all runs on the TS."""
 
-    Attributes
-    ----------
-    outcome : Outcome
-        The guarded decision by `campaign.rule`.
-    headline : str
-        The outcome in one line, with the findings that affect it and its coverage.
-    validity_effect : {'holds', 'doubtful', 'void'}
-        The most serious effect of a finding in any run.
-    paper_outcome : Outcome
-        GK as printed, worst of runs.
-    settings : Settings
-    inputs : sequence of Input
-        Empty for readings given live or by a program.
-    campaign : Campaign
-    runs : sequence of RunVerdict
-    software : Software
-        The software that judged.
-    rule_version : int or None
-        Version of the decision rule, see `RULE_VERSION`; None in verdicts older than that.
-    ledger_problems : sequence of str or None
-        Sentences that say why the ledger is not complete; None if unknown, before 2.2.
-    intermediate : bool or None
-        True if the last run was still in progress: what a stop would have given; otherwise None.
-    taken_out : TakenOut or None
-        What a person took out, and the verdict with nothing taken out; None without exclusions.
-    plotter : callable or None
-        ``plotter(verdict, name)`` draws the figures, from a sketch of the pairs; no key.
-    settings_sha256 : str
-        Hash of the settings, see the function `settings_sha256`.
-
-    """
-
-    outcome: Outcome
-    headline: str
-    validity_effect: str
-    paper_outcome: Outcome
-    settings: Settings
-    inputs: Sequence[Input]
-    campaign: Campaign
-    runs: Sequence[RunVerdict]
-    software: Software = field(default_factory=Software)
-    rule_version: int | None = RULE_VERSION
-    ledger_problems: Sequence[str] | None = leave_out_none()
-    intermediate: bool | None = leave_out_none()
-    taken_out: TakenOut | None = leave_out_none()
+    outcome: Outcome = figure('outcome', 'the guarded decision by `campaign.rule`')
+    headline: str = figure(
+        'outcome in one line', 'with the findings that bind it, and what it covers')
+    validity_effect: str = figure(
+        'gravest effect of a finding in any run', '`holds`, `doubtful` or `void`')
+    paper_outcome: Outcome = figure('GK as printed, worst of the runs')
+    settings: Settings = figure('every setting by its dotted name', 'see settings.md')
+    inputs: Sequence[Input] = figure(
+        'where the readings came from', 'empty for readings given live or by a program')
+    campaign: Campaign = figure('the runs together')
+    runs: Sequence[RunVerdict] = figure('the runs, in the order of the inputs and of time')
+    software: Software = figure('the program that judged', default=Software())
+    rule_version: int | None = figure('version of the decision rule', 'null if unknown',
+                                      default=RULE_VERSION)
+    ledger_problems: Sequence[str] | None = figure(
+        'why not every reading is accounted for, in sentences', 'such as a node that was '
+        'restarted, or a recording that is cut; empty if all are; absent if unknown',
+        left_out=True)
+    intermediate: bool | None = figure('whether the last run was still in progress',
+                                       'then its outcome is what a stop would have given, and no '
+                                       'judgement; otherwise absent', left_out=True)
+    taken_out: TakenOut | None = figure(
+        'pairs that the runs leave out', 'absent if there are none', left_out=True)
     plotter: Any = no_key()
 
     @property

@@ -16,10 +16,13 @@
 
 from __future__ import annotations
 
+from functools import partial
 import math
 from typing import Callable, Iterator, Sequence
 from xml.etree.ElementTree import Element, SubElement, tostring
 
+from heading_intercompare.core.declared_figures import Figure, find_figure, list_figures
+from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.validity.condition import DOUBTFUL, VOID
 
@@ -28,6 +31,8 @@ from .verdict_document import RunVerdict, Verdict
 from .vocabulary import CAMPAIGN_WORDS, EFFECT_WORDS, law_words, NO_RUN, OUTCOME_WORDS
 
 __all__ = ['describe_together', 'head_lines', 'summary_text', 'verdict_html', 'verdict_text']
+
+Row = tuple[str, Callable[[RunVerdict], str]]
 
 _COLUMNS = 5
 
@@ -78,42 +83,41 @@ def _counts(run: RunVerdict) -> str:
     return f'{counts.n_plus} / {counts.n_plus_plus} / {counts.allowed:.2f}'
 
 
-_ROWS: tuple[tuple[str, Callable[[RunVerdict], str]], ...] = (
-    ('outcome', lambda r: OUTCOME_WORDS[r.outcome]),
-    ('GK as printed', lambda r: OUTCOME_WORDS[r.paper_outcome]),
-    ('first pair, UTC', lambda r: utc(r.start_ns)),
-    ('duration [s]', lambda r: _number(r.duration_s, 1)),
-    ('pairs', lambda r: _number(r.pairing.paired)),
-    ('TS received', lambda r: _number(r.pairing.ts_received)),
-    ('  paired as they are', lambda r: _number(r.pairing.ts_paired)),
-    ('  only interpolated between', lambda r: _number(r.pairing.ts_used)),
-    ('  without partner', lambda r: _number(r.pairing.ts_unpaired)),
-    ('  beside a gap of the RS', lambda r: _number(r.pairing.ts_unbridged)),
-    ('  repeating a held value', lambda r: _number(r.pairing.ts_held)),
-    ('RS received', lambda r: _number(r.pairing.rs_received)),
-    ('  paired or interpolated between', lambda r: _number(r.pairing.rs_used)),
-    ('  not used', lambda r: _number(r.pairing.rs_unused)),
-    ('  beside a gap of the TS', lambda r: _number(r.pairing.rs_unbridged)),
-    ('  repeating a held value', lambda r: _number(r.pairing.rs_held)),
+def _declare(keys: str) -> Iterator[Row]:
+    """Yield the rows of declared figures by their keys, units in ASCII."""
+    for key in keys.split():
+        figure = list_figures(RunVerdict)[key]
+        unit = '' if figure.unit in ('', '1', 'UTC') else f' [{figure.unit.replace("²", "2")}]'
+        words = figure.row or figure.words.replace('of these ', '  ')
+        yield words + unit, partial(_cell, key, figure)
+
+
+def _cell(key: str, figure: Figure, run: RunVerdict) -> str:
+    value, digits = find_figure(run, key), {'deg': 4, 'deg²': 6}.get(figure.unit, 1)
+    if figure.up_key:
+        return _range(value, find_figure(run, figure.up_key), digits)
+    if isinstance(value, Outcome):
+        return OUTCOME_WORDS[value]
+    return utc(value) if figure.unit == 'UTC' else _number(value, digits)
+
+
+_ROWS: tuple[Row, ...] = (
+    *_declare("""
+        outcome paper_outcome start_ns duration_s pairing.paired pairing.ts_received
+        pairing.ts_paired pairing.ts_used pairing.ts_unpaired pairing.ts_unbridged pairing.ts_held
+        pairing.rs_received pairing.rs_used pairing.rs_unused pairing.rs_unbridged
+        pairing.rs_held"""),
     ('rejected', _describe_rejected),
     ('lost', _describe_lost),
-    ('analysed n', lambda r: _number(r.n)),
-    ('effective size nu', lambda r: _number(r.guarded.nu, 1)),
-    ('mean difference [deg]', lambda r: _number(r.mean_deg)),
-    ('largest |difference| [deg]', lambda r: _number(r.max_abs_deg)),
+    *_declare('n guarded.nu mean_deg max_abs_deg'),
     ('limit of 95 % of them [deg]', _limit),
-    ('standard deviation [deg]', lambda r: _number(r.std_deg)),
-    ('variance [deg2]', lambda r: _number(r.variance_deg2, 6)),
+    *_declare('std_deg variance_deg2'),
     ('  with its bounds [deg2]',
      lambda r: _range(r.guarded.lower_bound_deg2, r.guarded.upper_bound_deg2, 6)),
-    ('  acceptance limit [deg2]', lambda r: _number(r.guarded.acceptance_limit_deg2, 6)),
-    ('  rejection limit [deg2]', lambda r: _number(r.guarded.rejection_limit_deg2, 6)),
-    ('GK (5) variance', lambda r: OUTCOME_WORDS[r.variance_criterion.outcome]),
+    *_declare("""
+        guarded.acceptance_limit_deg2 guarded.rejection_limit_deg2 variance_criterion.outcome"""),
     ('n+ / n++ / allowed', _counts),
-    ('GK (6) counts', lambda r: OUTCOME_WORDS[r.count_criterion.outcome]),
-    ('sigma of the TS [deg]',
-     lambda r: _range(r.guarded.sigma_ts_lower_deg, r.guarded.sigma_ts_upper_deg)),
-    ('total TS error [deg]', lambda r: _range(r.total_error.low_deg, r.total_error.up_deg)),
+    *_declare('count_criterion.outcome guarded.sigma_ts_lower_deg total_error.low_deg'),
 )
 
 

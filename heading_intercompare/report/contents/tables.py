@@ -20,6 +20,7 @@ from dataclasses import dataclass
 from typing import Any, Callable, Generic, Mapping, Sequence, TypeVar
 
 from heading_intercompare.core.decision.campaign import Together
+from heading_intercompare.core.declared_figures import Figure, find_figure, list_figures
 from heading_intercompare.core.runs.pairing_figures import LostReadings
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import Campaign, RunVerdict
@@ -96,89 +97,62 @@ def _lost(lost: LostReadings | None, sensor: str) -> str:
     return ', '.join(f'{n} {where.replace("_", " ")}' for where, n in wheres.items()) or '0'
 
 
+def _declare(kind: Any, keys: str, block: str = '') -> tuple[Row[Any], ...]:
+    """Return the rows of figures of a dataclass by their keys, which may be within a block."""
+    figures = list_figures(kind)
+    return tuple(_make_row(f'{block}{key}', figures[f'{block}{key}']) for key in keys.split())
+
+
+def _make_row(key: str, figure: Figure) -> Row[Any]:
+    def show(thing: Any) -> Any:
+        shown = find_figure(thing, key)
+        if figure.unit == 'UTC':
+            return utc(shown)
+        return interval(shown, find_figure(thing, figure.up_key)) if figure.up_key else shown
+
+    return Row(figure.words, figure.unit, show, _HOLDS.get(key, lambda thing: True))
+
+
+#: The figures of a run that need not hold beside its outcome; all others do.
+_HOLDS: dict[str, Callable[[RunVerdict], bool]] = {
+    **dict.fromkeys(('paper_outcome', 'variance_criterion.outcome', 'count_criterion.outcome',
+                     'total_error.outcome', 'guarded.outcome', 'guarded.count_outcome',
+                     'guarded.lower_bound_deg2'), is_sound),
+    **dict.fromkeys(('guarded.upper_bound_deg2', 'guarded.sigma_ts_lower_deg',
+                     'guarded.slow_allowance_deg2', 'guarded.rate_plus_plus_upper'),
+                    upper_bound_holds),
+    'guarded.confidence_compliant': confidence_holds,
+    'guarded.confidence_non_compliant': confidence_holds,
+    'guarded.conformance_probability': probability_holds,
+    'guarded.duration_factor': length_holds, 'guarded.hours_needed': length_holds}
+
 LEDGER: tuple[Row[RunVerdict], ...] = (
-    Row('pairs', '1', lambda run: run.pairing.paired),
-    Row('TS readings received', '1', lambda run: run.pairing.ts_received),
-    Row('of these paired as they are', '1', lambda run: run.pairing.ts_paired),
-    Row('of these only interpolated between', '1', lambda run: run.pairing.ts_used),
-    Row('of these without a partner', '1', lambda run: run.pairing.ts_unpaired),
-    Row('of these beside a gap of the RS', '1', lambda run: run.pairing.ts_unbridged),
-    Row('of these repeating a held value', '1', lambda run: run.pairing.ts_held),
+    *_declare(RunVerdict, 'paired ts_received ts_paired ts_used ts_unpaired ts_unbridged ts_held',
+              'pairing.'),
     Row('of these rejected, by reason', '1', lambda run: _list_reasons(run.pairing.rejected.ts)),
     Row('TS readings lost besides', '1', lambda run: _lost(run.pairing.lost, 'ts')),
-    Row('RS readings received', '1', lambda run: run.pairing.rs_received),
-    Row('of these paired or interpolated between', '1', lambda run: run.pairing.rs_used),
-    Row('of these not used', '1', lambda run: run.pairing.rs_unused),
-    Row('of these beside a gap of the TS', '1', lambda run: run.pairing.rs_unbridged),
-    Row('of these repeating a held value', '1', lambda run: run.pairing.rs_held),
+    *_declare(RunVerdict, 'rs_received rs_used rs_unused rs_unbridged rs_held', 'pairing.'),
     Row('of these rejected, by reason', '1', lambda run: _list_reasons(run.pairing.rejected.rs)),
     Row('RS readings lost besides', '1', lambda run: _lost(run.pairing.lost, 'rs')),
-    Row('mean lag RS - TS', 's', lambda run: run.pairing.mean_lag_s),
-    Row('largest |lag|', 's', lambda run: run.pairing.max_lag_s),
-    Row('factor of the RS noise variance by interpolation', '1',
-        lambda run: run.pairing.rs_variance_factor),
-    Row('factor of the TS noise variance by interpolation', '1',
-        lambda run: run.pairing.ts_variance_factor),
-    Row('pairs given', '1', lambda run: run.n_input),
-    Row('left out: not finite', '1', lambda run: run.n_invalid),
-    Row('left out: stabilisation period', '1', lambda run: run.n_stabilization),
+    *_declare(RunVerdict, 'mean_lag_s max_lag_s rs_variance_factor ts_variance_factor',
+              'pairing.'),
+    *_declare(RunVerdict, 'n_input n_invalid n_stabilization'),
     Row('left out: taken out by hand', '1',
         lambda run: 0 if run.taken_out is None else run.taken_out.n),
-    Row('differences analysed, n', '1', lambda run: run.n),
+    *_declare(RunVerdict, 'n'),
 )
 
-RESULTS: tuple[Row[RunVerdict], ...] = (
-    Row('verdict on the run', '', lambda run: run.outcome),
-    Row('verdict as printed in GK', '', lambda run: run.paper_outcome, is_sound),
-    Row('source', '', lambda run: run.source),
-    Row('first pair', 'UTC', lambda run: utc(run.start_ns)),
-    Row('last pair', 'UTC', lambda run: utc(run.end_ns)),
-    Row('duration', 's', lambda run: run.duration_s),
-    Row('length analysed', 's', lambda run: run.coverage.span_s),
-    Row('slowest errors covered, if the run decides', 's', lambda run: run.coverage.longest_s),
-    Row('slowest error stated', 's', lambda run: run.coverage.stated_s),
-    Row('least length of a run that may comply', 's',
-        lambda run: run.coverage.least_duration_s),
-    Row('differences analysed, n', '1', lambda run: run.n),
-    Row('mean difference', 'deg', lambda run: run.mean_deg),
-    Row('minimum difference', 'deg', lambda run: run.min_deg),
-    Row('maximum difference', 'deg', lambda run: run.max_deg),
-    Row('largest |difference|', 'deg', lambda run: run.max_abs_deg),
-    Row('limit that 95 % of the differences keep, about their mean', 'deg',
-        lambda run: None if run.limit_95 is None else run.limit_95.limit_deg),
-    Row('its lower .. upper bound at 95 % confidence', 'deg', lambda run: ABSENT if (
-        run.limit_95 is None) else interval(run.limit_95.lower_deg, run.limit_95.upper_deg)),
-    Row('mean square', 'deg²', lambda run: run.mean_square_deg2),
-    Row('resultant length', '1', lambda run: run.resultant_length),
-    Row('coefficients of the drift removed', 'deg',
-        lambda run: ', '.join(number(c) for c in run.drift_coefficients_deg) or ABSENT),
-    Row('variance, GK (4)', 'deg²', lambda run: run.variance_deg2),
-    Row('standard deviation', 'deg', lambda run: run.std_deg),
-    Row('GK (5): variance limit', 'deg²', lambda run: run.variance_criterion.limit_deg2),
-    Row("GK (5'): tightened variance limit", 'deg²',
-        lambda run: run.variance_criterion.tightened_limit_deg2),
-    Row("GK (5''): ratio", '1', lambda run: run.variance_criterion.ratio),
-    Row('GK (5): width of the dead zone', '1', lambda run: run.variance_criterion.dead_zone_width),
-    Row('GK (5): outcome', '', lambda run: run.variance_criterion.outcome, is_sound),
-    Row('GK (*): coverage factor', '1', lambda run: run.count_criterion.k),
-    Row('GK (**): coverage factor', '1', lambda run: run.count_criterion.k_tightened),
-    Row('GK (*): limit of a deviation', 'deg', lambda run: run.count_criterion.limit_deg),
-    Row('GK (**): tightened limit', 'deg', lambda run: run.count_criterion.tightened_limit_deg),
-    Row('GK (6): n+ beyond the limit', '1', lambda run: run.count_criterion.n_plus),
-    Row('GK (6): n++ beyond the tightened limit', '1',
-        lambda run: run.count_criterion.n_plus_plus),
-    Row('GK (6): allowed, n (1 - P)', '1', lambda run: run.count_criterion.allowed),
-    Row('GK (6): width of the dead zone', '1', lambda run: run.count_criterion.dead_zone_width),
-    Row('GK (6): outcome', '', lambda run: run.count_criterion.outcome, is_sound),
-    Row('GK (7): coverage factor', '1', lambda run: run.total_error.k),
-    Row('GK (7): TS standard deviation, RS at its upper .. lower bound', 'deg',
-        lambda run: interval(run.total_error.sigma_ts_low_deg, run.total_error.sigma_ts_up_deg)),
-    Row('GK (7): total TS error, wide', 'deg',
-        lambda run: interval(run.total_error.low_deg, run.total_error.up_deg)),
-    Row('GK (7): total TS error, narrow', 'deg',
-        lambda run: interval(run.total_error.low_narrow_deg, run.total_error.up_narrow_deg)),
-    Row('GK (7): outcome', '', lambda run: run.total_error.outcome, is_sound),
-)
+RESULTS = _declare(RunVerdict, """
+    outcome paper_outcome source start_ns end_ns duration_s coverage.span_s coverage.longest_s
+    coverage.stated_s coverage.least_duration_s n mean_deg min_deg max_deg max_abs_deg
+    limit_95.limit_deg limit_95.lower_deg mean_square_deg2 resultant_length drift_coefficients_deg
+    variance_deg2 std_deg variance_criterion.limit_deg2 variance_criterion.tightened_limit_deg2
+    variance_criterion.ratio variance_criterion.dead_zone_width variance_criterion.outcome
+    count_criterion.k count_criterion.k_tightened count_criterion.limit_deg
+    count_criterion.tightened_limit_deg count_criterion.n_plus count_criterion.n_plus_plus
+    count_criterion.allowed count_criterion.dead_zone_width count_criterion.outcome total_error.k
+    total_error.sigma_ts_low_deg total_error.low_deg total_error.low_narrow_deg
+    total_error.outcome""")
 
 SUMMARY: tuple[Row[RunVerdict], ...] = (
     Row('outcome', '', lambda run: run.outcome),
@@ -210,92 +184,26 @@ SUMMARY: tuple[Row[RunVerdict], ...] = (
 )
 
 GUARDED: tuple[Row[RunVerdict], ...] = (
-    Row('outcome on the variance', '', lambda run: run.guarded.outcome, is_sound),
-    Row('outcome on the counts', '', lambda run: run.guarded.count_outcome, is_sound),
-    Row('variance, including the part that the removed mean absorbed', 'deg²',
-        lambda run: run.guarded.d_hat_deg2),
-    Row("its upper bound U, at the consumer's risk", 'deg²',
-        lambda run: run.guarded.upper_bound_deg2,
-        upper_bound_holds),
-    Row('acceptance limit A', 'deg²', lambda run: run.guarded.acceptance_limit_deg2),
-    Row("its lower bound L, at the producer's risk", 'deg²',
-        lambda run: run.guarded.lower_bound_deg2,
-        is_sound),
-    Row('rejection limit R', 'deg²', lambda run: run.guarded.rejection_limit_deg2),
-    Row('TS standard deviation, bounds', 'deg',
-        lambda run: interval(run.guarded.sigma_ts_lower_deg, run.guarded.sigma_ts_upper_deg),
-        upper_bound_holds),
-    Row('effective degrees of freedom of the variance', '1', lambda run: run.guarded.nu),
-    Row('degrees of freedom of the slow part, f', '1', lambda run: run.guarded.f),
-    Row('corner of the spectrum of the squares, half-periods', '1',
-        lambda run: run.guarded.corner_j),
-    Row('ratio of the lowest half-periods to the middle ones', '1',
-        lambda run: run.guarded.r_slow),
-    Row('variance of the visible slow part', 'deg²',
-        lambda run: run.guarded.slow_variance_deg2),
-    Row('allowance for the slow part in U', 'deg²', lambda run: run.guarded.slow_allowance_deg2,
-        upper_bound_holds),
-    Row('length in slowest errors stated, if U rests on them', '1',
-        lambda run: run.guarded.stated_times),
-    Row('confidence that the variance is at most A', '1',
-        lambda run: run.guarded.confidence_compliant,
-        confidence_holds),
-    Row('confidence that the variance is above R', '1',
-        lambda run: run.guarded.confidence_non_compliant,
-        confidence_holds),
-    Row('conformance probability', '1', lambda run: run.guarded.conformance_probability,
-        probability_holds),
-    Row('length with which the run alone decides, times this one', '1',
-        lambda run: run.guarded.duration_factor,
-        length_holds),
-    Row('length with which the run alone decides', 'h', lambda run: run.guarded.hours_needed,
-        length_holds),
-    Row('mean difference: standard uncertainty', 'deg', lambda run: run.guarded.bias_u_deg),
+    *_declare(RunVerdict, """
+        outcome count_outcome d_hat_deg2 upper_bound_deg2 acceptance_limit_deg2 lower_bound_deg2
+        rejection_limit_deg2 sigma_ts_lower_deg nu f corner_j r_slow slow_variance_deg2
+        slow_allowance_deg2 stated_times confidence_compliant confidence_non_compliant
+        conformance_probability duration_factor hours_needed bias_u_deg""", 'guarded.'),
     Row('mean difference: 95 % interval', 'deg',
         lambda run: interval(*(run.guarded.bias_interval_deg or (None, None)))),
-    Row('mean difference significant', '', lambda run: run.guarded.bias_significant),
-    Row('rate beyond the limit, n+ / n', '1', lambda run: run.guarded.rate_plus),
-    Row('its lower bound', '1', lambda run: run.guarded.rate_plus_lower),
-    Row('rate beyond the tightened limit, n++ / n', '1', lambda run: run.guarded.rate_plus_plus),
-    Row('its upper bound', '1', lambda run: run.guarded.rate_plus_plus_upper,
-        upper_bound_holds),
+    *_declare(RunVerdict, """
+        bias_significant rate_plus rate_plus_lower rate_plus_plus rate_plus_plus_upper""",
+              'guarded.'),
 )
 
-WORST: tuple[Row[Campaign], ...] = (
-    Row('runs, m', '1', lambda campaign: campaign.m),
-    Row('largest variance', 'deg²', lambda campaign: campaign.worst_variance_deg2),
-    Row('in run', '', lambda campaign: campaign.worst_variance_run),
-    Row('largest rate beyond the limit', '1', lambda campaign: campaign.worst_plus_rate),
-    Row('largest rate beyond the tightened limit', '1',
-        lambda campaign: campaign.worst_plus_plus_rate),
-    Row('mean difference, minimum', 'deg', lambda campaign: campaign.a_low_deg),
-    Row('mean difference, maximum', 'deg', lambda campaign: campaign.a_up_deg),
-    Row('total TS error, minimum', 'deg', lambda campaign: campaign.low_worst_deg),
-    Row('total TS error, maximum', 'deg', lambda campaign: campaign.up_worst_deg),
-)
+WORST = _declare(Campaign, """
+    m worst_variance_deg2 worst_variance_run worst_plus_rate worst_plus_plus_rate a_low_deg
+    a_up_deg low_worst_deg up_worst_deg""")
 
-SENSOR: tuple[Row[Together], ...] = (
-    Row('runs with 128 differences or more', '1', lambda shared: shared.runs),
-    Row('their differences', '1', lambda shared: shared.n),
-    Row('their total duration', 's', lambda shared: shared.span_s),
-    Row('shortest time between two of them', 's', lambda shared: shared.apart_s),
-    Row('mean variance, weighted', 'deg²', lambda shared: shared.d_hat_deg2),
-    Row('effective degrees of freedom of the variance', '1', lambda shared: shared.nu),
-    Row('degrees of freedom of the slow part', '1', lambda shared: shared.f),
-    Row('allowance for a visible slow part', 'deg²', lambda shared: shared.slow_allowance_deg2),
-    Row('upper bound from within the runs', 'deg²', lambda shared: shared.pooled_upper_bound_deg2),
-    Row('upper bound from the means of the runs', 'deg²',
-        lambda shared: shared.between_upper_bound_deg2),
-    Row('upper bound from the scatter of the runs', 'deg²',
-        lambda shared: shared.scatter_upper_bound_deg2),
-    Row('shortest run in slowest errors stated, if U rests on them', '1',
-        lambda shared: shared.stated_times),
-    Row('upper bound U in force', 'deg²', lambda shared: shared.upper_bound_deg2),
-    Row('acceptance limit A', 'deg²', lambda shared: shared.acceptance_limit_deg2),
-    Row('lower bound L', 'deg²', lambda shared: shared.lower_bound_deg2),
-    Row('rejection limit R', 'deg²', lambda shared: shared.rejection_limit_deg2),
-    Row('lower bound of the rate beyond the limit', '1', lambda shared: shared.rate_plus_lower),
-)
+SENSOR = _declare(Together, """
+    runs n span_s apart_s d_hat_deg2 nu f slow_allowance_deg2 pooled_upper_bound_deg2
+    between_upper_bound_deg2 scatter_upper_bound_deg2 stated_times upper_bound_deg2
+    acceptance_limit_deg2 lower_bound_deg2 rejection_limit_deg2 rate_plus_lower""")
 
 
 def rows_of(rows: Sequence[Row[Thing]], thing: Thing) -> list[tuple[str, str, str]]:

@@ -36,7 +36,7 @@ from heading_intercompare.core.decision.campaign import (
 )
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.guarded import gather_evidence
-from heading_intercompare.core.json_keys import is_left_out
+from heading_intercompare.core.declared_figures import is_left_out
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import Norms, Risk
 from heading_intercompare.core.statistics.cells import Cells

@@ -16,61 +16,36 @@
 
 from __future__ import annotations
 
-from dataclasses import fields, is_dataclass, replace
 import json
 import math
-from pathlib import Path
-import re
 import tracemalloc
 
 import numpy as np
 import pytest
 
 from heading_intercompare.core.angles import wrap180
-from heading_intercompare.core.decision.campaign import Together
-from heading_intercompare.core.decision.coverage import Coverage
 from heading_intercompare.core.decision.criteria import Limits
-from heading_intercompare.core.decision.guarded import decide, gather_evidence, Guarded
-from heading_intercompare.core.decision.sequential import LookVerdict
+from heading_intercompare.core.decision.guarded import decide, gather_evidence
 from heading_intercompare.core.diagnostics.assumptions import (
-    Assumption,
     MET,
     NOT_TESTABLE,
     VIOLATED,
 )
-from heading_intercompare.core.diagnostics.deviation import HeadingDependence
-from heading_intercompare.core.diagnostics.reference_noise import ReferenceNoise
 from heading_intercompare.core.diagnostics.run_columns import RunColumns
-from heading_intercompare.core.diagnostics.run_diagnostics import diagnose, Diagnostics, with_runs
+from heading_intercompare.core.diagnostics.run_diagnostics import diagnose, with_runs
 from heading_intercompare.core.diagnostics.run_findings import (
-    Allan,
-    Correlation,
     describe_drift,
-    Drift,
     left_in_deg2,
-    RunSkew,
 )
-from heading_intercompare.core.pipeline import join
-from heading_intercompare.core.runs.pairing_figures import PairingFigures
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.statistics.cells import Cells
-from heading_intercompare.core.statistics.drift import Order, remove_polynomial, Slope
+from heading_intercompare.core.statistics.drift import remove_polynomial
 from heading_intercompare.core.statistics.ergodicity import (
     examine_homogeneity,
-    Homogeneity,
     RunFigures,
 )
-from heading_intercompare.core.statistics.normality import Normality, Shape
-from heading_intercompare.core.statistics.stationarity import Stationarity
-from heading_intercompare.core.statistics.warm_up import WarmUp
-from heading_intercompare.core.timing.skew_scan import Scan
-from heading_intercompare.core.timing.stamp_steps import StampSteps
 from heading_intercompare.core.timing.time_skew import Skew
 from heading_intercompare.core.typed_reader import make_plain
-from heading_intercompare.core.validity.condition import Finding
-from heading_intercompare.core.verdict.verdict_document import Campaign, RunVerdict, SCHEMA
-
-PAGE = Path(__file__).resolve().parents[3] / 'docs' / 'verdict_json.md'
 
 SETTINGS = Settings.from_mapping(
     {'norms': {'sigma_max_deg': 0.2, 'sigma_ref_max_deg': 0.1, 'm_low': 0.5}})
@@ -230,49 +205,6 @@ def test_a_long_run_takes_little_memory(ar1, yaw):
 
 
 # --- the page of the keys ---
-
-BLOCKS = {'skew': RunSkew, 'skew.estimate': Skew, 'skew.scan': Scan, 'drift': Drift,
-          'drift.order': Order, 'drift.line': Slope, 'drift.warm_up': WarmUp,
-          'heading_dependence': HeadingDependence, 'normality': Normality,
-          'normality.difference': Shape, 'stationarity': Stationarity,
-          'correlation': Correlation, 'correlation.stamps': StampSteps, 'allan': Allan,
-          'allan.reference_noise': ReferenceNoise, 'assumptions': Assumption,
-          'homogeneity': Homogeneity, 'sensor': Together, 'validity': Finding,
-          'coverage': Coverage, 'looks': LookVerdict}
-
-
-@pytest.mark.parametrize('name', BLOCKS)
-def test_the_page_lists_the_keys_of_a_block_in_their_order(name):
-    section = PAGE.read_text('utf-8').split(f'### `{name}`\n')[1].split('\n##')[0]
-    listed = [key for row in re.findall(r'^\| (`.*?) \|', section, re.MULTILINE)
-              for key in re.findall(r'`(\w+)`', row)]
-    assert listed == [f.name for f in fields(BLOCKS[name])]
-
-
-@pytest.mark.parametrize('record', [Campaign, Guarded, RunVerdict, PairingFigures])
-def test_the_page_names_every_key_of_a_record(record):
-    text = PAGE.read_text('utf-8').replace('`skew` … `allan`', ' '.join(
-        f'`{f.name}`' for f in fields(Diagnostics)))
-    assert [f.name for f in fields(record) if f'`{f.name}`' not in text] == []
-
-
-def test_the_page_knows_the_keys_and_the_schema_of_the_whole():
-    text = PAGE.read_text('utf-8')
-    assert f'`{SCHEMA}`' in text
-    whole = join([], SETTINGS).to_dict()
-    assert [key for key in whole if f'| `{key}` |' not in text] == []
-
-
-def test_the_page_knows_every_block_there_is(good):
-    """Nested dataclasses of the diagnostics are sections of the page."""
-    found = replace(run(*good), skew=run(*good).skew)
-    known = set(BLOCKS.values())
-    seen = [getattr(found, f.name) for f in fields(Diagnostics) if f.name != 'signs']
-    while seen:
-        block = seen.pop()
-        if is_dataclass(block):
-            assert type(block) in known, type(block)
-            seen += [getattr(block, f.name) for f in fields(block)]
 
 def test_the_drift_left_in_is_that_of_the_block(rng):
     stamps = np.arange(4000) * 10 ** 8

@@ -22,16 +22,15 @@ from typing import get_args, get_type_hints
 
 import pytest
 
+from heading_intercompare.core.declared_figures import list_figures
 from heading_intercompare.core.statistics.ergodicity import Homogeneity
-from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
+from heading_intercompare.core.statistics.normality import Shape
+from heading_intercompare.core.verdict.verdict_document import Campaign, RunVerdict, Verdict
 from heading_intercompare.report.contents.findings import (
     describe_findings,
     FINDINGS,
-    HOMOGENEITY,
     LEFT_TO_JSON,
-    OF_SHAPE,
     rows_of_block,
-    SHAPES,
 )
 
 #: Shown by tables of their own; `test_html` finds every number of them in the page, and
@@ -58,16 +57,17 @@ def keys_of(kind, prefix=''):
 
 def worded():
     """Return the names of the figures that the findings say in words."""
-    found = {f'{finding.block}.{key}' for finding in FINDINGS
-             for figure in (*finding.figures, *finding.columns)
-             for key in (figure.key, figure.u_key) if key}
-    return found | {f'normality.{shape}.{figure.key}' for shape, _ in SHAPES
-                    for figure in OF_SHAPE}
+    figures = [item for finding in FINDINGS for keys in (finding.rows, finding.columns)
+               for item in finding.pick(keys).items()]
+    shapes = [f'{finding.block}.{shape}' for finding in FINDINGS
+              for shape in finding.side_by_side.split()]
+    return {key for name, figure in figures for key in (name, figure.u_key) if key} | {
+        f'{shape}.{key}' for shape in shapes for key in list_figures(Shape)}
 
 
 def test_every_figure_of_a_run_is_in_words_or_left_to_the_json():
     blocks = {field.name for field in fields(RunVerdict)} - SHOWN
-    assert blocks == {finding.block for finding in FINDINGS}
+    assert blocks == {finding.block.partition('.')[0] for finding in FINDINGS}
     hints = get_type_hints(RunVerdict)
     # A block that a run may lack is a union with None.
     kinds = {block: next(one for one in (hints[block], *get_args(hints[block]))
@@ -77,20 +77,11 @@ def test_every_figure_of_a_run_is_in_words_or_left_to_the_json():
     assert not worded() & {*LEFT_TO_JSON} and all(LEFT_TO_JSON.values())
 
 
-def test_every_figure_that_compares_the_runs_is_in_words():
-    assert {figure.key for figure in HOMOGENEITY} == {f.name for f in fields(Homogeneity)}
-
-
 def test_words_are_words_and_units_are_units():
-    every = [figure for finding in FINDINGS for figure in (*finding.figures, *finding.columns)]
-    for figure in (*every, *HOMOGENEITY, *OF_SHAPE):
-        assert not re.search(r'_|\w\.\w', figure.words), figure.words
-        assert figure.unit in ('', '1', 'deg', 'deg²', 'deg/h', 'deg/s', 'kn', 's', 'h',
+    for figure in (*list_figures(RunVerdict).values(), *list_figures(Campaign).values()):
+        assert not re.search(r'[^`]\b\w+_\w+\b[^`]', f' {figure.words} '), figure.words
+        assert figure.unit in ('', '1', 'UTC', 'deg', 'deg²', 'deg/h', 'deg/s', 'kn', 's', 'h',
                                'readings')
-        suffix = {'_deg': 'deg', '_deg2': 'deg²', '_s': 's', '_h': 'h'}
-        for end, unit in suffix.items():
-            if figure.key.endswith(end) and not figure.key.endswith(('_per_h', 'deg_s')):
-                assert figure.unit == unit, figure
 
 
 @pytest.mark.parametrize('runs, n', [(0, 600), (1, 600), (1, 20), (3, 300)])
@@ -114,7 +105,8 @@ def test_a_figure_stands_beside_its_uncertainty_with_two_digits(made):
 
 
 def test_a_row_that_no_run_has_is_left_out():
-    rows = rows_of_block(HOMOGENEITY, [(1, {'m': 2, 'q_p': None}), (2, {'m': 3, 'q_p': None})])
+    rows = rows_of_block(list_figures(Homogeneity), [
+        (1, {'m': 2, 'q_p': None}), (2, {'m': 3, 'q_p': None})])
     assert [row for table in rows for row in table.rows] == [['runs compared', '1', '2', '3']]
 
 
