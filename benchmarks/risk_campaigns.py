@@ -29,7 +29,6 @@ from error_processes import (
     sea_state,
     white,
 )
-from former_rule import former_rule
 import numpy as np
 from risk_measures import batches, Bounds, fails, rate, Result, runs_for, SIGMAS
 from risk_rows import band, half, JUDGED_FROM
@@ -191,23 +190,21 @@ def _power(name: str, samples: int, errors: Errors) -> Campaign:
     """Return a row of the lengths, in correlation times, from which 80 % of runs are decided."""
     def measure(rng: np.random.Generator, wanted: int | None, alpha: float) -> Result:
         lengths = [t for t in LENGTHS if t * samples <= 20_000]
-        shares = np.empty((3, len(TARGETS), len(lengths)))
+        shares = np.empty((2, len(TARGETS), len(lengths)))
         for k, times in enumerate(lengths):
-            now, before, d = [], [], []
+            now, d = [], []
             n = times * samples
             for many in batches(errors, n, runs_for(n, wanted), rng):
                 for x in many:
                     f = estimate_spread(Cells.of(x))
                     now.append((lower_bound(f, alpha), upper_bound(f, alpha)))
-                    j = former_rule(x, alpha)
-                    before.append((j.lower_deg2, j.upper_deg2) if j.is_open else (0.0, math.inf))
                     d.append(f.d_deg2)
             d = np.array(d)
             known = Bounds(d / np.quantile(d, 1.0 - alpha), d / np.quantile(d, alpha))
-            for i, bounds in enumerate((Bounds.of(before), Bounds.of(now), known)):
+            for i, bounds in enumerate((Bounds.of(now), known)):
                 shares[i, :, k] = [np.mean(s * s * bounds.upper <= 1.0 if s < 1.0
                                            else s * s * bounds.lower > 1.0) for s in TARGETS]
-        return Result((name, *(' / '.join(_length(shares[i, j], lengths) for i in range(3))
+        return Result((name, *(' / '.join(_length(share[j], lengths) for share in shares)
                                for j in range(len(TARGETS)))))
     return Campaign(name, measure)
 
@@ -387,5 +384,5 @@ CAMPAIGNS = {
         'errors; runs of lengths', 'campaigns', 'S.12: hi', 'accepts', 'S.18: hi', 'accepts',
         'S.13: hi', 'accepts', 'S.13 and S.19: hi', 'accepts')),
     'B': (table_b, ('errors', *(f'{"accept" if s < 1.0 else "reject"} {s:g}: '
-                                'former / rule / known' for s in TARGETS)))}
+                                'rule / known' for s in TARGETS)))}
 """Tables of several runs, looks or lengths: rows and heads of columns."""

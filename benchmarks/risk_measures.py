@@ -21,7 +21,6 @@ import math
 from typing import Iterator
 
 from error_processes import Errors, polynomial, without_drift
-from former_rule import former_rule
 import numpy as np
 from risk_rows import AUTO, Row
 
@@ -43,7 +42,7 @@ LEAST_RUNS = ((20_000, 5000), (100_000, 1000), (math.inf, 400))
 LARGEST_RATE = 0.06
 
 COLUMNS = ('errors', 'n', 'runs', 'rule hi', 'rule lo', 'median L / U',
-           'accepts 0.5 / 0.7 / 0.85', 'former: open: hi / lo; accepts')
+           'accepts 0.5 / 0.7 / 0.85')
 
 STATED_COLUMNS = ('errors', 'n', 'runs', 'stated: hi', 'lo', 'median L / U',
                   'accepts 0.5 / 0.7 / 0.85', 'not stated: hi', 'accepts')
@@ -165,7 +164,7 @@ def bounds_of(x: np.ndarray, stamps: np.ndarray | None, order: int, alpha: float
 
 def measure_row(row: Row, rng: np.random.Generator, wanted: int | None, alpha: float) -> Result:
     """Return a row of a table of single runs."""
-    now, former, opened = [], [], 0
+    now: list[tuple[float, float]] = []
     unstated: list[tuple[float, float]] = []
     for x, stamps, order in runs_of(row, runs_for(row.n, wanted), rng):
         # Times count data, a statement counts the whole span.
@@ -173,20 +172,11 @@ def measure_row(row: Row, rng: np.random.Generator, wanted: int | None, alpha: f
         now.append(bounds_of(x, stamps, order, alpha, times))
         if row.stated:
             unstated.append(bounds_of(x, stamps, order, alpha))
-        if row.has_former:
-            judged = former_rule(x, alpha, order)
-            opened += judged.is_open
-            former.append((judged.lower_deg2, judged.upper_deg2) if judged.is_open
-                          else (0.0, math.inf))
     bounds = Bounds.of(now)
-    beside: tuple[str, ...] = ('-',)
+    beside: tuple[str, ...] = ()
     if unstated:
         b = Bounds.of(unstated)
         beside = rate(b.hi, alpha, False), b.accepts
-    if former:
-        f = Bounds.of(former)
-        beside = (f'{opened / len(former):.3f}: {np.mean(f.hi):.4f} / {np.mean(f.lo):.4f}; '
-                  f'{f.accepts}',)
     sides = (bounds.hi, bounds.lo)
     return Result((row.name if row.is_judged else f'({row.name})', str(row.n), str(len(now)),
                    *(rate(side, alpha, row.is_judged) for side in sides), bounds.medians,

@@ -51,7 +51,6 @@ AUTO = -1
 JUDGED_FROM = 20
 """Correlation times from which the risks are promised; shorter rows are only reported."""
 
-LONGEST_FORMER = 100_000
 PERIODS = 5.0
 
 
@@ -97,11 +96,6 @@ class Row:
     def is_judged(self) -> bool:
         """Whether the row can fail: long enough, and no error slower than stated."""
         return self.times >= JUDGED_FROM and not 0.0 < self.stated < 1.0
-
-    @property
-    def has_former(self) -> bool:
-        """Whether to compare with the former rule, which is slow and cannot use stamps."""
-        return self.n <= LONGEST_FORMER and self.sampling is None and not self.stated
 
 
 def band(coherence: float) -> Errors:

@@ -129,7 +129,7 @@ TESTS_OF_SEVERAL = {
     'ahrs/test_commands', 'ahrs/test_pictures', 'ahrs/test_recovery', 'ahrs/test_scenarios',
     'bags/mcap/test_large_chunks', 'bags/rosbag2/test_compressed',
     'bags/rosbag2/test_third_parties', 'bags/test_fuzz', 'cli/test_bag_commands',
-    'cli/test_catalogue', 'cli/test_former_files', 'cli/test_origin', 'cli/test_outputs',
+    'cli/test_catalogue', 'cli/test_frozen_files', 'cli/test_origin', 'cli/test_outputs',
     'cli/test_what_binds',
     'cli/test_real_logs', 'cli/test_usage', 'cli/test_without_extras',
     'core/sensors/test_thinned_pairs', 'core/test_long_runs', 'core/test_pipeline_over_days',

@@ -43,7 +43,6 @@ sys.path.insert(0, str(BENCHMARKS))
 import alarms  # noqa: E402
 import decision_risk  # noqa: E402
 import error_processes as processes  # noqa: E402
-from former_rule import former_rule  # noqa: E402
 import history  # noqa: E402
 import live  # noqa: E402
 import plain_rule  # noqa: E402
@@ -309,14 +308,6 @@ def test_several_runs_with_a_statement_are_judged_as_by_the_plain_loop(order, rn
         plain_rule.stated_bound_of_runs(plain, times, 0.05), rel=1e-10)
     assert upper_bound(pool(found), 0.05) == pytest.approx(
         plain_rule.upper_bound(plain_rule.pool(plain), 0.05), rel=1e-10)
-
-
-def test_the_former_rule_is_frozen():
-    """Figures of the rule as it was in core; the two agreed to the last bit."""
-    judged = former_rule(processes.ar1(20.0)(np.random.default_rng(5), 1, 3000)[0], 0.05)
-    assert judged.is_open
-    assert judged.lower_deg2 == pytest.approx(0.9290587073849932, rel=1e-12)
-    assert judged.upper_deg2 == pytest.approx(1.4362740531655425, rel=1e-12)
 
 
 @pytest.mark.parametrize('errors', [

@@ -147,18 +147,6 @@ def test_a_wrong_setting_is_refused_by_name_value_and_what_is_allowed(given, mes
     assert message in str(error.value)
 
 
-@pytest.mark.parametrize('name, value', [
-    ('method', 'dyadic'), ('nu_min', 15.0), ('r1_max', 0.4), ('share_max', 0.05)])
-def test_a_setting_that_is_gone_says_what_became_of_it(name, value):
-    """In one line, whichever way it is written; never a guess at another name."""
-    for given in ({'risk': {name: value}}, {f'risk.{name}': value}):
-        with pytest.raises(SettingsError) as error:
-            Settings.from_mapping(given)
-        assert str(error.value).startswith(f"setting 'risk.{name}' is gone: ")
-        assert 'leave it out' in str(error.value) and '\n' not in str(error.value)
-        assert 'did you mean' not in str(error.value)
-
-
 def test_nested_and_dotted_names_mean_the_same_and_an_integer_is_a_number():
     nested = Settings.from_mapping({'norms': {'sigma_max_deg': 1}, 'window_s': 60})
     dotted = Settings.from_mapping({'norms.sigma_max_deg': 1.0, 'window_s': 60.0})

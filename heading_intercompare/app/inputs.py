@@ -52,7 +52,7 @@ from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.records import Headings, Motion, Pairs
 from heading_intercompare.core.rows.sensor_table import Sensor
 from heading_intercompare.core.sensors.pair_settings import pair_with_reference
-from heading_intercompare.core.settings import leave_out_added, Settings, SettingsError
+from heading_intercompare.core.settings import Settings, SettingsError
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import Input, OperatorNote
 from heading_intercompare.readers.registry import open_recording, sources_of
@@ -225,7 +225,7 @@ def _judge_journal(path: str, name: str, settings: Settings, runs: Spans | None,
     origin = read_origin(contents, Path(path))
     compliance = Compliance(settings, source=name, table=runs, progress=progress)
     others = compare_settings(*map(_leave_out_names, (
-        origin.settings or {}, leave_out_added(settings.to_mapping()))))
+        origin.settings or {}, settings.to_mapping())))
     whole = runs is None and not others
     if sketch is not None:
         takers = (*takers, partial(sketch.update, settings=settings))

@@ -17,23 +17,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-import json
 from typing import Any, Callable, Mapping, Sequence
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import find_report, RECORD
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.sensors.pair_settings import check_sensors
-from heading_intercompare.core.sensors.sensors_verdict import is_of_sensors, SensorsVerdict
-from heading_intercompare.core.settings import (
-    fill_in_added,
-    leave_out_gone,
-    Settings,
-    SettingsError,
-)
+from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
+from heading_intercompare.core.settings import Settings, SettingsError
 from heading_intercompare.core.validity.condition import is_doubtful
 from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
 from heading_intercompare.core.verdict.verdict_document import Verdict, VerdictError
+from heading_intercompare.report.json import parse_any
 
 from .analysis import judge_bags
 from .config import Config, settings_for
@@ -46,42 +41,41 @@ CHANGED, UNJUDGED, WITHOUT_REPORT, SAME = 'changed', 'not_judged', 'no_report', 
 _ORDER = (CHANGED, UNJUDGED, WITHOUT_REPORT, SAME)
 _REPORT = 'report.json'
 _STORED = 'settings.'
-_SCHEMA = 'heading_intercompare/verdict/'
-#: Verdicts of schema 1 name no rule: they are by rule 1.
-_RULE_OF_SCHEMA_1 = 1
 _WORSE = {outcome: rank for rank, outcome in enumerate(Outcome)}
 
 
 @dataclass(frozen=True, slots=True)
 class FormerVerdict:
     """
-    What all versions of a verdict have in common, even versions that can no longer be read whole.
+    What is compared of the verdict that a recording holds.
 
     Attributes
     ----------
     outcome : Outcome
-    headline : str or None
-        None under rule 1, which had no headline.
-    validity_effect : str or None
-        None under rule 1.
+    headline, validity_effect : str
     software_version, rule_version, settings_sha256
-        The software, rule and settings of the verdict; None if it does not name them.
+        The software, rule and settings of the verdict.
 
     """
 
     outcome: Outcome
-    headline: str | None
-    validity_effect: str | None
-    software_version: str | None
-    rule_version: int | None
-    settings_sha256: str | None
+    headline: str
+    validity_effect: str
+    software_version: str
+    rule_version: int
+    settings_sha256: str
+
+    @classmethod
+    def of(cls, verdict: Verdict | SensorsVerdict) -> 'FormerVerdict':
+        """Return what is compared of a verdict."""
+        return cls(verdict.outcome, verdict.headline, verdict.validity_effect,
+                   verdict.software.version, verdict.rule_version, verdict.settings_sha256)
 
     @property
     def words(self) -> str:
         """Return the outcome, whether it is doubtful, and its rule, in words."""
         doubt = ', DOUBTFUL' if is_doubtful(self.outcome, self.validity_effect) else ''
-        rule = 'an unnumbered rule' if self.rule_version is None else f'rule {self.rule_version}'
-        return f'{OUTCOME_WORDS[self.outcome.value]}{doubt} by {rule}'
+        return f'{OUTCOME_WORDS[self.outcome.value]}{doubt} by rule {self.rule_version}'
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,8 +94,6 @@ class Rejudged:
         Of the new verdict; None if the recording could not be judged.
     settings_changed : tuple of str
         Settings of both verdicts whose values differ.
-    settings_gone : tuple of str
-        Stored settings that no longer exist, each with what to do instead.
     error : str or None
         Why the recording could not be judged.
     notes : tuple of str
@@ -118,7 +110,6 @@ class Rejudged:
     rule_version: int | None = None
     settings_sha256: str | None = None
     settings_changed: tuple[str, ...] = ()
-    settings_gone: tuple[str, ...] = ()
     error: str | None = None
     notes: tuple[str, ...] = ()
 
@@ -198,30 +189,29 @@ def rejudge_bag(path: str, config: Config | None = None, assignments: Sequence[s
     reader = BagReader(path)
     report, notes = _read_report(reader)
     stored = {} if config else _stored_settings(reader, report)
-    current, gone = leave_out_gone(stored)
-    settings = _settings(config or Config(), current, assignments)
+    settings = _settings(config or Config(), stored, assignments)
     judged = judge_bags([path], settings, jobs=jobs)
     notes += [note.removeprefix(f'{path}: ') for note in judged.notes]
-    return _compare(path, None if report is None else _read_former(report), judged.verdict,
-                    tuple(_find_changed(report, settings)), tuple(gone), tuple(notes))
+    return _compare(path, report, judged.verdict, tuple(notes))
 
 
-def _compare(path: str, former: FormerVerdict | None, verdict: Verdict | SensorsVerdict,
-             changed: tuple[str, ...], gone: tuple[str, ...], notes: tuple[str, ...]) -> Rejudged:
-    if former is None:
-        status = WITHOUT_REPORT
-    else:
-        doubtful = is_doubtful(verdict.outcome, verdict.validity_effect)
-        # Rule 1 had no doubts: a certificate of it that is doubtful now has changed.
-        same = (former.outcome is verdict.outcome
-                and is_doubtful(former.outcome, former.validity_effect) == doubtful)
-        status = SAME if same else CHANGED
+def _compare(path: str, report: Verdict | SensorsVerdict | None, verdict: Verdict | SensorsVerdict,
+             notes: tuple[str, ...]) -> Rejudged:
+    status, former, changed = WITHOUT_REPORT, None, []
+    if report is not None:
+        same = (report.outcome is verdict.outcome
+                and is_doubtful(report.outcome, report.validity_effect)
+                == is_doubtful(verdict.outcome, verdict.validity_effect))
+        status, former = SAME if same else CHANGED, FormerVerdict.of(report)
+        before = report.settings.to_mapping()
+        changed = [name for name, value in verdict.settings.to_mapping().items()
+                   if before[name] != value]
     return Rejudged(path, status, former, verdict.outcome, verdict.headline,
                     verdict.validity_effect, verdict.rule_version, verdict.settings_sha256,
-                    changed, gone, None, notes)
+                    tuple(changed), None, notes)
 
 
-def _read_report(reader: BagReader) -> tuple[Mapping[str, Any] | None, list[str]]:
+def _read_report(reader: BagReader) -> tuple[Verdict | SensorsVerdict | None, list[str]]:
     """Return the last report in a bag, or None and what is wrong with it."""
     texts: list[str | bytes] = [attached.data for attached in reader.attachments()
                                 if attached.name == _REPORT]
@@ -230,49 +220,20 @@ def _read_report(reader: BagReader) -> tuple[Mapping[str, Any] | None, list[str]
     if not texts:
         return None, []
     try:
-        report = json.loads(texts[-1])
-        _read_former(report)
+        return parse_any(texts[-1]), []
     except VerdictError as error:
         return None, [f'the report in it: {error}']
-    except (ValueError, RecursionError):
-        return None, ['the report in it is not JSON']
-    return report, []
 
 
-def _read_former(report: Any) -> FormerVerdict:
-    """Return what all versions of a verdict have in common."""
-    schema = report.get('schema') if isinstance(report, Mapping) else None
-    if not isinstance(schema, str) or not (schema.startswith(_SCHEMA) or is_of_sensors(report)):
-        raise VerdictError('is not a verdict of heading_intercompare')
-    try:
-        outcome = Outcome(report.get('outcome'))
-    except ValueError:
-        raise VerdictError(f'outcome = {report.get("outcome")!r}: must be one of '
-                           f'{", ".join(repr(choice.value) for choice in Outcome)}') from None
-    software, rule = report.get('software'), report.get('rule_version')
-    if schema == f'{_SCHEMA}1':
-        rule = _RULE_OF_SCHEMA_1
-    version = software.get('version') if isinstance(software, Mapping) else None
-    return FormerVerdict(
-        outcome=outcome, headline=_text(report.get('headline')),
-        validity_effect=_text(report.get('validity_effect')), software_version=_text(version),
-        rule_version=rule if type(rule) is int else None,
-        settings_sha256=_text(report.get('settings_sha256')))
-
-
-def _text(value: Any) -> str | None:
-    return value if isinstance(value, str) else None
-
-
-def _stored_settings(reader: BagReader, report: Mapping[str, Any] | None) -> dict[str, Any]:
+def _stored_settings(reader: BagReader,
+                     report: Verdict | SensorsVerdict | None) -> dict[str, Any]:
     """Return the settings stored in a bag; if there are none, those of the report in it."""
     record = reader.metadata().get(RECORD, {})
     stored = {name.removeprefix(_STORED): value for name, value in record.items()
               if name.startswith(_STORED)}
-    report_settings = (report or {}).get('settings')
-    if not stored and isinstance(report_settings, Mapping):
-        stored = {str(name): 'none' if value is None else value
-                  for name, value in report_settings.items()}
+    if not stored and report is not None:
+        stored = {name: 'none' if value is None else value
+                  for name, value in report.settings.to_mapping().items()}
     return stored
 
 
@@ -295,14 +256,3 @@ def _settings(config: Config, stored: Mapping[str, Any], assignments: Sequence[s
             + ': give norms.sigma_max_deg (or norms.preset) and norms.sigma_ref_max_deg with '
             '--config or --set')
     return settings
-
-
-def _find_changed(report: Mapping[str, Any] | None, settings: Settings) -> list[str]:
-    """Return the settings of the report whose values differ now."""
-    report_settings = (report or {}).get('settings')
-    if not isinstance(report_settings, Mapping):
-        return []
-    now = settings.to_mapping()
-    # What a report leaves out of its settings has the value that changes nothing.
-    then = fill_in_added(report_settings)
-    return [name for name, value in now.items() if name in then and then[name] != value]

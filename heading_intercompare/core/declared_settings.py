@@ -36,42 +36,9 @@ from typing import (
     Union,
 )
 
-__all__ = ['Checked', 'explain_unknown', 'fill_in_added', 'flatten', 'from_mapping',
-           'is_added', 'leave_out_added', 'leave_out_gone', 'list_settings', 'name_keywords',
-           'Setting', 'setting',
-           'settings_sha256', 'SettingsError', 'to_mapping', 'Used']
-
-
-_NO_GATE = ('is gone: the decision has no gate any more, its bounds widen if the record says '
-            'little; leave it out (risk.min_duration_s states the least length of a run)')
-
-_GONE = {
-    'risk.method': 'is gone: there is one rule, live and at the end; leave it out',
-    'detectors.same_source_ratio': 'is gone: use detectors.same_source_share instead',
-    'risk.nu_min': _NO_GATE, 'risk.r1_max': _NO_GATE, 'risk.share_max': _NO_GATE,
-}
-"""Settings of earlier versions, and what to do instead."""
-
-_ADDED: dict[str, Any] = {'pairing.jump_s': 10.0, 'pairing.silent_wait_s': 60.0,
-                          'runs.every_h': None, 'runs.cut_at_utc': None, 'runs.keep': 31,
-                          'bag_namespace': None,
-                          'alignment.clock_range_s': 600.0,
-                          'exclusions': None, 'sensors': None, 'norms.systematic_max_deg': None,
-                          'norms.limiting_error_max_deg': None, 'pairing.kernel': 'line',
-                          'motion.compare': True,
-                          'ts_unit': 'auto', 'rs_unit': 'auto',
-                          'motion.least_speed_kn': 3.0, 'motion.current_max_kn': 3.0,
-                          'motion.leeway_max_deg': 10.0, 'motion.fix_topic': 'ship/fix',
-                          'motion.velocity_topic': 'ship/velocity',
-                          'motion.rate_topic': 'ship/rate_of_turn', 'antennas.fore_topic': None,
-                          'antennas.aft_topic': None, 'antennas.baseline_m': None,
-                          'antennas.baseline_angle_deg': 0.0, 'antennas.tolerance_m': None,
-                          'antennas.position_sigma_m': None, 'trial.latitude_min_deg': None,
-                          'trial.latitude_max_deg': None, **{f'trial.{name}': '' for name in (
-                              'protocol_number', 'customer', 'purpose', 'ship', 'place',
-                              'conditions', 'laboratory', 'operator', 'ts_maker', 'ts_type',
-                              'ts_serial', 'rs_maker', 'rs_type', 'rs_serial', 'rs_evidence')}}
-"""Settings added since version 2.1 of the JSON, with the value that changes nothing."""
+__all__ = ['Checked', 'explain_unknown', 'flatten', 'from_mapping', 'list_settings',
+           'name_keywords', 'Setting', 'setting', 'settings_sha256', 'SettingsError',
+           'to_mapping', 'Used']
 
 
 class SettingsError(ValueError):
@@ -202,54 +169,10 @@ def _walk(mapping: Mapping[str, Any], prefix: str) -> Iterator[tuple[str, Any]]:
 
 
 def explain_unknown(kind: str, name: str, names: Iterable[str]) -> SettingsError:
-    """Return the error for an unknown name: its replacement, or the nearest known name."""
-    if name in _GONE:
-        return SettingsError(f'{kind} {name!r} {_GONE[name]}')
+    """Return the error for an unknown name, with the nearest known name."""
     close = difflib.get_close_matches(name, names, n=1)
     hint = f'; did you mean {close[0]!r}?' if close else ''
     return SettingsError(f'unknown {kind} {name!r}{hint}')
-
-
-def leave_out_gone(stored: Mapping[str, Any]) -> tuple[dict[str, Any], list[str]]:
-    """
-    Remove obsolete settings from those that an earlier version stored.
-
-    Parameters
-    ----------
-    stored : mapping
-        Settings by their dotted names.
-
-    Returns
-    -------
-    settings : dict
-        The settings that are not obsolete. Unknown names stay.
-    gone : list of str
-        For each obsolete setting its name and value, and what to do instead.
-
-    """
-    return ({name: value for name, value in stored.items() if name not in _GONE},
-            [f'{name} = {value} {_GONE[name]}' for name, value in stored.items() if name in _GONE])
-
-
-def leave_out_added(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """
-    Remove the settings that are newer than version 2.1 of the JSON and change nothing.
-
-    A verdict leaves them out, so its settings and their hash stay those of earlier versions.
-
-    Parameters
-    ----------
-    settings : mapping
-        Settings by their dotted names.
-
-    Examples
-    --------
-    >>> leave_out_added({'model': 'NN', 'runs.every_h': None, 'runs.cut_at_utc': '00:00'})
-    {'model': 'NN', 'runs.cut_at_utc': '00:00'}
-
-    """
-    return {name: value for name, value in settings.items()
-            if name not in _ADDED or value != _ADDED[name]}
 
 
 class Used(NamedTuple):
@@ -293,14 +216,8 @@ def from_mapping(settings_class: type, mapping: Mapping[str, Any]) -> Any:
 
     """
     rules = {rule.name: rule for rule in list_settings(settings_class)}
-    stated = flatten(mapping)
-    if gone := [name for name in _GONE if name in stated and name not in rules]:
-        # All at once: an old file would be refused once for each.
-        alike = {why: ', '.join(repr(name) for name in gone if _GONE[name] == why)
-                 for why in dict.fromkeys(map(_GONE.__getitem__, gone))}
-        raise SettingsError('; '.join(f'setting {names} {why}' for why, names in alike.items()))
     values = {}
-    for name, value in stated.items():
+    for name, value in flatten(mapping).items():
         if name not in rules:
             raise explain_unknown('setting', name, rules)
         values[name] = _check_value(rules[name], value)
@@ -415,21 +332,3 @@ class Checked:
             if not isinstance(getattr(self, name), group):
                 raise SettingsError(f'{name} = {getattr(self, name)!r}: must be '
                                     f'{group.__name__}(...); from_mapping takes mappings')
-
-
-def fill_in_added(settings: Mapping[str, Any]) -> dict[str, Any]:
-    """
-    Return settings of an earlier version with those that were added since, which change nothing.
-
-    Parameters
-    ----------
-    settings : mapping
-        Settings by their dotted names.
-
-    """
-    return {**_ADDED, **settings}
-
-
-def is_added(name: str) -> bool:
-    """Tell whether a setting is newer than version 2.1 of the JSON, by its dotted name."""
-    return name in _ADDED

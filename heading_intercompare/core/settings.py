@@ -27,12 +27,8 @@ from typing import Any, Mapping
 from .declared_settings import (
     Checked,
     explain_unknown,
-    fill_in_added,
     flatten,
     from_mapping,
-    is_added,
-    leave_out_added,
-    leave_out_gone,
     list_settings,
     name_keywords,
     Setting,
@@ -48,8 +44,7 @@ from .time_rules.exclusions import read_exclusions
 from .units.full_turns import ANGLE_UNITS
 
 __all__ = ['Alignment', 'Antennas', 'CampaignRule', 'Checked', 'Detectors', 'explain_unknown',
-           'fill_in_added', 'flatten', 'from_mapping', 'is_added', 'LARGEST_SKEW_S',
-           'leave_out_added', 'leave_out_gone', 'list_settings', 'MotionRule', 'Norms',
+           'flatten', 'from_mapping', 'LARGEST_SKEW_S', 'list_settings', 'MotionRule', 'Norms',
            'Pairing', 'Risk', 'RunCutting', 'Sequential', 'Setting', 'setting', 'Settings',
            'settings_sha256', 'SettingsError', 'to_mapping', 'Trial', 'Used']
 

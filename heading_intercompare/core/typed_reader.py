@@ -33,7 +33,8 @@ __all__ = ['check_schema', 'make_plain', 'read_plain', 'VerdictError']
 _WORDS = {bool: 'true or false', float: 'a number', int: 'an integer', str: 'text',
           NoneType: 'null'}
 _LONGEST = 60
-_VERSION = re.compile(r'([1-9][0-9]{0,8})\.([0-9]{1,9})', re.ASCII)
+_MAJOR = re.compile('([1-9][0-9]{0,8})', re.ASCII)
+_VERSION = re.compile(rf'{_MAJOR.pattern}\.[0-9]{{1,9}}', re.ASCII)
 #: Integers from here on do not fit into a float.
 _MOST = 2 ** 1023
 
@@ -195,7 +196,7 @@ def _make_error(where: str, value: Any, allowed: str) -> VerdictError:
                         f'{shown}: must be {allowed}')
 
 
-def check_schema(mapping: Mapping[str, Any], kind: str, newest: int, again: str) -> None:
+def check_schema(mapping: Mapping[str, Any], kind: str, newest: int) -> None:
     """
     Raise VerdictError for another kind of document or another major version.
 
@@ -207,25 +208,18 @@ def check_schema(mapping: Mapping[str, Any], kind: str, newest: int, again: str)
         The schema without its major version.
     newest : int
         The major version that can be read.
-    again : str
-        What to do with a document of an earlier version.
 
     """
-    newest_schema = f'{kind}{newest}'
-    schema, version = mapping.get('schema'), mapping.get('schema_version', f'{newest}.0')
-    match = _VERSION.fullmatch(version) if isinstance(version, str) else None
-    if match is None:
-        raise VerdictError(f"schema_version = {version!r}: must be text such as '2.1'")
-    name, stated = 'schema', schema
-    major = schema[len(kind):] if isinstance(schema, str) and schema.startswith(kind) else ''
-    if schema == newest_schema:
-        name, stated, major = 'schema_version', version, match[1]
-    if not _VERSION.fullmatch(f'{major}.0'):
-        raise VerdictError(f'schema = {schema!r}: must be {newest_schema!r}')
-    if int(major) > newest:
-        raise VerdictError(f'{name} = {stated!r}: must be {newest_schema!r}; a newer version of '
+    name, stated, readable = 'schema', mapping.get('schema'), f'{kind}{newest}'
+    match = (_MAJOR.fullmatch(stated, len(kind))
+             if isinstance(stated, str) and stated.startswith(kind) else None)
+    if stated == readable:
+        name, stated = 'schema_version', mapping.get('schema_version')
+        match = _VERSION.fullmatch(stated) if isinstance(stated, str) else None
+        if match is None:
+            raise VerdictError(f"schema_version = {stated!r}: must be text such as '1.0'")
+    if match is None or int(match[1]) < newest:
+        raise VerdictError(f'{name} = {stated!r}: must be {readable!r}')
+    if int(match[1]) > newest:
+        raise VerdictError(f'{name} = {stated!r}: must be {readable!r}; a newer version of '
                            'heading_intercompare wrote it: install that version to read it')
-    if int(major) < newest:
-        raise VerdictError(f'{name} = {stated!r}: must be {newest_schema!r}; '
-                           'an earlier version of heading_intercompare wrote it, which judged by '
-                           f'another rule: {again}')

@@ -19,15 +19,9 @@ __all__ = ['RULE_VERSION', 'VERSION']
 #: setup.py reads it here, and bags state it.
 VERSION = '0.1.0'
 
-RULE_VERSION = 6
+RULE_VERSION = 1
 """
 Increased whenever the same readings and settings may give another outcome, bound or limit.
 
-Version 1 had a gate and a choice of estimators (``risk.method``); version 2 has the spectrum of
-the squares and binding findings; version 3 judges the readings lost on the way and at the
-source, rejects single stamps that jump, and names clocks that were set back; version 4 searches
-for clocks that lie minutes apart, and doubts a run with a skew beyond the range of the search;
-version 5 compares the headings with the motion of the ship, if it is known; version 6 judges the
-norm of the RS, sensors that part for a while, and the assumptions of GK that the data refute.
-``docs/risk.md`` describes the current version.
+``docs/risk.md`` describes the rule.
 """

@@ -72,7 +72,7 @@ class RunRow:
         Path of the recording, if known.
     settings_sha256 : str
         Hash of the settings.
-    rule_version : int or None
+    rule_version : int
         Version of the decision rule.
     software_version : str
         Version of the program.
@@ -107,7 +107,7 @@ class RunRow:
     source: str
     bag: str | None
     settings_sha256: str
-    rule_version: int | None
+    rule_version: int
     software_version: str
 
     @property

@@ -295,8 +295,7 @@ def decode_pairs(data: BytesLike, start: Integers, stop: Integers) -> Pairs:
     Returns
     -------
     Pairs
-        In the order of `start`. A TS factor of 0 is read as 1: recordings made without TS
-        interpolation have 0 there.
+        In the order of `start`.
 
     Raises
     ------
@@ -321,7 +320,7 @@ def _pairs(data: BytesLike, start: Integers, size: Integers, header: np.ndarray)
         raise MessageError(f'{PAIRS_TYPE} message has an impossible lag of {lag_s[first]} s',
                            offset=int(start[first]))
     return Pairs(read_stamps(header), ts_deg, rs_deg, np.rint(lag_s * 1e9).astype(np.int64),
-                 rs_factor, np.where(ts_factor == 0.0, 1.0, ts_factor))
+                 rs_factor, ts_factor)
 
 
 def read_headings(type_name: str, convention: str,

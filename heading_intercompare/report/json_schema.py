@@ -23,12 +23,7 @@ from types import NoneType, UnionType
 from typing import Any, cast, get_args, get_origin, get_type_hints, Literal, Union
 
 from heading_intercompare.core.declared_figures import is_left_out, list_figures, list_keys
-from heading_intercompare.core.settings import (
-    is_added,
-    list_settings,
-    Setting,
-    Settings,
-)
+from heading_intercompare.core.settings import list_settings, Setting, Settings
 from heading_intercompare.core.validity.condition import (
     DOUBTFUL,
     Finding,
@@ -65,13 +60,13 @@ def make_schema() -> dict[str, Any]:
                            'description': f'major and minor version, `{SCHEMA_VERSION}`'},
         'settings_sha256': {'type': 'string', 'pattern': '^[0-9a-f]{64}$',
                             'description': 'hash of `settings`'},
+        'ledger_complete': {'type': 'boolean',
+                            'description': 'whether every reading is accounted for'},
         **whole['properties'],
     }
     properties['settings'] = {'description': properties['settings']['description'],
                               **_describe_settings()}
     required = [*properties.keys() - whole['properties'].keys(), *whole['required']]
-    properties['ledger_complete'] = {
-        'type': 'boolean', 'description': 'whether every reading is accounted for'}
     del kinds[Settings.__name__]
     # Later minor versions may add conditions, so the names are no closed list.
     finding = kinds[Finding.__name__]['properties']
@@ -139,8 +134,7 @@ def _join(choices: list[dict[str, Any]]) -> dict[str, Any]:
 
 def _describe_settings() -> dict[str, Any]:
     rules = list_settings(Settings)
-    required = [name for name in Settings().to_mapping() if not is_added(name)]
-    return {'type': 'object', 'required': required,
+    return {'type': 'object', 'required': [rule.name for rule in rules],
             'properties': {rule.name: _describe_setting(rule) for rule in rules}}
 
 

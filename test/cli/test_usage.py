@@ -94,18 +94,6 @@ def test_a_wrong_setting_says_what_is_allowed(assignment, words, bag, capsys):
     assert words in refusal(capsys, 'analyze', bag, *norms, '--set', assignment)
 
 
-@pytest.mark.parametrize('name, value', [
-    ('method', 'dyadic'), ('nu_min', '15'), ('r1_max', '0.4'), ('share_max', '0.05')])
-def test_a_setting_that_is_gone_says_what_to_use(name, value, bag, capsys, tmp_path):
-    """On the command line and in a parameter file."""
-    words = f"setting 'risk.{name}' is gone: "
-    assert words in refusal(capsys, 'analyze', bag, *NORMS, '--set', f'risk.{name}={value}')
-    file = tmp_path / 'config.yaml'
-    file.write_text(f'/**:\n  ros__parameters:\n    risk:\n      {name}: {value}\n')
-    error = refusal(capsys, 'analyze', bag, *NORMS, '--config', file)
-    assert words in error and 'config.yaml' in error
-
-
 def test_a_missing_norm_is_named_before_anything_is_read(capsys):
     assert 'norms.sigma_max_deg is missing' in refusal(capsys, 'analyze', 'nowhere.mcap')
 

@@ -248,12 +248,6 @@ def test_pairs_of_either_byte_order_may_be_mixed(rng, every):
     assert decode_pairs(*join_messages(messages)) == pairs
 
 
-def test_pairs_of_a_version_that_did_not_interpolate_the_ts_have_a_factor_of_1():
-    data = encode(PAIRS_TYPE, {'header': {'stamp': {'nanosec': 3}}, 'twist': {
-        'linear': {'x': 1.5, 'y': 359.5, 'z': 1.0}, 'angular': {'y': 1.0}}})
-    assert read_pairs([data]) == (Pairs.of([3], [1.0], [359.5]), [])
-
-
 @pytest.mark.parametrize('lag_s', [np.nan, np.inf, -1e10])
 def test_a_pair_whose_lag_is_no_time_is_refused(lag_s):
     sound = pair_messages(Pairs.of([3], [1.0], [359.5]))[0]

@@ -92,12 +92,12 @@ class Graph:
         ros.spin_until(lambda: self.pairs.get_subscription_count() == 1
                        and self.ledger.get_subscription_count() == 1)
 
-    def send(self, pairs):
+    def send(self, pairs, started_ns=1):
         """Publish pairs, at most the queue depth at once, and wait until they have been taken."""
         for lo in range(0, len(pairs), 500):
             piece = pairs[lo:lo + 500]
             n = self.node.n_pairs + len(piece)
-            for message in pair_messages(piece):
+            for message in pair_messages(piece, str(started_ns)):
                 self.pairs.publish(message)
             self.ros.spin_until(lambda n=n: self.node.n_pairs == n)
 
@@ -393,7 +393,7 @@ def test_a_look_at_the_run_in_progress_that_decides_is_a_verdict_but_no_report(r
 def test_pairs_and_ledgers_that_cannot_be_read_are_counted(ros, rng):
     graph = Graph(ros)
     states = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
-    good = pair_messages(some_pairs(rng, 0, 4))
+    good = pair_messages(some_pairs(rng, 0, 4), '1')
     for data in (good[0], b'\0\3' + good[1][2:], good[2][:40], good[3]):
         graph.pairs.publish(data)
     graph.ledger.publish(encode_statuses(T0_NS, [Status('segment 0', OK, '', {'paired': 'two'})]))
@@ -458,7 +458,7 @@ def test_after_a_restart_of_the_synchronizer_the_ledgers_add_up_and_the_report_s
     ros.plain.destroy_publisher(graph.pairs)
     graph.pairs = ros.plain.create_publisher(TwistStamped, 'pairs', qos.PAIRS)
     ros.spin_until(lambda: graph.pairs.get_subscription_count() == 1)
-    graph.send(pairs[2999:])
+    graph.send(pairs[2999:], 1_700_003_000 * S_NS)
     graph.book({'paired': 2694, 'ts_paired': 2694, 'rs_used': 2694}, final=True,
                started_ns=1_700_003_000 * S_NS)
     report = graph.end()
@@ -624,7 +624,7 @@ def test_pairs_that_never_came_are_told_even_if_they_come_after_the_end(ros, rng
     ros.spin_until(lambda: graph.node._reporting.final)
     graph.node.end()
     ros.spin_until(lambda: graph.node.ended)
-    for message in pair_messages(pairs[100:]):
+    for message in pair_messages(pairs[100:], '1'):
         graph.pairs.publish(message)
     ros.spin_until(graph.reports)
     ros.spin_until(lambda: ros.executor.spin_once(0.3) is None)

@@ -32,7 +32,7 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.motion.motion_record import find_newest
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.records import Motion, Pairs
-from heading_intercompare.core.settings import leave_out_added, Settings, settings_sha256
+from heading_intercompare.core.settings import Settings, settings_sha256
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.version import VERSION
 from heading_intercompare.messages.ledger_messages import LedgerMessage
@@ -289,7 +289,7 @@ def _text(value: Any) -> bytes:
 
 def _name_settings(settings: Settings) -> dict[str, Any]:
     """Return the settings and their hash, by which a journal knows its trial."""
-    mapping = leave_out_added(settings.to_mapping())
+    mapping = settings.to_mapping()
     return {'settings_sha256': settings_sha256(mapping), 'settings': mapping}
 
 

@@ -29,7 +29,7 @@ from heading_intercompare.app.observations.targets import parse_position, Target
 from heading_intercompare.app.outputs import check_outputs, name_file, Outputs
 from heading_intercompare.cli.terminal.console import say, tell, VERDICT_MARKS
 from heading_intercompare.core.observations.wording import explain_outcome, explain_scatter
-from heading_intercompare.core.settings import leave_out_added, Settings, settings_sha256
+from heading_intercompare.core.settings import Settings, settings_sha256
 from heading_intercompare.core.typed_reader import make_plain
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import Software
@@ -200,7 +200,7 @@ def _render(observed: Observed, settings: Settings) -> str:
          'c_minus_o_deg': float(corrections.c_minus_o_deg[i]),
          'u_deg': float(corrections.u_deg[i]), 'note': table.notes[row]}
         for i, row in enumerate(corrections.row.tolist())]
-    stored_settings = leave_out_added(settings.to_mapping())
+    stored_settings = settings.to_mapping()
     return json.dumps({
         'schema': SCHEMA, 'software': make_plain(Software()),
         'headline': explain_outcome(observed.error),

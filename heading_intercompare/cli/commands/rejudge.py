@@ -65,8 +65,9 @@ def run(arguments: argparse.Namespace) -> int:
     check_outputs(Outputs(json=arguments.json), arguments.bags, config=arguments.config)
     with Progress(f'{len(arguments.bags)} bags', arguments.quiet) as progress:
         rejudged = rejudge(arguments.bags, config, arguments.set, progress=progress.show)
-    for note in _notes(rejudged):
-        tell(note)
+    for bag in rejudged:
+        for note in bag.notes:
+            tell(f'{bag.path}: {note}')
     if all(bag.status == UNJUDGED for bag in rejudged):
         several = f'none of the {len(rejudged)} bags can be judged: ' if len(rejudged) > 1 else ''
         raise ValueError(f'{several}{rejudged[0].path}: {rejudged[0].error}')
@@ -85,14 +86,6 @@ def run(arguments: argparse.Namespace) -> int:
         return 0
     return (_CHANGED_CODE if counts[CHANGED] else
             0 if counts[SAME] == len(rejudged) else _UNKNOWN_CODE)
-
-
-def _notes(rejudged: Sequence[Rejudged]) -> list[str]:
-    """Return the notes on single bags, and notes on many bags once."""
-    gone = Counter(text for bag in rejudged for text in bag.settings_gone)
-    where = {text: bag.path for bag in rejudged for text in bag.settings_gone}
-    return [*(f'{bag.path}: {note}' for bag in rejudged for note in bag.notes),
-            *(f'{where[text] if n == 1 else f"{n} bags"}: {text}' for text, n in gone.items())]
 
 
 def _render(rejudged: Sequence[Rejudged]) -> str:

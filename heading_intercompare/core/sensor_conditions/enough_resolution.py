@@ -55,12 +55,12 @@ def _settle(finding: Finding | None, account: RunAccount) -> Finding | None:
     return finding
 
 
-def _weigh(run: Examined | RunAccount, step_deg: float, seen_deg: float | None) -> Finding:
+def _weigh(run: Examined | RunAccount, step_deg: float, seen_deg: float) -> Finding:
     """Judge a step by the outcome with the variance that rounding to it adds."""
     rounding_deg2, upper_deg2 = step_deg ** 2 / 12.0, run.guarded.upper_bound_deg2
     evidence = (f'the TS reports in steps of {step_deg:g} deg, which are {rounding_deg2:.2g} deg2 '
                 'of variance')
-    if seen_deg is None or step_deg <= seen_deg:
+    if step_deg <= seen_deg:
         return RESOLUTION.find(HOLDS, '', f'{evidence}, and the motion shows that')
     evidence += ', which the motion does not show'
     least_deg2 = run.limits.tightened_limit_deg2

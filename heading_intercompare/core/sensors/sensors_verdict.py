@@ -21,19 +21,19 @@ from typing import Any, Mapping, Sequence
 
 from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.settings import (
-    leave_out_added,
-    Settings,
-    settings_sha256,
-    SettingsError,
-)
+from heading_intercompare.core.settings import Settings, settings_sha256
 from heading_intercompare.core.typed_reader import (
     check_schema,
     make_plain,
     read_plain,
     VerdictError,
 )
-from heading_intercompare.core.verdict.verdict_document import Input, Software, Verdict
+from heading_intercompare.core.verdict.verdict_document import (
+    Input,
+    read_settings,
+    Software,
+    Verdict,
+)
 from heading_intercompare.core.version import RULE_VERSION
 
 from .pair_figures import PairFigures
@@ -84,12 +84,12 @@ class SensorsVerdict:
         'verdict on each tested sensor against the reference, by its name', 'as if these two were '
         'alone; empty without a reference')
     software: Software = figure('the program that judged', default=Software())
-    rule_version: int | None = figure('version of the decision rule', default=RULE_VERSION)
+    rule_version: int = figure('version of the decision rule', default=RULE_VERSION)
 
     @property
     def settings_sha256(self) -> str:
         """Hash of the settings."""
-        return settings_sha256(leave_out_added(self.settings.to_mapping()))
+        return settings_sha256(self.settings.to_mapping())
 
     def find_pair(self, first: str, second: str) -> tuple[PairFigures, float] | None:
         """Return the figures of two sensors, and 1, or -1 if they stand for second - first."""
@@ -117,7 +117,7 @@ class SensorsVerdict:
             'validity_effect': self.validity_effect,
             'software': make_plain(self.software), 'rule_version': self.rule_version,
             'settings_sha256': self.settings_sha256,
-            'settings': make_plain(leave_out_added(self.settings.to_mapping())),
+            'settings': make_plain(self.settings.to_mapping()),
             'inputs': make_plain(self.inputs), 'sensors': make_plain(self.sensors),
             'pairs': make_plain(self.pairs), 'vote': make_plain(self.vote), 'risk': self.risk,
             'verdicts': {name: verdict.to_dict() for name, verdict in self.verdicts.items()},
@@ -137,23 +137,15 @@ class SensorsVerdict:
         """
         if not isinstance(mapping, Mapping):
             raise VerdictError(f'a verdict must be an object, not {type(mapping).__name__}')
-        check_schema(mapping, _SCHEMA, _MAJOR, 'judge the recordings again, with `analyze`')
-        for name in ('settings', 'verdicts', *_KINDS):
+        check_schema(mapping, _SCHEMA, _MAJOR)
+        for name in ('settings', 'settings_sha256', 'verdicts', *_KINDS):
             if name not in mapping:
                 raise VerdictError(f'{name} is missing')
-        try:
-            settings = Settings.from_mapping(read_plain(Mapping[str, Any], mapping['settings'],
-                                                        'settings'))
-        except SettingsError as error:
-            raise VerdictError(f'settings: {error}') from error
+        settings = read_settings(mapping['settings'], mapping['settings_sha256'])
         documents = read_plain(Mapping[str, Any], mapping['verdicts'], 'verdicts')
         read = {name: Verdict.from_dict(document) for name, document in documents.items()}
-        verdict = cls(settings=settings, verdicts=read, **{
+        return cls(settings=settings, verdicts=read, **{
             name: read_plain(kind, mapping[name], name) for name, kind in _KINDS.items()})
-        if (digest := mapping.get('settings_sha256')) != verdict.settings_sha256:
-            raise VerdictError(f'settings_sha256 = {digest!r:.70}: the settings have '
-                               f'{verdict.settings_sha256!r}, so they were changed afterwards')
-        return verdict
 
 
 def is_of_sensors(mapping: object) -> bool:
@@ -164,4 +156,4 @@ def is_of_sensors(mapping: object) -> bool:
 _KINDS: dict[str, Any] = {
     'outcome': Outcome, 'headline': str, 'validity_effect': str, 'inputs': Sequence[Input],
     'sensors': Sequence[SensorResult], 'pairs': Sequence[PairFigures], 'vote': Vote,
-    'risk': float, 'software': Software, 'rule_version': int | None}
+    'risk': float, 'software': Software, 'rule_version': int}

@@ -257,12 +257,10 @@ class Normality:
     ts_repeated_share: float | None = figure('share of TS readings equal to the one before')
     rs_repeated_share: float | None = figure('share of RS readings equal to the one before')
     rounding_variance_deg2: float = figure('variance that rounding adds', 'it is not subtracted')
-    ts_step_seen_deg: float | None = figure('coarsest step of the TS whose rounding would show',
-                                            'by the motion that the RS saw, E.28; 0 if none '
-                                            'would; absent if unknown', left_out=True)
-    rs_step_seen_deg: float | None = figure('coarsest step of the RS whose rounding would show',
-                                            'by the motion that the TS saw; absent if unknown',
-                                            left_out=True)
+    ts_step_seen_deg: float = figure('coarsest step of the TS whose rounding would show',
+                                     'by the motion that the RS saw, E.28; 0 if none would')
+    rs_step_seen_deg: float = figure('coarsest step of the RS whose rounding would show',
+                                     'by the motion that the TS saw')
 
 
 def examine_normality(x_deg: ArrayLike, ts_deg: ArrayLike, rs_deg: ArrayLike, *,

@@ -39,9 +39,6 @@ from heading_intercompare.core.motion.motion_check import MotionCheck
 from heading_intercompare.core.outcome import Outcome, worst
 from heading_intercompare.core.runs.pairing_figures import PairingFigures
 from heading_intercompare.core.settings import (
-    fill_in_added,
-    is_added,
-    leave_out_added,
     Settings,
     settings_sha256,
     SettingsError,
@@ -64,11 +61,11 @@ from .headline import compose_headline
 if TYPE_CHECKING:
     import pandas
 
-__all__ = ['Campaign', 'Input', 'OperatorNote', 'RunVerdict', 'SCHEMA', 'SCHEMA_VERSION',
-           'Software', 'Verdict', 'VerdictError']
+__all__ = ['Campaign', 'Input', 'OperatorNote', 'read_settings', 'RunVerdict', 'SCHEMA',
+           'SCHEMA_VERSION', 'Software', 'Verdict', 'VerdictError']
 
 _SCHEMA = 'heading_intercompare/verdict/'
-SCHEMA_VERSION = '2.7'
+SCHEMA_VERSION = '1.0'
 """
 Major and minor version of the mapping.
 
@@ -78,7 +75,6 @@ goes; the major version when another key disappears or changes its meaning.
 _MAJOR = int(SCHEMA_VERSION.partition('.')[0])
 SCHEMA = f'{_SCHEMA}{_MAJOR}'
 """Kind of the document, and its major version only."""
-_AGAIN = 'judge the recordings again, with `analyze` or `rejudge`'
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,8 +166,7 @@ class Campaign:
         'number of runs with each outcome, each on its own')
     sensor: Together | None = figure('the variance that all runs share, under either rule',
                                      'null if no run has 128 differences')
-    validity: Sequence[Finding] | None = figure('findings on the runs together, as those of a run',
-                                                'absent if unknown', left_out=True)
+    validity: Sequence[Finding] = figure('findings on the runs together, as those of a run')
 
     @classmethod
     def of(cls, runs: Sequence[RunVerdict], homogeneity: Homogeneity, rule: str, reason: str,
@@ -275,12 +270,10 @@ class Verdict:
     campaign: Campaign = figure('the runs together')
     runs: Sequence[RunVerdict] = figure('the runs, in the order of the inputs and of time')
     software: Software = figure('the program that judged', default=Software())
-    rule_version: int | None = figure('version of the decision rule', 'null if unknown',
-                                      default=RULE_VERSION)
-    ledger_problems: Sequence[str] | None = figure(
+    rule_version: int = figure('version of the decision rule', default=RULE_VERSION)
+    ledger_problems: Sequence[str] = figure(
         'why not every reading is accounted for, in sentences', 'such as a node that was '
-        'restarted, or a recording that is cut; empty if all are; absent if unknown',
-        left_out=True)
+        'restarted, or a recording that is cut; empty if all are', default=())
     intermediate: bool | None = figure('whether the last run was still in progress',
                                        'then its outcome is what a stop would have given, and no '
                                        'judgement; otherwise absent', left_out=True)
@@ -289,25 +282,24 @@ class Verdict:
     plotter: Any = no_key()
 
     @property
-    def ledger_complete(self) -> bool | None:
-        """Whether the ledger accounts for every reading; None if unknown."""
-        return None if self.ledger_problems is None else not self.ledger_problems
+    def ledger_complete(self) -> bool:
+        """Whether the ledger accounts for every reading."""
+        return not self.ledger_problems
 
     @property
     def settings_sha256(self) -> str:
         """Hash of the settings."""
-        return settings_sha256(leave_out_added(self.settings.to_mapping()))
+        return settings_sha256(self.settings.to_mapping())
 
     @classmethod
     def of(cls, runs: Sequence[RunVerdict], outcome: Outcome, campaign: Campaign,
            coverage: Coverage | None, settings: Settings, inputs: Sequence[Input]) -> 'Verdict':
         """Build the verdict from runs and from their result together."""
-        together = campaign.validity or ()
         is_alone = len(runs) == 1 and campaign.rule == 'every_run'
-        if is_alone and runs[0].outcome is outcome and not any(f.words for f in together):
+        if is_alone and runs[0].outcome is outcome and not any(f.words for f in campaign.validity):
             line = runs[0].headline
         else:
-            findings = [*together, *(
+            findings = [*campaign.validity, *(
                 replace(f, words=f'run {r.run}: {f.words}') if f.words and len(runs) > 1 else f
                 for r in runs for f in r.validity)]
             why = campaign_words(campaign, runs, coverage)
@@ -315,7 +307,7 @@ class Verdict:
         problems = tuple(f'{recording.path}: {problem}' for recording in inputs
                          for problem in recording.ledger_problems or ())
         return cls(outcome, line, gravest(
-            [worst_effect(together), *(r.validity_effect for r in runs)]),
+            [worst_effect(campaign.validity), *(r.validity_effect for r in runs)]),
                    worst(r.paper_outcome for r in runs), settings, tuple(inputs), campaign,
                    tuple(runs), ledger_problems=problems)
 
@@ -353,11 +345,8 @@ class Verdict:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the verdict as plain dictionaries and lists, ready for JSON."""
-        more: dict[str, Any] = {} if self.ledger_problems is None else {
-            'ledger_complete': self.ledger_complete,
-            'ledger_problems': make_plain(self.ledger_problems)}
-        more |= {name: make_plain(value) for name in ('intermediate', 'taken_out')
-                 if (value := getattr(self, name)) is not None}
+        more = {name: make_plain(value) for name in ('intermediate', 'taken_out')
+                if (value := getattr(self, name)) is not None}
         return {
             'schema': SCHEMA,
             'schema_version': SCHEMA_VERSION,
@@ -368,8 +357,10 @@ class Verdict:
             'software': make_plain(self.software),
             'rule_version': self.rule_version,
             'settings_sha256': self.settings_sha256,
-            'settings': make_plain(leave_out_added(self.settings.to_mapping())),
+            'settings': make_plain(self.settings.to_mapping()),
             'inputs': make_plain(self.inputs),
+            'ledger_complete': self.ledger_complete,
+            'ledger_problems': make_plain(self.ledger_problems),
             **more,
             'campaign': make_plain(self.campaign),
             'runs': make_plain(self.runs),
@@ -389,47 +380,50 @@ class Verdict:
 
         Notes
         -----
-        `to_dict` of the result is the mapping again. A number that was not finite is nan. Version
-        2.0 had neither `schema_version` nor `rule_version` nor `settings_sha256`: its rule version
-        is None, which means unknown, and the hash follows from the settings.
+        `to_dict` of the result is the mapping again. A number that was not finite is nan.
 
         """
         if not isinstance(mapping, Mapping):
             raise VerdictError(f'a verdict must be an object, not {type(mapping).__name__}')
-        check_schema(mapping, _SCHEMA, _MAJOR, _AGAIN)
-        of_2_0 = 'schema_version' not in mapping
+        check_schema(mapping, _SCHEMA, _MAJOR)
+        for name in ('settings', 'settings_sha256', 'ledger_complete'):
+            if name not in mapping:
+                raise VerdictError(f'{name} is missing')
+        settings = read_settings(mapping['settings'], mapping['settings_sha256'])
         try:
-            # All settings must be present: a default could differ from the value that was used.
-            if isinstance(settings := mapping.get('settings'), Mapping):
-                mapping = {**mapping, 'settings': _read_settings(settings)}
-            verdict: Verdict = read_plain(
-                cls, {'rule_version': None, **mapping} if of_2_0 else mapping)
-        except VerdictError as error:
-            if of_2_0:
-                raise VerdictError(f'{error}; if an earlier version wrote it, {_AGAIN}') from error
-            raise
-        complete = verdict.ledger_complete
-        if (stated := mapping.get('ledger_complete', complete)) is not complete:
+            Limits.of(settings.norms, settings.model)
+        except SettingsError as error:
+            raise VerdictError(f'settings: {error}') from error
+        verdict: Verdict = read_plain(cls, {**mapping, 'settings': make_plain(settings)})
+        complete, stated = verdict.ledger_complete, mapping['ledger_complete']
+        if stated is not complete:
             raise VerdictError(f'ledger_complete = {stated!r:.70}: must be '
                                f'{make_plain(complete)!r} by ledger_problems')
-        if 'settings_sha256' not in mapping and not of_2_0:
-            raise VerdictError('settings_sha256 is missing')
-        if (digest := mapping.get('settings_sha256', verdict.settings_sha256)
-                ) != verdict.settings_sha256:
-            raise VerdictError(f'settings_sha256 = {digest!r:.70}: the settings have '
-                               f'{verdict.settings_sha256!r}, so they were changed afterwards')
         return verdict
 
 
-def _read_settings(mapping: Mapping[str, Any]) -> dict[str, Any]:
-    """Return all settings as plain values, nested like the classes."""
+def read_settings(mapping: Any, sha256: Any) -> Settings:
+    """
+    Return the settings of a document, given their hash.
+
+    All settings must be present: a default could differ from the value that was used.
+
+    Raises
+    ------
+    VerdictError
+        If a setting is missing, unknown or wrong, or the hash is another.
+
+    """
+    stored = read_plain(Mapping[str, Any], mapping, 'settings')
     for name in Settings().to_mapping():
-        if name not in mapping and not is_added(name):
+        if name not in stored:
             raise VerdictError(f'settings.{name} is missing')
     try:
-        settings = Settings.from_mapping(fill_in_added(mapping))
-        Limits.of(settings.norms, settings.model)
+        settings = Settings.from_mapping(stored)
     except SettingsError as error:
         raise VerdictError(f'settings: {error}') from error
-    plain: dict[str, Any] = make_plain(settings)
-    return plain
+    digest = settings_sha256(settings.to_mapping())
+    if sha256 != digest:
+        raise VerdictError(f'settings_sha256 = {sha256!r:.70}: the settings have {digest!r}, so '
+                           'they were changed afterwards')
+    return settings

@@ -91,7 +91,7 @@ class PairIntake(Intake):
         self._numbers: dict[str, Numbering] = {}
         self._newest_ns = self._read_ns = 0
         self._resuming: dict[str, int] = {}
-        self._named = self._behind = False
+        self._behind = False
         self._taken: deque[bytes] = deque(maxlen=_MOST_HELD)
         self.left_out = self.missed = 0
 
@@ -123,20 +123,18 @@ class PairIntake(Intake):
         for _, several in groupby(messages, key=lambda pair: pair[0][_NAME]):
             batch = list(several)
             name = header_frame(batch[0][0])
-            # Pairs without a name are those of an earlier version.
+            # Pairs that another program publishes name no start.
             started_ns = int(name) if name.isdecimal() else 0
-            if name.isdecimal():
-                self._choice.hear(started_ns, now_s)
-            if not name.isdecimal() or started_ns == self._choice.current:
-                pairs += self._accept(name, batch)
+            self._choice.hear(started_ns, now_s)
+            if started_ns == self._choice.current:
+                pairs += self._accept(str(started_ns), batch)
             else:
                 self._hold(started_ns, batch)
         before, current = self._choice.current, self._choice.look(now_s)
         if current != before and current is not None:
             # The successor pairs again what its ledger of the one before does not count.
             self._behind = True
-            if self._named:
-                self.last_sequence = 0
+            self.last_sequence = 0
             pairs += self._accept(str(current), [*self._held.pop(current, deque())])
         return pairs
 
@@ -152,7 +150,7 @@ class PairIntake(Intake):
             numbering.take(numbers)
             if self._resuming.pop(name, None) is not None:
                 self.missed += numbering.missing - before
-            self.last_sequence, self._named = numbers[-1], name.isdecimal()
+            self.last_sequence = numbers[-1]
             if self._behind:
                 batch = self._leave_out(batch)
         if batch:
@@ -181,8 +179,7 @@ class PairIntake(Intake):
         for name, summary in numbers.items():
             self._numbers[name] = Numbering.go_on(*summary)
             self._resuming[name] = self.last_sequence = summary[1]
-            if name.isdecimal():
-                self._choice.follow(int(name), time.monotonic())
+            self._choice.follow(int(name), time.monotonic())
         self._newest_ns = self._read_ns = newest_ns or 0
         self.look()
 

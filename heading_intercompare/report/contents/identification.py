@@ -82,7 +82,7 @@ def identify(verdict: Verdict) -> list[tuple[str, list[tuple[str, str]]]]:
              value(settings.installation_offset_u_deg))]),
         ('Software', [
             ('software', f'{verdict.software.name} {verdict.software.version}'),
-            ('version of the decision rule', value(verdict.rule_version)),
+            ('version of the decision rule', str(verdict.rule_version)),
             ('schema of the verdict', f'{SCHEMA}, version {SCHEMA_VERSION}'),
             ('verdict id', verdict_id(verdict)),
             ('SHA-256 of the settings', verdict.settings_sha256)])]

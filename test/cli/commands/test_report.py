@@ -99,7 +99,7 @@ def test_what_a_verdict_cannot_be_asked_for_is_one_line(verdict, tmp_path, capsy
 @pytest.mark.parametrize('spoil, words', [
     (lambda text: text[:1000], 'is not JSON: '), (lambda text: '', 'is not JSON: '),
     (lambda text: f'[{text}]', 'a verdict must be an object, not list'),
-    (lambda text: text.replace('verdict/2', 'verdict/1'), "verdict/1': must be "),
+    (lambda text: text.replace('verdict/1', 'verdict/2'), 'a newer version of '),
     (lambda text: text.replace('"n_input"', '"n_imput"'), 'runs[0].n_input is missing'),
     (lambda text: text.replace('"n_input": 600', '"n_input": "many"'),
      "runs[0].n_input = 'many': must be an integer")])

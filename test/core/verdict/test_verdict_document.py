@@ -134,19 +134,13 @@ def name_of(path: tuple) -> str:
 def test_whatever_key_is_missing_is_named():
     mapping = judge_turning_ship(2).to_dict()
     free = {('campaign', 'runs_by_outcome'), ('runs', 0, 'pairing', 'rejected'),
-            ('runs', 0, 'pairing', 'lost')}
+            ('runs', 0, 'pairing', 'rejected', 'ts'), ('runs', 0, 'pairing', 'rejected', 'rs'),
+            ('runs', 0, 'pairing', 'lost', 'ts'), ('runs', 0, 'pairing', 'lost', 'rs')}
     ways = [path for path in keys(mapping) if path[:-1] not in free]
-    ways.remove(('schema_version',))  # without it the verdict is one of 2.0
-    for path in (('runs', 0, 'pairing', 'lost'), ('ledger_complete',), ('ledger_problems',)):
-        ways.remove(path)  # without them of 2.1
-    for name in ('ts_unbridged', 'rs_unbridged', 'ts_held', 'rs_held'):
-        ways.remove(('runs', 0, 'pairing', name))  # without it of 2.6
-    ways.remove(('settings', 'pairing.kernel'))  # without it the line, of 2.6; the digest differs
-    # Without them of 2.3 and 2.6.
-    newer = ('searched_s', 'scope', 'stated_times', 'm_low_needed', 'scatter_upper_bound_deg2',
-             'ts_step_seen_deg', 'rs_step_seen_deg', 'limit_95')
-    ways = [path for path in ways if not {*newer} & {*path} and
-            path not in (('campaign', 'validity'), ('campaign', 'homogeneity', 'drift_orders'))]
+    # Keys that a verdict without the figure leaves out.
+    absent = ('searched_s', 'scope', 'stated_times', 'm_low_needed', 'scatter_upper_bound_deg2',
+              'limit_95', 'drift_orders')
+    ways = [path for path in ways if not {*absent} & {*path}]
     assert len(ways) > 250
     for path in ways:
         less = copy.deepcopy(mapping)
@@ -154,28 +148,8 @@ def test_whatever_key_is_missing_is_named():
         with pytest.raises(VerdictError) as told:
             Verdict.from_dict(less)
         assert str(told.value) in (f'{name_of(path)} is missing',
-                                   "schema = None: must be 'heading_intercompare/verdict/2'")
-
-
-def of_2_0(mapping: dict) -> dict:
-    """Return a mapping as it was before it held version, rule and hash."""
-    added = ('schema_version', 'rule_version', 'settings_sha256')
-    return {key: thing for key, thing in mapping.items() if key not in added}
-
-
-def test_a_verdict_of_2_0_is_read_and_its_rule_is_unknown():
-    mapping = judge_turning_ship().to_dict()
-    again = Verdict.from_dict(of_2_0(mapping))
-    assert again.rule_version is None
-    assert again.to_dict() == {**mapping, 'rule_version': None}
-
-
-def test_a_verdict_of_2_0_that_lacks_a_key_says_how_it_is_made_anew():
-    mapping = of_2_0(judge_turning_ship().to_dict())
-    del mapping['runs'][0]['looks']
-    with pytest.raises(VerdictError, match=r'^runs\[0\].looks is missing; if an earlier version '
-                       'wrote it, judge the recordings again, with `analyze` or `rejudge`$'):
-        Verdict.from_dict(mapping)
+                                   "schema = None: must be 'heading_intercompare/verdict/1'",
+                                   "schema_version = None: must be text such as '1.0'")
 
 
 def test_a_verdict_names_its_rule_and_the_hash_of_its_settings():
@@ -207,11 +181,11 @@ def test_settings_changed_by_another_hand_are_seen():
 
 def test_a_later_minor_version_is_read_and_a_later_major_one_is_not():
     mapping = judge_turning_ship().to_dict()
-    later = {**mapping, 'schema_version': '2.34', 'later': 1}
+    later = {**mapping, 'schema_version': '1.34', 'later': 1}
     assert Verdict.from_dict(later).to_dict() == mapping
-    for newer in ({'schema_version': '3.0'}, {'schema': 'heading_intercompare/verdict/3'},
-                  {'schema': 'heading_intercompare/verdict/3', 'schema_version': '3.1'}):
-        with pytest.raises(VerdictError, match="/[23]'; a newer version of heading_intercompare "
+    for newer in ({'schema_version': '2.0'}, {'schema': 'heading_intercompare/verdict/2'},
+                  {'schema': 'heading_intercompare/verdict/2', 'schema_version': '2.1'}):
+        with pytest.raises(VerdictError, match="/1'; a newer version of heading_intercompare "
                            'wrote it: install that version to read it$'):
             Verdict.from_dict({**mapping, **newer})
 
@@ -234,12 +208,10 @@ def test_whatever_value_is_of_a_wrong_type_is_named():
 @pytest.mark.parametrize('wrong, words', [
     (None, 'a verdict must be an object, not NoneType'),
     ([], 'a verdict must be an object, not list'),
-    ({}, "schema = None: must be 'heading_intercompare/verdict/2'"),
-    ({'schema': 'heading_intercompare/verdict/1'},
-     "schema = 'heading_intercompare/verdict/1': must be .*/2'; an earlier version .*: judge "
-     'the recordings again, with `analyze` or `rejudge`$'),
-    ({'schema': 'heading_intercompare/verdict/0'}, "verdict/0': must be '[a-z_/]*/2'$"),
-    ({'schema_version': 2}, "schema_version = 2: must be text such as '2.1'"),
+    ({}, "schema = None: must be 'heading_intercompare/verdict/1'"),
+    ({'schema': 'heading_intercompare/verdict/0'}, "verdict/0': must be '[a-z_/]*/1'$"),
+    ({'schema': 'heading_intercompare/sensors/1'}, "sensors/1': must be '[a-z_/]*/1'$"),
+    ({'schema_version': 2}, "schema_version = 2: must be text such as '1.0'"),
     ({'schema_version': '2'}, "schema_version = '2': must be text"),
     ({'settings_sha256': None}, 'settings_sha256 = None: the settings have '),
     ({'rule_version': '2'}, "rule_version = '2': must be "),
@@ -253,7 +225,8 @@ def test_whatever_value_is_of_a_wrong_type_is_named():
     ({'inputs': [{}]}, r'inputs\[0\].path is missing'),
     ({'settings': []}, r'settings = \[\]: must be an object'),
     ({'settings': {}}, 'settings.norms.sigma_max_deg is missing'),
-    ({'settings': WITHOUT_NORMS}, 'settings: norms.sigma_ref_max_deg'),
+    ({'settings': WITHOUT_NORMS, 'settings_sha256': settings_sha256(WITHOUT_NORMS)},
+     'settings: norms.sigma_ref_max_deg'),
     ({'settings': {**GIVEN, 'norms.sigma': 1.0}}, "settings: unknown setting 'norms.sigma'"),
     ({'settings': {**GIVEN, 'window_s': 0.0}}, 'settings: window_s = 0.0: must be a number')])
 def test_what_is_no_verdict_is_told_in_one_line(wrong, words):

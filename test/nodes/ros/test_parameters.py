@@ -111,10 +111,6 @@ def test_none_may_be_given_as_a_word(ros):
     ({'window_s': 'long'}, "window_s = 'long': must be a number"),
     ({'window_s': [1.0, 2.0]}, 'window_s = '),
     ({'norms.probability': float('nan')}, 'norms.probability = nan'),
-    ({'risk.method': 'dyadic'}, "parameter 'risk.method' is gone: there is one rule"),
-    ({'risk.nu_min': 15.0}, "parameter 'risk.nu_min' is gone: the decision has no gate"),
-    ({'risk.r1_max': 0.4}, "parameter 'risk.r1_max' is gone: the decision has no gate"),
-    ({'risk.share_max': 0.05}, "parameter 'risk.share_max' is gone: the decision has no gate"),
 ])
 def test_a_mistake_is_refused_in_one_line(ros, values, message):
     with pytest.raises(SettingsError) as error:
