@@ -50,30 +50,36 @@ class Figure:
         What it is in the narrow table of a terminal; empty for the words.
     prefix : str
         What stands before the words of the figures in it.
-    left_out : bool
-        Whether its key is left out if it is None.
+    absent : str
+        When its key is left out, because it is None; empty if never.
+    choices : mapping of str to str
+        The words of the JSON that it may be, and what they mean.
 
     """
 
     words: str
-    note: str = ''
-    unit: str = ''
-    u_key: str = ''
-    up_key: str = ''
-    row: str = ''
-    prefix: str = ''
-    left_out: bool = False
+    note: str
+    unit: str
+    u_key: str
+    up_key: str
+    row: str
+    prefix: str
+    absent: str
+    choices: Mapping[str, str]
 
     @property
     def text(self) -> str:
         """Return the explanation in docs and schema."""
         unit = {'': '', '1': '', 'UTC': ' [ns, UTC]'}.get(self.unit, f' [{self.unit}]')
-        return f'{self.words}{unit}; {self.note}' if self.note else f'{self.words}{unit}'
+        parts = [f'{self.words}{unit}', self.note, self.absent and f'absent {self.absent}']
+        parts[1:1] = [f'`{key}`' if key == words else f'`{key}`: {words}'
+                      for key, words in self.choices.items()]
+        return '; '.join(filter(None, parts))
 
 
 def figure(words: str, note: str = '', *, default: Any = MISSING, unit: str | None = None,
-           u: str = '', up: str = '', row: str = '', prefix: str = '',
-           left_out: bool = False) -> Any:
+           u: str = '', up: str = '', row: str = '', prefix: str = '', absent: str = '',
+           choices: Mapping[str, str] | None = None) -> Any:
     """
     Declare a figure of a verdict as a dataclass field, whose name is its key in the JSON.
 
@@ -82,17 +88,16 @@ def figure(words: str, note: str = '', *, default: Any = MISSING, unit: str | No
     words, note : str
         What it is, and what docs and schema add.
     default : object
-        None if it is left out.
+        None if it may be absent.
     unit : str, optional
         Without it the end of the name and the type say the unit.
-    u, up, row, prefix : str
+    u, up, row, prefix, absent, choices
         See `Figure`.
-    left_out : bool
-        Whether its key is left out if it is None.
 
     """
-    return field(default=None if left_out else default, metadata={
-        _FIGURE: Figure(words, note, '', u, up, row, prefix, left_out), _UNIT: unit})
+    return field(default=None if absent else default, metadata={
+        _FIGURE: Figure(words=words, note=note, unit='', u_key=u, up_key=up, row=row,
+                        prefix=prefix, absent=absent, choices=choices or {}), _UNIT: unit})
 
 
 def no_key() -> Any:
@@ -107,7 +112,8 @@ def list_keys(kind: Any) -> list[Any]:
 
 def is_left_out(declared: Any, value: Any) -> bool:
     """Tell whether the key of a field, from `dataclasses.fields`, is left out."""
-    return value is None and _FIGURE in declared.metadata and declared.metadata[_FIGURE].left_out
+    block = declared.metadata.get(_FIGURE)
+    return value is None and block is not None and block.absent != ''
 
 
 @cache

@@ -20,7 +20,8 @@ from dataclasses import dataclass, fields
 import math
 from typing import Callable, Iterable, NamedTuple
 
-from heading_intercompare.core.validity.condition import DOUBTFUL, VOID
+from heading_intercompare.core.declared_figures import find_figure
+from heading_intercompare.core.typed_reader import make_plain
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 
 __all__ = ['make_rows', 'RunKey', 'RunRow']
@@ -121,9 +122,18 @@ class RunRow:
         return tuple(f.name for f in fields(cls))
 
 
-def _finite(figure: float | None) -> float | None:
-    """Return a figure as SQLite can hold it: None unless it is finite."""
-    return figure if figure is not None and math.isfinite(figure) else None
+#: Column and the key of its figure.
+_FIGURES = {
+    'start_ns': 'start_ns', 'end_ns': 'end_ns', 'n': 'n', 'outcome': 'outcome', 'reason': 'reason',
+    'headline': 'headline', 'validity_effect': 'validity_effect',
+    'conditions': 'conditions_in_doubt', 'mean_deg': 'mean_deg', 'sd_deg': 'std_deg',
+    'nu': 'guarded.nu', 'lower_bound_deg2': 'guarded.lower_bound_deg2',
+    'upper_bound_deg2': 'guarded.upper_bound_deg2',
+    'acceptance_limit_deg2': 'guarded.acceptance_limit_deg2',
+    'rejection_limit_deg2': 'guarded.rejection_limit_deg2', 'skew_s': 'skew.estimate.skew_s',
+    'paired': 'pairing.paired', 'ts_received': 'pairing.ts_received',
+    'ts_unpaired': 'pairing.ts_unpaired', 'rs_received': 'pairing.rs_received',
+    'rs_unused': 'pairing.rs_unused', 'source': 'source'}
 
 
 def make_rows(verdict: Verdict, *, ship: str = '', earlier: Iterable[RunVerdict] = (),
@@ -145,32 +155,16 @@ def make_rows(verdict: Verdict, *, ship: str = '', earlier: Iterable[RunVerdict]
     """
     if verdict.intermediate:
         return []
-    settings, rule = verdict.settings_sha256, verdict.rule_version
-    version = verdict.software.version
-    rows = []
+    rows, digest = [], verdict.settings_sha256
     for run in (*earlier, *verdict.runs):
-        pairing, guarded = run.pairing, run.guarded
-        n_effective = run.correlation.n_effective_mean
-        u_deg = None
+        n_effective, u_deg = run.correlation.n_effective_mean, None
         if run.variance_deg2 is not None and n_effective > 0.0:
             u_deg = math.sqrt(run.variance_deg2 / n_effective)
+        rejected = run.pairing.rejected
         rows.append(RunRow(
-            ship=ship, start_ns=run.start_ns, end_ns=run.end_ns, n=run.n,
-            outcome=run.outcome.value, reason=run.reason, headline=run.headline,
-            validity_effect=run.validity_effect,
-            conditions=','.join(f'{f.condition}={f.effect}' for f in run.validity
-                                if f.effect in (DOUBTFUL, VOID)),
-            mean_deg=_finite(run.mean_deg), mean_u_deg=_finite(u_deg),
-            sd_deg=_finite(run.std_deg), nu=_finite(guarded.nu),
-            lower_bound_deg2=_finite(guarded.lower_bound_deg2),
-            upper_bound_deg2=_finite(guarded.upper_bound_deg2),
-            acceptance_limit_deg2=guarded.acceptance_limit_deg2,
-            rejection_limit_deg2=guarded.rejection_limit_deg2,
-            skew_s=_finite(run.skew.estimate.skew_s), paired=pairing.paired,
-            ts_received=pairing.ts_received, ts_unpaired=pairing.ts_unpaired,
-            ts_rejected=sum(pairing.rejected.ts.values()),
-            rs_received=pairing.rs_received, rs_unused=pairing.rs_unused,
-            rs_rejected=sum(pairing.rejected.rs.values()), source=run.source,
-            bag=find_bag(run.source), settings_sha256=settings, rule_version=rule,
-            software_version=version))
+            **{name: make_plain(find_figure(run, key)) for name, key in _FIGURES.items()},
+            ship=ship, mean_u_deg=make_plain(u_deg), ts_rejected=sum(rejected.ts.values()),
+            rs_rejected=sum(rejected.rs.values()), bag=find_bag(run.source),
+            settings_sha256=digest, rule_version=verdict.rule_version,
+            software_version=verdict.software.version))
     return sorted(rows, key=lambda row: (row.start_ns, row.end_ns))

@@ -17,58 +17,32 @@
 from __future__ import annotations
 
 import csv
-import math
 from pathlib import Path
-from typing import Callable, Iterable, Iterator, Sequence
+from typing import Iterable, Iterator, Sequence
 
+from heading_intercompare.core.declared_figures import find_figure
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
+from heading_intercompare.core.typed_reader import make_plain
 from heading_intercompare.core.utc_text import utc
-from heading_intercompare.core.validity.condition import DOUBTFUL, VOID
-from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
+from heading_intercompare.core.verdict.verdict_document import Verdict
 
 __all__ = ['COLUMNS', 'write_runs']
 
 Cell = str | int | float | None
 
 
-def _list_conditions(run: RunVerdict) -> str:
-    return ','.join(f'{finding.condition}={finding.effect}' for finding in run.validity
-                    if finding.effect in (DOUBTFUL, VOID))
-
-
-def _finite(value: float | None) -> float | None:
-    return value if value is not None and math.isfinite(value) else None
-
-
-#: Column and the cell of a run; docs/howto/judge_many.md explains them.
-_COLUMNS: dict[str, Callable[[RunVerdict], Cell]] = {
-    'recording': lambda run: run.source,
-    'run': lambda run: run.run,
-    'start_utc': lambda run: utc(run.start_ns),
-    'end_utc': lambda run: utc(run.end_ns),
-    'start_ns': lambda run: run.start_ns,
-    'end_ns': lambda run: run.end_ns,
-    'duration_s': lambda run: run.duration_s,
-    'pairs': lambda run: run.pairing.paired,
-    'n': lambda run: run.n,
-    'nu': lambda run: _finite(run.guarded.nu),
-    'mean_deg': lambda run: _finite(run.mean_deg),
-    'max_abs_deg': lambda run: _finite(run.max_abs_deg),
-    'sd_deg': lambda run: _finite(run.std_deg),
-    'variance_deg2': lambda run: _finite(run.variance_deg2),
-    'lower_bound_deg2': lambda run: _finite(run.guarded.lower_bound_deg2),
-    'upper_bound_deg2': lambda run: _finite(run.guarded.upper_bound_deg2),
-    'acceptance_limit_deg2': lambda run: run.guarded.acceptance_limit_deg2,
-    'rejection_limit_deg2': lambda run: run.guarded.rejection_limit_deg2,
-    'n_plus': lambda run: run.count_criterion.n_plus,
-    'n_plus_plus': lambda run: run.count_criterion.n_plus_plus,
-    'outcome': lambda run: run.outcome.value,
-    'validity': lambda run: run.validity_effect,
-    'conditions': _list_conditions,
-    'reason': lambda run: run.reason,
-    'outcome_as_printed': lambda run: run.paper_outcome.value,
-    'headline': lambda run: run.headline,
-}
+#: Column and the key of its figure; docs/howto/judge_many.md explains them.
+_COLUMNS = {
+    'recording': 'source', 'run': 'run', 'start_utc': 'start_ns', 'end_utc': 'end_ns',
+    'start_ns': 'start_ns', 'end_ns': 'end_ns', 'duration_s': 'duration_s',
+    'pairs': 'pairing.paired', 'n': 'n', 'nu': 'guarded.nu', 'mean_deg': 'mean_deg',
+    'max_abs_deg': 'max_abs_deg', 'sd_deg': 'std_deg', 'variance_deg2': 'variance_deg2',
+    'lower_bound_deg2': 'guarded.lower_bound_deg2', 'upper_bound_deg2': 'guarded.upper_bound_deg2',
+    'acceptance_limit_deg2': 'guarded.acceptance_limit_deg2',
+    'rejection_limit_deg2': 'guarded.rejection_limit_deg2', 'n_plus': 'count_criterion.n_plus',
+    'n_plus_plus': 'count_criterion.n_plus_plus', 'outcome': 'outcome',
+    'validity': 'validity_effect', 'conditions': 'conditions_in_doubt', 'reason': 'reason',
+    'outcome_as_printed': 'paper_outcome', 'headline': 'headline'}
 COLUMNS = tuple(_COLUMNS)
 """Names of the columns."""
 
@@ -100,7 +74,8 @@ def write_runs(verdict: Verdict | SensorsVerdict, path: str | Path) -> None:
 
 def _list_rows(verdict: Verdict) -> Iterator[list[Cell]]:
     for run in verdict.runs:
-        yield [_COLUMNS[name](run) for name in COLUMNS]
+        yield [utc(find_figure(run, key)) if name.endswith('_utc') else
+               make_plain(find_figure(run, key)) for name, key in _COLUMNS.items()]
     for recording in verdict.inputs:
         if recording.why_no_run:
             row: dict[str, Cell] = dict.fromkeys(COLUMNS, '')

@@ -85,7 +85,8 @@ class PairsAccount:
     segments: tuple[LedgerSegment, ...]
     set_backs: tuple[SetBack, ...]
     software_version: str = VERSION
-    motion: Mapping[str, str] | None = figure('motion of the ship, `motion_text`', left_out=True)
+    motion: Mapping[str, str] | None = figure('motion of the ship, `motion_text`',
+                                              absent='if unknown')
 
     @property
     def ledger(self) -> Ledger:

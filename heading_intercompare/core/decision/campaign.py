@@ -98,10 +98,10 @@ class Together:
     rejection_limit_deg2: float = figure('rejection limit R')
     rate_plus_lower: float = figure('lower bound of the rate beyond the limit', 'S.14')
     scatter_upper_bound_deg2: float | None = figure('upper bound from the scatter of the runs',
-                                                    'S.19; absent where the bound from the means '
-                                                    'is null', left_out=True)
-    stated_times: float | None = figure('shortest run in slowest errors stated, if U rests on '
-                                        'them', 'S.18; otherwise absent', left_out=True)
+                                                    'S.19', absent='where the bound from the '
+                                                    'means is null')
+    stated_times: float | None = figure(
+        'shortest run in slowest errors stated, if U rests on them', 'S.18', absent='otherwise')
 
 
 def judge_together(runs: Sequence[Evidence], limits: Sequence[Limits], risk: Risk, variant: str,

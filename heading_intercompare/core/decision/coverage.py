@@ -114,8 +114,7 @@ class Coverage:
     stated_s: float | None = figure('slowest error stated', 'null if none is')
     least_duration_s: float = figure('least length of a run that may comply')
     by_run_means: bool = figure('the means of several runs cover slower errors', default=False)
-    scope: Scope | None = figure('what else a certificate covers', 'absent without a run',
-                                 left_out=True)
+    scope: Scope | None = figure('what else a certificate covers', absent='without a run')
 
     @property
     def words(self) -> str:

@@ -124,7 +124,7 @@ class Guarded:
     slow_allowance_deg2: float | None = figure('allowance for the slow part in U', 'S.9',
                                                default=None)
     stated_times: float | None = figure('length in slowest errors stated, if U rests on them',
-                                        'S.17; otherwise absent', left_out=True)
+                                        'S.17', absent='otherwise')
     upper_bound_deg2: float | None = figure("its upper bound U, at the consumer's risk",
                                             'the bound of the variance, S.10, S.17', default=None)
     lower_bound_deg2: float | None = figure("its lower bound L, at the producer's risk",
@@ -149,8 +149,8 @@ class Guarded:
     hours_needed: float | None = figure('length with which the run alone decides', default=None,
                                         unit='h')
     m_low_needed: float | None = figure(
-        'least `norms.m_low` with which the run would comply as it is', 'absent if none would, if '
-        'it complies, or if it is too short', left_out=True)
+        'least `norms.m_low` with which the run would comply as it is', absent='if none would, if '
+        'it complies, or if it is too short')
     bias_u_deg: float | None = figure('mean difference: standard uncertainty', default=None)
     bias_interval_deg: tuple[float, float] | None = figure('mean difference: 95 % interval',
                                                            default=None)

@@ -59,8 +59,7 @@ class TakenOut:
         'their share', 'of all pairs; of a run, of those that would have been analysed')
     stretches: Sequence[Stretch] = figure('stretches left out, each with its reason')
     as_recorded: AsRecorded | None = figure('decision on the variance with nothing left out',
-                                            'absent of a run, and where it is unknown',
-                                            left_out=True)
+                                            absent='of a run, and where it is unknown')
 
 
 def sum_stretches(parts: Iterable[Sequence[Stretch]]) -> tuple[Stretch, ...]:

@@ -47,15 +47,18 @@ _LOOKED_AT = 1 << 14
 _CELLS = 1 << 16
 
 
+#: They outlast the turns if the ship makes fewer than four full turns, and the errors change too
+#: slowly to be told from a dependence on the heading.
+_REASONS = {'insufficient_data': 'too few differences', 'headings_too_narrow': 'too few headings',
+            'errors_outlast_the_turns': 'the errors outlast the turns'}
+
+
 @dataclass(frozen=True, slots=True)
 class HeadingDependence:
     """x = A + B sin(psi) + C cos(psi) + D sin(2 psi) + E cos(2 psi); keys of the JSON."""
 
     n: int = figure('differences')
-    reason: str = figure(
-        'why it could not be fitted', 'empty, or `insufficient_data`, `headings_too_narrow` or '
-        '`errors_outlast_the_turns`: fewer than four full turns, and errors that change too '
-        'slowly to be told from a dependence on the heading')
+    reason: str = figure('why it could not be fitted', 'empty if it could', choices=_REASONS)
     empty_arc_deg: float | None = figure(
         'largest arc without a heading', 'of the RS; null for n = 0')
     condition: float | None = figure('condition number of the fit', 'above 10⁴ it is rejected; '

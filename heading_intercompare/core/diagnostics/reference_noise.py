@@ -58,8 +58,7 @@ class ReferenceNoise:
                                                'the bound is below zero', default=None)
     following_deg2: tuple[float, ...] | None = figure(
         'of it in proportion to the motion', 'of the variance of the RS, as an error of either '
-        'sensor in proportion to the motion is; the bound leaves it out; absent without octaves',
-        left_out=True)
+        'sensor in proportion to the motion is; the bound leaves it out', absent='without octaves')
 
     @property
     def white_upper_deg2(self) -> float | None:

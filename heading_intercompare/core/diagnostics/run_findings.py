@@ -74,8 +74,8 @@ class Drift:
                                             'the root of RSS/(n − 1 − order)')
     span_h: float = figure('length of the run')
     line: Slope | None = figure('straight line through the differences', 'null for fewer than two')
-    warm_up: WarmUp | None = figure('exponential, as after switching on', 'null for fewer than 64 '
-                                    'differences')
+    warm_up: WarmUp | None = figure(
+        'exponential, as after switching on', 'null for fewer than 64 differences')
     mser_s: float | None = figure('time until the start no longer disturbs the mean',
                                   'MSER-5, after the first difference; null for fewer than 20')
 
@@ -107,9 +107,8 @@ class Allan:
     tau_s: tuple[float, ...] = figure('averaging time')
     deviation_deg: tuple[float, ...] = figure('Allan deviation', 'overlapping')
     terms: tuple[int, ...] = figure('differences of averages')
-    reference_noise: ReferenceNoise = figure(
-        'noise of the reference sensor', 'the variance split between the sensors, where the ship '
-        'is quiet')
+    reference_noise: ReferenceNoise = figure('noise of the reference sensor', 'the variance split '
+                                             'between the sensors, where the ship is quiet')
 
 
 def describe_skew(estimate: Skew, variance_deg2: float | None, limits: Limits,

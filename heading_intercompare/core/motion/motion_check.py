@@ -58,29 +58,35 @@ class WrongLeg(NamedTuple):
     off_deg: float
 
 
+_KINDS = {'agrees': 'nothing contradicts', 'doubt': 'may be wrong', 'contradicts': 'wrong',
+          'not_testable': 'not testable'}
+_SENSORS = {'ts': 'TS', 'rs': 'RS', 'both': 'TS and RS'}
+_COURSE_KINDS = {
+    'agrees': 'nothing contradicts', 'off': 'points off the course',
+    'mirrored': 'turns against the course', 'frozen': 'stays while the course changes',
+    'astray': 'does not follow', 'not_testable': 'not testable'}
+
+
 @dataclass(frozen=True, slots=True)
 class SensorMotion:
     """One heading against the motion of the ship; keys of the JSON."""
 
-    kind: str = figure('against the course', '`agrees`, `off` (by one angle), `mirrored`, '
-                       '`frozen`, `astray` (by no angle in particular), `not_testable`',
-                       default='not_testable')
+    kind: str = figure('against the course', choices=_COURSE_KINDS, default='not_testable')
     off_deg: float | None = figure('mean angle off the course', 'heading − course over the legs, '
                                    'weighted by their time; of heading + course if mirrored',
                                    default=None)
     largest_deg: float | None = figure('largest angle off the course of a leg', default=None)
     against_s: float = figure('time of the legs with an angle beyond the bound', default=0.0)
-    turns: TurnRate | None = figure('heading against the rate of turn', 'absent if there is none',
-                                    left_out=True)
+    turns: TurnRate | None = figure('heading against the rate of turn', absent='if there is none')
 
 
 @dataclass(frozen=True, slots=True)
 class MotionCheck:
     """The headings of a run against the motion of the ship; keys of the JSON."""
 
-    kind: str = figure('conclusion', '`agrees`, `doubt`, `contradicts` or `not_testable`')
-    whose: str = figure(
-        'sensor that is wrong', '`ts`, `rs` or `both`; empty if none contradicts the motion')
+    kind: str = figure('conclusion', choices=_KINDS)
+    whose: str = figure('sensor that is wrong', 'empty if none contradicts the motion',
+                        choices=_SENSORS)
     n_positions: int = figure('positions in the run')
     n_velocities: int = figure('velocities in the run')
     n_rates: int = figure('rates of turn in the run')

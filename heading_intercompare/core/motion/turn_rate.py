@@ -50,13 +50,16 @@ _LEAST_SLOPE, _MOST_SLOPE = 0.7, 1.4
 _SECOND_NS = 10 ** 9
 
 
+_KINDS = {'follows': 'follows', 'against': 'turns against it',
+          'scaled': 'turns by another factor', 'astray': 'does not follow',
+          'not_testable': 'not testable'}
+
+
 @dataclass(frozen=True, slots=True)
 class TurnRate:
     """A heading against the rate of turn; keys of the JSON."""
 
-    kind: str = figure(
-        'against the rate of turn', '`follows`; `against`; `scaled`: by another factor; `astray`: '
-        'not at all, although the ship turns much; `not_testable`')
+    kind: str = figure('against the rate of turn', choices=_KINDS)
     n: int = figure('spans of 5 s compared', default=0)
     turn_deg: float | None = figure('turn in a span, root mean square', default=None)
     slope: float | None = figure('slope of its turns on the rate of turn', default=None)

@@ -45,4 +45,4 @@ DRIFT_REMOVED = Condition(
     holds='no error is removed as a drift',
     doubtful_when='`drift_order` removes a drift over more than σ_max, and with that left in the '
                   'outcome would differ',
-    judge=_judge)
+    judge=_judge, also_said='always')

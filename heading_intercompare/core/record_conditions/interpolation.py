@@ -119,4 +119,4 @@ INTERPOLATION = Condition(
               'the outcome might differ; or `pairing.kernel` is `line`, the run would comply, and '
               'the line lacks motion of more than a fiftieth of the limit',
     void_why='the difference comes from the method, or the method hides it',
-    settle=_settle, is_permanent=True)
+    settle=_settle, also_said='certificate', is_permanent=True)

@@ -38,7 +38,7 @@ LEFT_OUT = Condition(
                   'exclusions leave out pairs, and all pairs of the record together give another '
                   'outcome; a warm-up that the data show does not count, nor the time in which '
                   'a sensor of its class settles. The headline gives the share and the outcome as '
-                  'recorded')
+                  'recorded', also_said='always')
 
 
 def judge_left_out(outcome: Outcome, left_out: TakenOut, by_hand: bool) -> Finding:

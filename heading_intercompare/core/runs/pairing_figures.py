@@ -29,16 +29,19 @@ __all__ = ['LostReadings', 'PairingFigures', 'RejectedReadings']
 class RejectedReadings:
     """Counts of the readings of each sensor rejected before pairing, by reason."""
 
-    ts: Mapping[str, int] = figure('readings of the TS by reason')
-    rs: Mapping[str, int] = figure('readings of the RS by reason')
+    ts: Mapping[str, int] = figure('of these rejected, by reason', 'TS readings')
+    rs: Mapping[str, int] = figure('of these rejected, by reason', 'RS readings')
+
+
+_PLACES = {'on_the_way': 'on the way', 'at_source': 'at source', 'before_start': 'before start'}
 
 
 @dataclass(frozen=True, slots=True)
 class LostReadings:
     """Counts of the readings of each sensor that were sent and never came, by where."""
 
-    ts: Mapping[str, int] = figure('readings of the TS by where')
-    rs: Mapping[str, int] = figure('readings of the RS by where')
+    ts: Mapping[str, int] = figure('TS readings lost besides', choices=_PLACES)
+    rs: Mapping[str, int] = figure('RS readings lost besides', choices=_PLACES)
 
 
 @dataclass(frozen=True, slots=True)

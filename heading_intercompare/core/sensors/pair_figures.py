@@ -21,6 +21,9 @@ import math
 from typing import Sequence
 
 from heading_intercompare.core.declared_figures import figure
+from heading_intercompare.core.sensor_conditions.convention import CONVENTION
+from heading_intercompare.core.sensor_conditions.mean_difference import MEAN_DIFFERENCE
+from heading_intercompare.core.sensor_conditions.same_source import SAME_SOURCE
 from heading_intercompare.core.statistics.variance_uncertainty import (
     lower_bound,
     pool,
@@ -33,7 +36,7 @@ from heading_intercompare.core.verdict.verdict_document import RunVerdict
 __all__ = ['describe_pair', 'PairFigures']
 
 #: A mean or a convention beyond what any norm explains: the pair differs, whatever its variance.
-_GROSS = ('convention', 'mean_difference')
+_GROSS = (CONVENTION.name, MEAN_DIFFERENCE.name)
 #: Half-periods in the slow part of a variance, S.8.
 _LOW_MODES = 4
 
@@ -121,7 +124,7 @@ def describe_pair(names: tuple[str, str], runs: Sequence[RunVerdict], limit_deg2
         gross=gross[0] if gross else '', **_find_skew(runs),
         first_factor=_average(n, [(run.n, run.pairing.ts_variance_factor) for run in runs]),
         second_factor=_average(n, [(run.n, run.pairing.rs_variance_factor) for run in runs]),
-        one_source=any(f.condition == 'same_source' and f.effect == VOID for f in findings),
+        one_source=any(f.condition == SAME_SOURCE.name and f.effect == VOID for f in findings),
         validity_effect=gravest(run.validity_effect for run in runs),
         findings=tuple(dict.fromkeys(f.words for f in findings)))
 

@@ -80,8 +80,8 @@ class Homogeneity:
     variances_equal: bool | None = figure(
         'the variances agree', 'the probability is at least 0.01', default=None)
     drift_orders: tuple[int, ...] | None = figure('order of the drift of each run',
-                                                  'GK assumes the same in every run; absent if '
-                                                  'one is unknown', left_out=True)
+                                                  'GK assumes the same in every run',
+                                                  absent='if one is unknown')
 
 
 def examine_homogeneity(runs: Sequence[RunFigures]) -> Homogeneity:

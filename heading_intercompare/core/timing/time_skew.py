@@ -141,16 +141,18 @@ def _regress(x: np.ndarray, rate: np.ndarray) -> Regression | None:
                       float(np.abs(rate).max()))
 
 
+_KINDS = {'found': 'found', 'unclear': 'found, but poorly determined',
+          'beyond': 'beyond the range of the search', 'no_fit': 'no skew fits',
+          'not_turned': 'the ship did not turn enough', 'too_few': 'too few pairs'}
+
+
 @dataclass(frozen=True, slots=True)
 class Skew:
     """The time skew of a run; keys of the JSON."""
 
     n: int = figure('pairs or short averages used', 'averages over up to 0.25 s; 0: too few, or '
                     '`alignment.skew` is `off`')
-    kind: str = figure(
-        'result of the estimate', '`found`; `unclear`: found, but poorly determined; `beyond`: '
-        'the differences scatter least at a skew beyond the range; `no_fit`: the ship moved, but '
-        'no skew fits; `not_turned`; `too_few`', default='too_few')
+    kind: str = figure('result of the estimate', choices=_KINDS, default='too_few')
     rs_rate_std_deg_s: float | None = figure('rate of turn of the RS, standard deviation',
                                              'with its noise', default=None)
     rate_std_deg_s: float | None = figure('rate of turn that both sensors show',
@@ -179,10 +181,10 @@ class Skew:
     beyond_s: float | None = figure('skew beyond the range of the search, about',
                                     'null unless `kind` is `beyond`', default=None)
     also_s: float | None = figure('another that fits about as well', 'because the motion repeats '
-                                  'itself; absent without one', left_out=True)
+                                  'itself', absent='without one')
     searched_s: float | None = figure('clocks that lie apart were sought up to',
-                                      '`alignment.clock_range_s`, or less if the run is short; '
-                                      'absent if there was no search', left_out=True)
+                                      '`alignment.clock_range_s`, or less if the run is short',
+                                      absent='if there was no search')
 
     @property
     def about_s(self) -> float:

@@ -88,6 +88,9 @@ class Condition:
         None if the condition is judged elsewhere.
     settle : callable or None
         Returns the finding once the account of the readings is known, given that of `judge`.
+    also_said : {'', 'always', 'certificate'}
+        When its words stand in a headline although it does not bind: whatever the outcome, or in
+        that of a certificate, whose scope it narrows.
     is_permanent : bool
         Whether a run that is void by it was so at each look, even if that did not show yet: the
         set-up of the sensors makes it void.
@@ -107,6 +110,7 @@ class Condition:
     doubtful_when: str = ''
     judge: 'Callable[[Examined], Finding | None] | None' = None
     settle: 'Callable[[Finding | None, RunAccount], Finding | None] | None' = None
+    also_said: str = ''
     is_permanent: bool = False
     weighs_others: bool = False
     watched_by: tuple[str, ...] = ()

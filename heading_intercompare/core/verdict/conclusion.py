@@ -25,6 +25,7 @@ from heading_intercompare.core.decision.guarded import Guarded, REASONS
 from heading_intercompare.core.decision.needed_length import describe_need, describe_need_together
 from heading_intercompare.core.decision.sequential import find_rejection, LookVerdict
 from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.record_conditions.deciding_outliers import OUTLIERS
 from heading_intercompare.core.validity.condition import (
     DOUBTFUL,
     Finding,
@@ -78,7 +79,7 @@ def with_findings(outcome: Outcome, reason: str,
         if finding.effect == VOID:
             return Outcome.INDETERMINATE, f'void.{finding.condition}'
     if outcome is Outcome.INDETERMINATE and any(
-            f.condition == 'outliers' and f.effect == DOUBTFUL for f in findings):
+            f.condition == OUTLIERS.name and f.effect == DOUBTFUL for f in findings):
         return outcome, 'outliers_decide'
     return outcome, reason
 

@@ -21,16 +21,16 @@ from typing import Sequence
 from heading_intercompare.core.decision.coverage import Coverage, span_words
 from heading_intercompare.core.decision.sequential import find_rejection, LookVerdict
 from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.sensor_conditions.motion import MOTION
 from heading_intercompare.core.validity.condition import DOUBTFUL, Finding, VOID
 
-__all__ = ['add_looks', 'ALWAYS_SAID', 'compose_headline', 'OUTCOME_WORDS', 'REJECTION_SCOPE']
+from .validity import CONDITIONS
+
+__all__ = ['add_looks', 'compose_headline', 'OUTCOME_WORDS', 'REJECTION_SCOPE']
 
 OUTCOME_WORDS = {'compliant': 'COMPLIANT', 'indeterminate': 'INDETERMINATE',
                  'non_compliant': 'NON-COMPLIANT'}
 """Words for each outcome."""
-
-ALWAYS_SAID = ('left_out', 'drift_removed')
-"""Conditions whose words stand in a headline whatever their effect."""
 
 REJECTION_SCOPE = 'rests on the RS meeting its norm; which of the two is wrong is not shown'
 """What a rejection does not show: the difference is that of two sensors."""
@@ -65,12 +65,11 @@ def compose_headline(outcome: Outcome, findings: Sequence[Finding], coverage: Co
     void = [f.words for f in findings if f.effect == VOID]
     doubts = [f.words for f in findings if f.effect == DOUBTFUL]
     # What is left out or removed is said whatever the outcome, unless it is among the doubts.
-    taken_out = [f'; {f.words}' for f in findings if f.condition in ALWAYS_SAID and f.words
-                 and (void or f.effect != DOUBTFUL)]
+    taken_out = [f'; {f.words}' for f in _list_also_said(findings, 'always')
+                 if void or f.effect != DOUBTFUL]
     if outcome is Outcome.COMPLIANT and not void:
         # The scope of a certificate, where it is narrower than others.
-        taken_out += [f'; {f.words}' for f in findings if f.condition == 'interpolation'
-                      and f.words]
+        taken_out += [f'; {f.words}' for f in _list_also_said(findings, 'certificate')]
     if outcome is Outcome.COMPLIANT and coverage is not None and not doubts:
         return f'{text} {coverage.words}' + ''.join(taken_out)
     if void:
@@ -84,9 +83,14 @@ def compose_headline(outcome: Outcome, findings: Sequence[Finding], coverage: Co
         text += f' ({coverage.words})'
     # The motion of the ship shows which one is wrong.
     if outcome is Outcome.NON_COMPLIANT and not any(
-            f.condition == 'motion' and f.effect == DOUBTFUL for f in findings):
+            f.condition == MOTION.name and f.effect == DOUBTFUL for f in findings):
         text += f' ({REJECTION_SCOPE})'
     return text + ''.join(taken_out)
+
+
+def _list_also_said(findings: Sequence[Finding], when: str) -> list[Finding]:
+    names = {condition.name for condition in CONDITIONS if condition.also_said == when}
+    return [finding for finding in findings if finding.condition in names and finding.words]
 
 
 def add_looks(at_end: str, outcome: Outcome, reason: str,

@@ -52,7 +52,13 @@ from heading_intercompare.core.typed_reader import (
     read_plain,
     VerdictError,
 )
-from heading_intercompare.core.validity.condition import Finding, gravest, worst_effect
+from heading_intercompare.core.validity.condition import (
+    DOUBTFUL,
+    Finding,
+    gravest,
+    VOID,
+    worst_effect,
+)
 from heading_intercompare.core.version import RULE_VERSION, VERSION
 
 from .conclusion import campaign_words
@@ -131,12 +137,17 @@ class RunVerdict:
     assumptions: Sequence[Assumption] = figure('assumptions (a) to (j) of GK')
     warnings: Sequence[str] = figure('sentences of warning', 'the word before the colon is fixed')
     taken_out: TakenOut | None = figure('what was taken out of the run by hand',
-                                        'absent if nothing was', left_out=True)
+                                        absent='if nothing was')
     motion: MotionCheck | None = figure('headings against the motion of the ship',
-                                        'absent if it is not known', left_out=True)
+                                        absent='if it is not known')
     limit_95: Percentile | None = figure('limit that 95 % of the differences keep',
-                                         'absent with fewer than 20 independent differences',
-                                         left_out=True)
+                                         absent='with fewer than 20 independent differences')
+
+    @property
+    def conditions_in_doubt(self) -> str:
+        """Return the conditions that do not hold, such as ``losses=doubtful``, with commas."""
+        return ','.join(f'{finding.condition}={finding.effect}' for finding in self.validity
+                        if finding.effect in (DOUBTFUL, VOID))
 
 
 @dataclass(frozen=True, slots=True)
@@ -217,24 +228,21 @@ class Input:
     rs_topic: str | None = figure('topic of the RS', 'as for the TS; of the second of two logs '
                                   'the sentence, or `csv`', default=None)
     notes: tuple[OperatorNote, ...] | None = figure(
-        'notes of the operator, in the order of their times', 'absent without any', left_out=True)
+        'notes of the operator, in the order of their times', absent='without any')
     error: str | None = figure('why it could not be read', 'then no outcome is better than '
-                               'indeterminate; otherwise absent', left_out=True)
+                               'indeterminate', absent='otherwise')
     no_run: str | None = figure('why it has no run, and an account of its readings',
-                                'then no outcome is better than indeterminate; otherwise absent',
-                                left_out=True)
+                                'then no outcome is better than indeterminate', absent='otherwise')
     same_as: str | None = figure('path of an earlier input with the same data',
-                                 'absent if there is none', left_out=True)
+                                 absent='if there is none')
     continues: str | None = figure('path of the input that it was judged together with, as this '
-                                   'trial began there', 'otherwise absent', left_out=True)
+                                   'trial began there', absent='otherwise')
     ledger_problems: tuple[str, ...] | None = figure(
-        'why its readings are not all accounted for, and where a journal ends', 'otherwise absent',
-        left_out=True)
+        'why its readings are not all accounted for, and where a journal ends', absent='otherwise')
     not_taken: Mapping[str, int] | None = figure('lines of a log that gave no heading, by reason',
-                                                 'absent if it is no log', left_out=True)
+                                                 absent='if it is no log')
     made_from: Mapping[str, str | None] | None = figure(
-        'path and SHA-256 of each recording whose readings a csv of pairs has', 'otherwise absent',
-        left_out=True)
+        'path and SHA-256 of each recording whose readings a csv of pairs has', absent='otherwise')
 
     @property
     def why_no_run(self) -> str | None:
@@ -276,9 +284,9 @@ class Verdict:
         'restarted, or a recording that is cut; empty if all are', default=())
     intermediate: bool | None = figure('whether the last run was still in progress',
                                        'then its outcome is what a stop would have given, and no '
-                                       'judgement; otherwise absent', left_out=True)
-    taken_out: TakenOut | None = figure(
-        'pairs that the runs leave out', 'absent if there are none', left_out=True)
+                                       'judgement', absent='otherwise')
+    taken_out: TakenOut | None = figure('pairs that the runs leave out',
+                                        absent='if there are none')
     plotter: Any = no_key()
 
     @property

@@ -35,6 +35,7 @@ __all__ = ['describe_together', 'head_lines', 'summary_text', 'verdict_html', 'v
 Row = tuple[str, Callable[[RunVerdict], str]]
 
 _COLUMNS = 5
+_FIGURES = list_figures(RunVerdict)
 
 #: What is known of the mean of the TS, GK Table I.
 _VARIANTS = {'A': 'the mean of the TS is known to be 0',
@@ -61,21 +62,12 @@ def _limit(run: RunVerdict) -> str:
     return f'{_number(limit.limit_deg)} ({_range(limit.lower_deg, limit.upper_deg)})'
 
 
-def _describe_rejected(run: RunVerdict) -> str:
-    rejected = run.pairing.rejected
-    parts = [f'{n} {sensor} {reason}' for sensor, reasons in (('TS', rejected.ts),
-                                                              ('RS', rejected.rs))
-             for reason, n in reasons.items()]
-    return ', '.join(parts) or '0'
-
-
-def _describe_lost(run: RunVerdict) -> str:
-    lost = run.pairing.lost
-    if lost is None:
-        return '-'
-    parts = [f'{n} {sensor} {where.replace("_", " ")}' for sensor, wheres in (
-        ('TS', lost.ts), ('RS', lost.rs)) for where, n in wheres.items()]
-    return ', '.join(parts) or '0'
+def _list_reasons(key: str, run: RunVerdict) -> str:
+    """Return the readings of both sensors by reason."""
+    words = _FIGURES[f'{key}.ts'].choices
+    return ', '.join(f'{n} {sensor.upper()} {words.get(reason, reason)}'
+                     for sensor in ('ts', 'rs')
+                     for reason, n in find_figure(run, f'{key}.{sensor}').items()) or '0'
 
 
 def _counts(run: RunVerdict) -> str:
@@ -86,7 +78,7 @@ def _counts(run: RunVerdict) -> str:
 def _declare(keys: str) -> Iterator[Row]:
     """Yield the rows of declared figures by their keys, units in ASCII."""
     for key in keys.split():
-        figure = list_figures(RunVerdict)[key]
+        figure = _FIGURES[key]
         unit = '' if figure.unit in ('', '1', 'UTC') else f' [{figure.unit.replace("²", "2")}]'
         words = figure.row or figure.words.replace('of these ', '  ')
         yield words + unit, partial(_cell, key, figure)
@@ -107,8 +99,8 @@ _ROWS: tuple[Row, ...] = (
         pairing.ts_paired pairing.ts_used pairing.ts_unpaired pairing.ts_unbridged pairing.ts_held
         pairing.rs_received pairing.rs_used pairing.rs_unused pairing.rs_unbridged
         pairing.rs_held"""),
-    ('rejected', _describe_rejected),
-    ('lost', _describe_lost),
+    ('rejected', partial(_list_reasons, 'pairing.rejected')),
+    ('lost', partial(_list_reasons, 'pairing.lost')),
     *_declare('n guarded.nu mean_deg max_abs_deg'),
     ('limit of 95 % of them [deg]', _limit),
     *_declare('std_deg variance_deg2'),

@@ -23,6 +23,7 @@ from typing import Any, Mapping, Sequence
 from heading_intercompare.core.declared_figures import Figure, list_figures
 from heading_intercompare.core.statistics.normality import Shape
 from heading_intercompare.core.verdict.verdict_document import RunVerdict
+from heading_intercompare.core.verdict.vocabulary import STATE_WORDS
 from heading_intercompare.report.formatting import (
     ABSENT,
     flatten,
@@ -40,19 +41,6 @@ Figures = Mapping[str, Figure]
 
 _COLUMNS = 4
 _FIGURES = list_figures(RunVerdict)
-
-#: Words of the JSON that a figure may be.
-_WORDS = {
-    'found': 'found', 'unclear': 'found, but poorly determined',
-    'beyond': 'beyond the range of the search', 'no_fit': 'no skew fits',
-    'not_turned': 'the ship did not turn enough', 'too_few': 'too few pairs',
-    'insufficient_data': 'too few differences', 'headings_too_narrow': 'too few headings',
-    'agrees': 'nothing contradicts', 'doubt': 'may be wrong', 'contradicts': 'wrong',
-    'not_testable': 'not testable', 'off': 'points off the course',
-    'mirrored': 'turns against the course', 'frozen': 'stays while the course changes',
-    'astray': 'does not follow', 'follows': 'follows', 'against': 'turns against it',
-    'scaled': 'turns by another factor', 'ts': 'TS', 'rs': 'RS', 'both': 'TS and RS',
-}
 
 
 @dataclass(frozen=True, slots=True)
@@ -232,22 +220,25 @@ def rows_of_block(figures: Figures,
     tables = []
     for first in range(0, len(blocks), _COLUMNS):
         columns = blocks[first:first + _COLUMNS]
-        rows = [[figure.words, figure.unit, *(_text(block.get(key), block.get(figure.u_key))
-                                              for _, block in columns)]
+        rows = [[figure.words, figure.unit, *(_cell(key, figure, block) for _, block in columns)]
                 for key, figure in figures.items()]
         if rows := [row for row in rows if {*row[2:]} != {ABSENT}]:
             tables.append(Table(['', 'unit', *(f'run {run}' for run, _ in columns)], rows))
     return tables
 
 
+def _cell(key: str, figure: Figure, block: Mapping[str, Any]) -> str:
+    thing = block.get(key)
+    return (figure.choices[thing] if isinstance(thing, str) and thing in figure.choices
+            else _text(thing, block.get(figure.u_key)))
+
+
 def _text(thing: Any, u: Any = None) -> str:
-    if isinstance(thing, bool) or thing is None or thing == '':
+    if isinstance(thing, (bool, str)) or thing is None:
         return value(thing)
     if isinstance(thing, (list, tuple)):
         return ', '.join(_text(element, element_u)
                          for element, element_u in zip_longest(thing, u or ())) or ABSENT
-    if isinstance(thing, str):
-        return _WORDS.get(thing, value(thing))
     return with_uncertainty(thing, u) if isinstance(thing, float) else number(thing)
 
 
@@ -267,8 +258,7 @@ def _place_side_by_side(shapes: Figures, block: Mapping[str, Any]) -> Table:
 
 def _conclude(finding: Finding, runs: Sequence[RunVerdict]) -> list[str]:
     """Return what the assumptions of GK say on the figures, a sentence per run."""
-    states = {'met': 'met', 'violated': 'VIOLATED', 'not_testable': 'not testable'}
     return [f'Run {run.run}: assumption ({assumption.id}) is '
-            f'{states.get(assumption.state, assumption.state)}: {assumption.evidence}'
+            f'{STATE_WORDS.get(assumption.state, assumption.state)}: {assumption.evidence}'
             for run in runs for assumption in run.assumptions
             if assumption.id in finding.assumptions]

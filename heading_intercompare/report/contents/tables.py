@@ -21,7 +21,6 @@ from typing import Any, Callable, Generic, Mapping, Sequence, TypeVar
 
 from heading_intercompare.core.decision.campaign import Together
 from heading_intercompare.core.declared_figures import Figure, find_figure, list_figures
-from heading_intercompare.core.runs.pairing_figures import LostReadings
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import Campaign, RunVerdict
 from heading_intercompare.report.formatting import (
@@ -86,17 +85,6 @@ class Table:
     rows: Sequence[Sequence[str]]
 
 
-def _list_reasons(reasons: Mapping[str, int]) -> str:
-    return ', '.join(f'{n} {reason}' for reason, n in reasons.items()) or '0'
-
-
-def _lost(lost: LostReadings | None, sensor: str) -> str:
-    if lost is None:
-        return ABSENT
-    wheres = {'ts': lost.ts, 'rs': lost.rs}[sensor]
-    return ', '.join(f'{n} {where.replace("_", " ")}' for where, n in wheres.items()) or '0'
-
-
 def _declare(kind: Any, keys: str, block: str = '') -> tuple[Row[Any], ...]:
     """Return the rows of figures of a dataclass by their keys, which may be within a block."""
     figures = list_figures(kind)
@@ -108,6 +96,9 @@ def _make_row(key: str, figure: Figure) -> Row[Any]:
         shown = find_figure(thing, key)
         if figure.unit == 'UTC':
             return utc(shown)
+        if isinstance(shown, Mapping):
+            return ', '.join(f'{n} {figure.choices.get(reason, reason)}'
+                             for reason, n in shown.items()) or '0'
         return interval(shown, find_figure(thing, figure.up_key)) if figure.up_key else shown
 
     return Row(figure.words, figure.unit, show, _HOLDS.get(key, lambda thing: True))
@@ -127,15 +118,10 @@ _HOLDS: dict[str, Callable[[RunVerdict], bool]] = {
     'guarded.duration_factor': length_holds, 'guarded.hours_needed': length_holds}
 
 LEDGER: tuple[Row[RunVerdict], ...] = (
-    *_declare(RunVerdict, 'paired ts_received ts_paired ts_used ts_unpaired ts_unbridged ts_held',
-              'pairing.'),
-    Row('of these rejected, by reason', '1', lambda run: _list_reasons(run.pairing.rejected.ts)),
-    Row('TS readings lost besides', '1', lambda run: _lost(run.pairing.lost, 'ts')),
-    *_declare(RunVerdict, 'rs_received rs_used rs_unused rs_unbridged rs_held', 'pairing.'),
-    Row('of these rejected, by reason', '1', lambda run: _list_reasons(run.pairing.rejected.rs)),
-    Row('RS readings lost besides', '1', lambda run: _lost(run.pairing.lost, 'rs')),
-    *_declare(RunVerdict, 'mean_lag_s max_lag_s rs_variance_factor ts_variance_factor',
-              'pairing.'),
+    *_declare(RunVerdict, """
+        paired ts_received ts_paired ts_used ts_unpaired ts_unbridged ts_held rejected.ts lost.ts
+        rs_received rs_used rs_unused rs_unbridged rs_held rejected.rs lost.rs mean_lag_s max_lag_s
+        rs_variance_factor ts_variance_factor""", 'pairing.'),
     *_declare(RunVerdict, 'n_input n_invalid n_stabilization'),
     Row('left out: taken out by hand', '1',
         lambda run: 0 if run.taken_out is None else run.taken_out.n),
