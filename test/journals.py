@@ -25,8 +25,7 @@ from heading_intercompare.bags.recording import journal as journal_module
 from heading_intercompare.bags.recording.journal import Record
 from heading_intercompare.bags.recording.run_journal import RunJournal
 from heading_intercompare.core.pairing.incarnations import Incarnations
-from heading_intercompare.core.pairing.ledger import Ledger
-from heading_intercompare.core.pairing.ledger_keys import LedgerKey
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings

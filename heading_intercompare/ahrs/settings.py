@@ -21,8 +21,7 @@ from typing import Any, Mapping
 
 from heading_intercompare.ahrs.ship.course import Current
 from heading_intercompare.ahrs.ship.seaway import SEAWAYS
-from heading_intercompare.ahrs.ship.ship_response import Hull
-from heading_intercompare.ahrs.ship.waves import Waves
+from heading_intercompare.ahrs.ship.wave_sea import Hull, Waves
 from heading_intercompare.core.rows.settings_rows import read_rows
 from heading_intercompare.core.settings import (
     Checked,

@@ -40,8 +40,7 @@ from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Input
 
 from .inputs import describe_recording, sha256
-from .job import Job
-from .remote_task import describe_libraries, judge_there
+from .job import describe_libraries, Job, judge_there
 from .run_table import RunTable
 from .sources.input_comparison import PairTakers
 from .sources.judged_input import JudgedInput

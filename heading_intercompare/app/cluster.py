@@ -218,7 +218,7 @@ def _check(client: Client, place: _Place) -> None:
         raise place.error('the scheduler has no workers') from error
     for name, expected in (('distributed:__version__', DISTRIBUTED),
                            ('heading_intercompare.core.version:VERSION', VERSION),
-                           ('heading_intercompare.app.remote_task:VERSION', VERSION)):
+                           ('heading_intercompare.app.job:VERSION', VERSION)):
         # Send a function of the standard library: ours may not be installed on the worker.
         answers = client.run(resolve_name, name, on_error='return')
         answers = {f'worker {worker}': answer for worker, answer in answers.items()}

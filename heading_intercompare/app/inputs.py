@@ -27,7 +27,6 @@ from pathlib import Path
 from typing import Any, Callable, Iterable, Iterator, Mapping, Sequence
 
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.recording.bag_losses import BagLosses
 from heading_intercompare.bags.recording.journal import (
     is_journal,
     read_journal,
@@ -39,15 +38,14 @@ from heading_intercompare.bags.recording.journal_reading import (
     read_origin,
 )
 from heading_intercompare.bags.recording.recorded_headings import find_problems, read_marks
-from heading_intercompare.bags.recording.recorder_losses import count_words
+from heading_intercompare.bags.recording.recorder_losses import BagLosses, count_words
 from heading_intercompare.bags.rosbag2.bag_files import find_files
 from heading_intercompare.bags.rosbag2.motion_topics import read_bag_motion, read_fixes
 from heading_intercompare.bags.rosbag2.provenance import read_notes
 from heading_intercompare.bags.rosbag2.readable import Readable
 from heading_intercompare.core.kept_state import KeptState
 from heading_intercompare.core.motion.antennas import find_baseline_headings
-from heading_intercompare.core.pairing.ledger import Ledger
-from heading_intercompare.core.pairing.ledger_keys import LedgerKey, LedgerSegment
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.records import Headings, Motion, Pairs
 from heading_intercompare.core.rows.sensor_table import Sensor

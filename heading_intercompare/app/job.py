@@ -12,13 +12,15 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The judging of one input of a campaign, in any process."""
+"""The judging of one input of a campaign, in any process or by any executor."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Callable, Mapping, Sequence
+from socket import gethostname
+from threading import Lock
+from typing import Any, Callable, Mapping, Sequence
 
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Input
@@ -28,7 +30,81 @@ from .run_table import RunTable
 from .sources.input_comparison import PairTakers
 from .sources.judged_input import JudgedInput
 
-__all__ = ['explain_unreadable', 'Job', 'UNREADABLE']
+# `cluster` asks workers for VERSION of this module by name, to see that they can load it.
+
+
+class _OneThread:
+    """
+    Limits linear algebra to one thread while any task runs in this process.
+
+    This matches the processes of `campaign`. An executor may run several tasks in one process, and
+    each would then use as many threads as there are cores. Without threadpoolctl none is set.
+    """
+
+    def __init__(self) -> None:
+        self._lock = Lock()
+        self._tasks = 0
+        self._limits: Any = None
+
+    def __enter__(self) -> None:
+        with self._lock:
+            if not self._tasks:
+                self._limits = _limit_threads()
+            self._tasks += 1
+
+    def __exit__(self, *exc: object) -> None:
+        with self._lock:
+            self._tasks -= 1
+            if not self._tasks and self._limits is not None:
+                self._limits.restore_original_limits()
+
+
+def _limit_threads() -> Any:
+    """Limit linear algebra to one thread; return what restores it, None without threadpoolctl."""
+    try:
+        # Only workers need threadpoolctl, and it takes some time to load.
+        from threadpoolctl import threadpool_limits
+    except ModuleNotFoundError:
+        return None
+    return threadpool_limits(1)
+
+
+_ONE_THREAD = _OneThread()
+
+
+def judge_there(job: Job, path: str, place: str, libraries: str) -> JudgedInput:
+    """
+    Judge an input in the process that calls this, perhaps on another computer.
+
+    Parameters
+    ----------
+    job : Job
+        What to do with the input.
+    path : str
+        Name of the input in the verdict.
+    place : str
+        Absolute path of the input.
+    libraries : str
+        `describe_libraries` of the process that asks; if they differ here, a note says so.
+
+    """
+    with _ONE_THREAD:
+        judged = job.survive(path, place)
+    if judged.error is not None:
+        return job.unread(path, f'{judged.error} (on {gethostname()})')
+    local_libraries = describe_libraries()
+    if libraries != local_libraries:
+        judged.notes.append(f'{path}: judged with {local_libraries} on {gethostname()}, but here '
+                            f'are {libraries}: last digits may differ')
+    return judged
+
+
+def describe_libraries() -> str:
+    """Return the versions of the libraries on which the last bits of figures depend."""
+    # The module takes some time to load, and only tasks elsewhere ask for versions.
+    from importlib.metadata import version
+    return ' and '.join(f'{name} {version(name)}' for name in ('numpy', 'scipy'))
+
 
 UNREADABLE = (OSError, ValueError, MemoryError)
 """The errors of an input that cannot be judged."""

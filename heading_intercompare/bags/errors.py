@@ -12,13 +12,28 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The one error for bags and csv files: what, where, what is allowed, in one line."""
+"""The one error for bags and csv files, and checks on text from outside."""
 
 from __future__ import annotations
 
 import os
 
-__all__ = ['BagError']
+#: No count has more digits.
+_DIGITS = 18
+
+
+def decimal(text: str, digits: int = _DIGITS) -> int | None:
+    """Return a text as a whole number; None if it is not one or has more than `digits` digits."""
+    return int(text) if text.isascii() and text.isdecimal() and len(text) <= digits else None
+
+
+def utf8(text: str, what: str) -> str:
+    """Return the text unchanged; raise BagError, naming `what`, if its bytes were not UTF-8."""
+    try:
+        text.encode()
+    except UnicodeEncodeError:
+        raise BagError(f'{text!r} must be UTF-8', what) from None
+    return text
 
 
 class BagError(ValueError):

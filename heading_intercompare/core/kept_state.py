@@ -19,8 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass, fields
 import json
 
-from heading_intercompare.core.decision.criteria import Limits
-from heading_intercompare.core.decision.gk import Printed
+from heading_intercompare.core.decision.criteria import Limits, Printed
 from heading_intercompare.core.decision.guarded import Evidence
 from heading_intercompare.core.decision.taken_out import Stretch
 from heading_intercompare.core.raw_streams.stamp_jumps import SetBack

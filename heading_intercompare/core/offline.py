@@ -22,7 +22,7 @@ from typing import Iterator, Sequence
 
 import numpy as np
 
-from heading_intercompare.core.pairing.ledger_keys import LedgerKey
+from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.timing.clock_search import find_apart
 from heading_intercompare.core.timing.heading_track import Track
 from heading_intercompare.core.timing.skew_scan import Scan, scan_skew

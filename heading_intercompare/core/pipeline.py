@@ -25,8 +25,7 @@ from heading_intercompare.core.decision.taken_out import Stretch
 from heading_intercompare.core.motion.motion_record import RunMotion
 from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.pairing.incarnations import Incarnations
-from heading_intercompare.core.pairing.ledger import Ledger
-from heading_intercompare.core.pairing.ledger_keys import LedgerKey, LedgerSegment
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
 from heading_intercompare.core.pairing.pair_sampling import PairSampler
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.raw_streams.stamp_jumps import SetBack

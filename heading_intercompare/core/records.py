@@ -165,8 +165,7 @@ class ColumnBuffer:
         """Return the columns, and begin again without rows."""
         columns = self.columns()
         if self.stamp_ns:
-            for column in (self.stamp_ns, *self.values):
-                del column[:]
+            self.stamp_ns, self.values = array('q'), [array('d') for _ in self.values]
         return columns
 
 

@@ -24,8 +24,7 @@ from __future__ import annotations
 from typing import Iterator, Mapping, NamedTuple
 
 from heading_intercompare.core.pairing.incarnations import StreamNumbers
-from heading_intercompare.core.pairing.ledger import Ledger
-from heading_intercompare.core.pairing.ledger_keys import LedgerKey, LedgerSegment
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
 from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
 from heading_intercompare.core.records import Losses
 

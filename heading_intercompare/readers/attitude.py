@@ -29,8 +29,8 @@ from heading_intercompare.drivers.motion.motion_log import read_log_attitude
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.messages.heading_messages import ORIENTATION_TYPES, read_attitude
 
-from .errors import ReaderError
 from .registry import has_one_sensor
+from .stream_recording import ReaderError
 from .tables import find_time_column, read_stamp
 
 if TYPE_CHECKING:

@@ -29,14 +29,196 @@ from typing import Any, Callable, Mapping
 import numpy as np
 
 from heading_intercompare.bags.csv.stamp_cells import utc_nanoseconds
-from heading_intercompare.core.motion.moved_rows import MovedRow
+from heading_intercompare.core.motion.moved_rows import (
+    make_position,
+    make_rate,
+    make_velocity,
+    MovedRow,
+)
 
-from .fast_packets import FastPackets, FRAME_BYTES
-from .nmea2000_motion import decode_motion_fields, decode_motion_pgn, MOTION_PGNS
 from .stream_recording import Collected
 
-__all__ = ['decode_vessel_heading', 'is_candump', 'is_canboat_json', 'is_canboat_plain',
-           'PGN', 'read_canboat_json', 'read_canboat_plain', 'read_candump']
+FRAME_BYTES = 8
+"""The most bytes of a frame."""
+
+#: 6 bytes in the first frame, 7 in each of 31 others.
+_MOST_BYTES = 223
+
+
+class FastPackets:
+    """
+    Joins the frames of fast packets, by source, message and sequence.
+
+    Attributes
+    ----------
+    broken : int
+        Packets of which a frame is missing, without those that are still expected.
+
+    Notes
+    -----
+    The first byte of a frame has the number of the packet (3 bits) and that of the frame (5 bits).
+    The second byte of frame 0 is the length of the packet. The bus keeps the order of the frames
+    of a source, so a frame out of order means a loss.
+
+    Examples
+    --------
+    >>> packets = FastPackets()
+    >>> packets.add(129029, '5', bytes.fromhex('40 08 01 02 03 04 05 06')) is None
+    True
+    >>> packets.add(129029, '5', bytes.fromhex('41 07 08 ff ff ff ff ff')).hex()
+    '0102030405060708'
+
+    """
+
+    def __init__(self) -> None:
+        self.broken = 0
+        #: The length, the bytes so far and the frame expected; None while the rest is ignored.
+        self._begun: dict[tuple[int, int | str, int], tuple[int, bytearray, int] | None] = {}
+
+    def add(self, pgn: int, source: int | str, frame: bytes) -> bytes | None:
+        """Take a frame, and return the bytes of the packet that it completes, or None."""
+        if len(frame) < 2:
+            self.broken += 1
+            return None
+        key, number = (pgn, source, frame[0] >> 5), frame[0] & 31
+        begun = self._begun.get(key)
+        if number == 0:
+            self.broken += begun is not None
+            begun = (frame[1], bytearray(frame[2:FRAME_BYTES]), 1)
+        elif begun is not None and number == begun[2]:
+            begun[1].extend(frame[1:FRAME_BYTES])
+            begun = (begun[0], begun[1], number + 1)
+        else:
+            self.broken += begun is not None or key not in self._begun
+            self._begun[key] = None
+            return None
+        length, data, _ = begun
+        if length > _MOST_BYTES:
+            self.broken += 1
+            self._begun[key] = None
+            return None
+        if len(data) < length:
+            self._begun[key] = begun
+            return None
+        self._begun.pop(key, None)
+        return bytes(data[:length])
+
+    def flush(self) -> int:
+        """Forget the packets that were begun, and return how many are broken in all."""
+        self.broken += sum(packet is not None for packet in self._begun.values())
+        self._begun.clear()
+        return self.broken
+
+
+_BEYOND = 'out_of_range'
+_TRUE_COURSE = 0
+_NO_COURSE, _NO_SPEED = 65533, 65533
+_NO_LONG, _NO_LONGER = 0x7FFFFFFD, 0x7FFFFFFFFFFFFFFD
+_RATE_DEG_S = math.degrees(1e-6 / 32.0)
+
+
+def _signed(data: bytes, at: int, size: int) -> int:
+    return int.from_bytes(data[at:at + size], 'little', signed=True)
+
+
+def _decode_rate(data: bytes) -> MovedRow | str:
+    """Read PGN 127251: sequence, rate in 1e-6 / 32 rad/s."""
+    rate = _signed(data, 1, 4)
+    return 'empty' if rate >= _NO_LONG else make_rate(rate * _RATE_DEG_S) or _BEYOND
+
+
+def _decode_rapid_position(data: bytes) -> MovedRow | str:
+    """Read PGN 129025: latitude and longitude in 1e-7 deg."""
+    latitude, longitude = _signed(data, 0, 4), _signed(data, 4, 4)
+    if latitude >= _NO_LONG or longitude >= _NO_LONG:
+        return 'empty'
+    return make_position(latitude * 1e-7, longitude * 1e-7) or _BEYOND
+
+
+def _decode_course(data: bytes) -> MovedRow | str:
+    """Read PGN 129026: sequence, reference, course in 1e-4 rad, speed in cm/s."""
+    course, speed = (int.from_bytes(data[at:at + 2], 'little') for at in (2, 4))
+    if course >= _NO_COURSE or speed >= _NO_SPEED:
+        return 'empty'
+    return ('not_true' if data[1] & 3 != _TRUE_COURSE
+            else make_velocity(course * 1e-4, speed * 0.01) or _BEYOND)
+
+
+def _decode_position(data: bytes) -> MovedRow | str:
+    """Read PGN 129029: sequence, day, time, then latitude and longitude in 1e-16 deg."""
+    latitude, longitude = _signed(data, 7, 8), _signed(data, 15, 8)
+    if latitude >= _NO_LONGER or longitude >= _NO_LONGER:
+        return 'empty'
+    # The high half of the byte with the method: 0 is no fix.
+    if not data[31] >> 4:
+        return 'no_fix'
+    return make_position(latitude * 1e-16, longitude * 1e-16) or _BEYOND
+
+
+MOTION_PGNS: dict[int, tuple[int, Callable[[bytes], MovedRow | str]]] = {
+    129026: (8, _decode_course), 129025: (8, _decode_rapid_position), 127251: (5, _decode_rate),
+    129029: (32, _decode_position)}
+"""Bytes needed and decoder, by PGN; of two that tell one thing, the earlier is preferred."""
+
+
+def decode_motion_pgn(pgn: int, data: bytes) -> MovedRow | str:
+    """
+    Decode a message; a str says why it tells nothing.
+
+    Parameters
+    ----------
+    pgn : int
+        One of `MOTION_PGNS`.
+    data : bytes
+        Its bytes; those of a fast packet already joined.
+
+    Examples
+    --------
+    >>> row = decode_motion_pgn(129026, bytes.fromhex('01 fc 5c 3d e8 03 ff ff'))
+    >>> row.what, round(row.values[0], 6)
+    ('velocity', 10.0)
+
+    """
+    least, decode = MOTION_PGNS[pgn]
+    return 'too_few_fields' if len(data) < least else decode(data)
+
+
+def decode_motion_fields(pgn: int, fields: Mapping[str, Any], radians: float) -> MovedRow | str:
+    """
+    Decode the fields of a message as canboat's analyzer names them.
+
+    Parameters
+    ----------
+    pgn : int
+        One of `MOTION_PGNS`.
+    fields : mapping
+        By name.
+    radians : float
+        Makes radians of their angles.
+
+    """
+    names = {129026: ('COG', 'SOG'), 127251: ('Rate',)}.get(pgn, ('Latitude', 'Longitude'))
+    values = []
+    for name in names:
+        value = fields.get(name)
+        if isinstance(value, Mapping):
+            value = value.get('value')
+        if value is None:
+            return 'empty'
+        if not isinstance(value, (int, float)) or isinstance(value, bool):
+            return 'bad_field'
+        values.append(float(value))
+    if pgn == 127251:
+        return make_rate(math.degrees(values[0] * radians)) or _BEYOND
+    if pgn != 129026:
+        # Positions are degrees in any units.
+        return make_position(values[0], values[1]) or _BEYOND
+    reference = fields.get('COG Reference')
+    if isinstance(reference, Mapping):
+        reference = reference.get('value', reference.get('name'))
+    return ('not_true' if reference not in ('True', _TRUE_COURSE)
+            else make_velocity(values[0] * radians, values[1]) or _BEYOND)
+
 
 PGN = 127250
 """Vessel heading."""

@@ -30,10 +30,9 @@ from heading_intercompare.core.records import Headings, Integers, Pairs, Reals
 from heading_intercompare.core.units.angle_units import find_named_unit
 from heading_intercompare.core.units.given_stamps import find_unit
 
-from .errors import ReaderError
 from .json_lines import is_heading_name
 from .motion_columns import find_motion_columns, make_motion
-from .stream_recording import Collected
+from .stream_recording import Collected, ReaderError
 from .tables import find_time_column, TIMES
 
 __all__ = ['has_pairs', 'PairsParquet', 'read_parquet']

@@ -35,8 +35,7 @@ from heading_intercompare.drivers.logs import is_log, LogReader
 from heading_intercompare.natural_order import natural_key
 
 from . import json_lines, nmea2000, tables
-from .errors import ReaderError
-from .stream_recording import Collected, StreamRecording
+from .stream_recording import Collected, ReaderError, StreamRecording
 
 if TYPE_CHECKING:
     from .rosbag_recording import RosbagRecording

@@ -39,7 +39,7 @@ from rosbags.rosbag2 import Reader as Ros2Reader, reader as ros2, ReaderError as
 from rosbags.serde import SerdeError
 from rosbags.typesys import get_typestore, Stores
 
-from heading_intercompare.bags.packed_payloads import unpack_payload
+from heading_intercompare.bags.packed_files import unpack_payload
 from heading_intercompare.bags.rosbag2.bag_reader import BagMessage, TopicInfo
 from heading_intercompare.bags.rosbag2.topic_names import clean_namespace, find_topic, list_topics
 from heading_intercompare.core.records import Headings, Losses
@@ -50,7 +50,7 @@ from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.heading_messages import decode_headings, HEADING_TYPES
 from heading_intercompare.natural_order import natural_key
 
-from .errors import ReaderError
+from .stream_recording import ReaderError
 
 __all__ = ['RosbagRecording', 'SENTENCE']
 

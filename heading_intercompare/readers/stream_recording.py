@@ -31,9 +31,12 @@ from heading_intercompare.core.motion.moved_rows import MovedRow
 from heading_intercompare.core.records import ColumnBuffer, Headings, Losses, Motion
 from heading_intercompare.core.units.angle_units import AngleWatch, read_angles
 
-from .errors import ReaderError
 
-__all__ = ['Collected', 'StreamRecording']
+class ReaderError(ValueError):
+    """A file of another program cannot be used; the message begins with its path."""
+
+    def __init__(self, path: str | os.PathLike[str], problem: str) -> None:
+        super().__init__(f'{os.fspath(path)}: {" ".join(problem.split())}')
 
 
 @dataclass(slots=True)

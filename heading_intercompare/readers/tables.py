@@ -26,10 +26,9 @@ from heading_intercompare.core.records import ColumnBuffer
 from heading_intercompare.core.units.angle_units import find_named_unit
 from heading_intercompare.core.units.given_stamps import find_unit
 
-from .errors import ReaderError
 from .json_lines import is_heading_name
 from .motion_columns import find_motion_columns, make_motion, MotionColumn
-from .stream_recording import Collected
+from .stream_recording import Collected, ReaderError
 
 __all__ = ['find_time_column', 'is_table', 'parse_time', 'read_stamp', 'read_table', 'TIMES']
 

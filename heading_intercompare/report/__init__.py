@@ -24,7 +24,7 @@ from heading_intercompare.core.verdict.verdict_document import Verdict
 
 from . import json
 from .series_sketch import SeriesSketch
-from .sketching.trace import Trace
+from .sketching.track import Trace
 
 __all__ = ['check_form', 'SeriesSketch', 'write', 'write_trial_page', 'WRITERS']
 

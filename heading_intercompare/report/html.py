@@ -25,7 +25,7 @@ import jinja2
 
 from heading_intercompare.core.decision.sequential import LookVerdict
 from heading_intercompare.core.declared_figures import list_figures
-from heading_intercompare.core.statistics.ergodicity import Homogeneity
+from heading_intercompare.core.statistics.stationarity import Homogeneity
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.validity.condition import VOID
 from heading_intercompare.core.verdict.verdict_document import Verdict

@@ -19,8 +19,12 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Callable, Mapping, Sequence
 
-from heading_intercompare.core.sensors.sensors_table import matrix_of, SHOWN, split_words
-from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
+from heading_intercompare.core.sensors.sensors_verdict import (
+    matrix_of,
+    SensorsVerdict,
+    SHOWN,
+    split_words,
+)
 from heading_intercompare.core.validity.condition import VOID
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.core.verdict.vocabulary import OUTCOME_WORDS

@@ -22,7 +22,7 @@ from typing import Iterable, Mapping, Sequence
 from heading_intercompare.core.records import Reals
 
 from .figures.trial_figures import draw_seeds, draw_trace
-from .sketching.trace import Trace
+from .sketching.track import Trace
 
 __all__ = ['compose_trial_page']
 

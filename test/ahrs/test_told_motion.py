@@ -21,10 +21,10 @@ import pytest
 
 from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.ship.ship_motion import Leg, ShipTruth
-from heading_intercompare.ahrs.simulator import Simulation
-from heading_intercompare.ahrs.told_motion import (
+from heading_intercompare.ahrs.simulator import (
     POSITION_SIGMA_M,
     RATE_SIGMA_DEG_S,
+    Simulation,
     ToldMotion,
     VELOCITY_SIGMA_M_S,
 )

@@ -36,7 +36,7 @@ import pytest
 from trials import write_headings
 
 from heading_intercompare import analyze_bags, Headings, Settings
-from heading_intercompare.app import campaign, remote_task
+from heading_intercompare.app import campaign, job
 from heading_intercompare.app.job import Job
 from heading_intercompare.cli import main
 from heading_intercompare.core.verdict.compare_verdicts import find_differences
@@ -222,7 +222,7 @@ def test_a_bad_bag_is_named_with_the_host_that_could_not_read_it(
 
 def test_an_input_that_was_judged_with_other_libraries_has_a_note(
         cluster, folder, capsys, monkeypatch):
-    there = remote_task.describe_libraries()
+    there = job.describe_libraries()
     monkeypatch.setattr(campaign, 'describe_libraries', lambda: 'numpy 0.9 and scipy 0.1')
     _, said = analyze(capsys, folder / 'trial_0', '--dask', cluster.scheduler_address)
     assert said == (f'note: {folder / "trial_0"}: judged with {there} on {socket.gethostname()}, '
@@ -328,7 +328,7 @@ def test_a_cluster_without_workers_is_refused(folder, capsys, monkeypatch):
 
 @pytest.mark.parametrize('spoil, why', [
     ('version.VERSION = "0.0.9"', 'has 0.0.9'),
-    ('import sys; sys.modules["heading_intercompare.app.remote_task"] = None', 'cannot load it')])
+    ('import sys; sys.modules["heading_intercompare.app.job"] = None', 'cannot load it')])
 def test_a_worker_with_other_software_is_named_before_work_starts(capsys, tmp_path, spoil, why):
     with (start(2) as spoilt,
           distributed.Client(spoilt.scheduler_address, set_as_default=False) as client):
@@ -411,7 +411,7 @@ def test_linear_algebra_has_one_thread_until_the_last_of_several_tasks_is_done()
         return {library['num_threads'] for library in threadpoolctl.threadpool_info()}
 
     before = threads()
-    one = remote_task._OneThread()
+    one = job._OneThread()
     first, second = ExitStack(), ExitStack()
     first.enter_context(one)
     second.enter_context(one)

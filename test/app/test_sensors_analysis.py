@@ -33,8 +33,8 @@ from heading_intercompare import (
 )
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.rows.sensor_table import read_sensors
-from heading_intercompare.core.sensors.compare_sensors import find_sensor_differences
 from heading_intercompare.core.sensors.pair_settings import settings_of_pair
+from heading_intercompare.core.sensors.sensors_verdict import find_sensor_differences
 from heading_intercompare.core.settings import Settings
 
 SETTINGS = Settings.of(sensors=TABLE, slowest_error_s=60.0)

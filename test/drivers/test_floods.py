@@ -27,8 +27,7 @@ import pytest
 from heading_intercompare.bags.recording.part_states import PartStates
 from heading_intercompare.bags.rosbag2.provenance import Notes
 from heading_intercompare.core.pairing.incarnations import Incarnations
-from heading_intercompare.core.pairing.ledger import Ledger
-from heading_intercompare.core.pairing.ledger_keys import LedgerKey
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.core.settings import Settings

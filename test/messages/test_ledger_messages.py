@@ -20,8 +20,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare import analyze, Headings, Settings
-from heading_intercompare.core.pairing.ledger import Ledger
-from heading_intercompare.core.pairing.ledger_keys import LedgerSegment, LOSSES, REASONS
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment, LOSSES, REASONS
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.raw_streams.stamp_jumps import SetBack

@@ -41,8 +41,7 @@ from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.app.config import settings_for
 from heading_intercompare.app.inputs import load_config_or_journal
 from heading_intercompare.core import pipeline
-from heading_intercompare.core.pairing.ledger import Ledger
-from heading_intercompare.core.pairing.ledger_keys import LedgerSegment
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
 from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.core.settings import Settings, SettingsError
 from heading_intercompare.logbook.logbook_file import Logbook

@@ -23,8 +23,7 @@ import pytest
 from sensor_msgs.msg import Imu
 from std_msgs.msg import String
 
-from heading_intercompare.core.pairing.ledger import Ledger
-from heading_intercompare.core.pairing.ledger_keys import LedgerKey, LedgerSegment
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.messages.heading_messages import imu_messages

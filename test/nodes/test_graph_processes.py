@@ -48,8 +48,10 @@ from heading_intercompare.cli import main
 from heading_intercompare.core.pairing.pairer import pair
 from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Headings
-from heading_intercompare.core.sensors.compare_sensors import find_sensor_differences
-from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
+from heading_intercompare.core.sensors.sensors_verdict import (
+    find_sensor_differences,
+    SensorsVerdict,
+)
 from heading_intercompare.core.settings import MotionRule, Settings
 from heading_intercompare.core.verdict.compare_verdicts import find_differences
 from heading_intercompare.drivers.logs import read_log

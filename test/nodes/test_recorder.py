@@ -37,8 +37,7 @@ from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import read_notes
 from heading_intercompare.cli import main
 from heading_intercompare.core.pairing.incarnations import StreamNumbers
-from heading_intercompare.core.pairing.ledger import Ledger
-from heading_intercompare.core.pairing.ledger_keys import LedgerSegment
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.version import VERSION
 from heading_intercompare.messages.ledger_messages import encode_ledger

@@ -33,12 +33,14 @@ from std_srvs.srv import Trigger
 from heading_intercompare import judge_bags
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.pairing.ledger_keys import LedgerKey
+from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.rows.sensor_table import read_sensors
-from heading_intercompare.core.sensors.compare_sensors import find_sensor_differences
 from heading_intercompare.core.sensors.pair_settings import settings_of_tested
-from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
+from heading_intercompare.core.sensors.sensors_verdict import (
+    find_sensor_differences,
+    SensorsVerdict,
+)
 from heading_intercompare.core.settings import Settings, SettingsError
 from heading_intercompare.core.verdict.compare_verdicts import find_differences
 from heading_intercompare.messages.status_messages import decode_statuses

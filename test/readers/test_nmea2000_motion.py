@@ -29,11 +29,12 @@ import pytest
 from readers.test_nmea2000 import identifier, T_NS
 
 from heading_intercompare.readers.nmea2000 import (
+    decode_motion_fields,
+    decode_motion_pgn,
     read_canboat_json,
     read_canboat_plain,
     read_candump,
 )
-from heading_intercompare.readers.nmea2000_motion import decode_motion_fields, decode_motion_pgn
 
 
 def signed(value, size):

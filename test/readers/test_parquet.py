@@ -24,7 +24,7 @@ import pytest
 from heading_intercompare.bags.csv.pairs_csv import write_pairs_csv
 from heading_intercompare.cli import main
 from heading_intercompare.core.records import Pairs
-from heading_intercompare.readers.errors import ReaderError
+from heading_intercompare.readers.stream_recording import ReaderError
 
 pa = pytest.importorskip('pyarrow', reason='pyarrow is not installed')
 pq = pytest.importorskip('pyarrow.parquet')

@@ -28,7 +28,6 @@ import pytest
 
 from heading_intercompare.cli import main
 from heading_intercompare.readers import nmea2000
-from heading_intercompare.readers.errors import ReaderError
 from heading_intercompare.readers.registry import (
     find_format,
     FORMATS,
@@ -36,6 +35,7 @@ from heading_intercompare.readers.registry import (
     open_recording,
     refuse_unreadable,
 )
+from heading_intercompare.readers.stream_recording import ReaderError
 
 S = 1_000_000_000
 T0_S = 1_400_000_000

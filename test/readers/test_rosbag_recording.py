@@ -31,8 +31,8 @@ from heading_intercompare.core.records import Headings
 from heading_intercompare.messages.heading_messages import IMU, imu_messages
 from heading_intercompare.messages.marks import encode_mark, MARKER_TOPIC
 from heading_intercompare.messages.status_messages import STATUS_TYPE
-from heading_intercompare.readers.errors import ReaderError
 from heading_intercompare.readers.registry import find_format, open_recording
+from heading_intercompare.readers.stream_recording import ReaderError
 
 pytest.importorskip('rosbags', reason='rosbags is not installed')
 

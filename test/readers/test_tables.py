@@ -22,8 +22,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare.core.angles import wrap180
-from heading_intercompare.readers.errors import ReaderError
-from heading_intercompare.readers.stream_recording import StreamRecording
+from heading_intercompare.readers.stream_recording import ReaderError, StreamRecording
 from heading_intercompare.readers.tables import is_table, read_table
 
 T_NS = 1406851200183000000

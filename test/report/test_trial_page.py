@@ -24,7 +24,7 @@ import pytest
 pytest.importorskip('matplotlib')
 
 from heading_intercompare.cli import main  # noqa: E402
-from heading_intercompare.report.sketching.trace import Trace  # noqa: E402
+from heading_intercompare.report.sketching.track import Trace  # noqa: E402
 from heading_intercompare.report.trial_page import compose_trial_page  # noqa: E402
 
 

@@ -28,11 +28,9 @@ from heading_intercompare.core.records import Reals
 from .course import Course, Current, NO_CURRENT
 from .earth import EARTH_RATE_RAD_S, gravity, radii
 from .seaway import BLOCK_S, BLOCK_STEPS, CHANNELS, GRID_S, Sea, Seaway
-from .ship_response import Hull, USUAL_HULL
 from .steering import Leg, Steering
 from .track_course import SeaAboard, Track, TrackCourse
-from .wave_sea import WaveSea
-from .waves import Waves
+from .wave_sea import Hull, USUAL_HULL, Waves, WaveSea
 
 __all__ = ['Attitude', 'Leg', 'ShipBlock', 'ShipTruth']
 

@@ -27,7 +27,7 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.observations.corrections import Observations
 from heading_intercompare.core.observations.sight_lines import quay_angle
-from heading_intercompare.readers.errors import ReaderError
+from heading_intercompare.readers.stream_recording import ReaderError
 from heading_intercompare.readers.tables import find_time_column, read_stamp, TIMES
 
 from .targets import OWN_BEARINGS, Target

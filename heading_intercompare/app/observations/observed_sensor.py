@@ -30,8 +30,8 @@ from heading_intercompare.core.observations.systematic_error import (
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.drivers.settings import DriverSettings
-from heading_intercompare.readers.errors import ReaderError
 from heading_intercompare.readers.registry import has_one_sensor, has_streams, open_recording
+from heading_intercompare.readers.stream_recording import ReaderError
 
 from .observation_table import ObservationTable, read_observation_table
 from .targets import Target

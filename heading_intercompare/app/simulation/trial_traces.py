@@ -22,7 +22,7 @@ from heading_intercompare.ahrs.sensors import Readings
 from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
 from heading_intercompare.ahrs.simulator import SimulatedChunk
 from heading_intercompare.core.angles import wrap180
-from heading_intercompare.report.sketching.trace import Trace
+from heading_intercompare.report.sketching.track import Trace
 
 __all__ = ['TrialTraces']
 

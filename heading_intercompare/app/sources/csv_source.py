@@ -27,17 +27,16 @@ import os
 import re
 from typing import Any, Callable, Iterator, Mapping, Protocol, Sequence
 
-from heading_intercompare.bags.csv.motion_text import motion_of_text
 from heading_intercompare.bags.csv.pairs_account import (
     account_path,
+    motion_of_text,
     PairsAccount,
     PairsDigest,
     read_account,
 )
 from heading_intercompare.bags.csv.pairs_csv import COLUMNS, PairsCsv
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.core.pairing.ledger import Ledger
-from heading_intercompare.core.pairing.ledger_keys import LedgerKey
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.raw_streams.stamp_jumps import Decided, JumpFilter
 from heading_intercompare.core.records import Pairs

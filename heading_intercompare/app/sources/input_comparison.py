@@ -18,11 +18,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Callable, Mapping, Sequence
 
-from heading_intercompare.bags.csv.motion_text import text_of_motion
-from heading_intercompare.bags.csv.pairs_account import PairsAccount
+from heading_intercompare.bags.csv.pairs_account import PairsAccount, text_of_motion
 from heading_intercompare.core.offline import judge_aligned
-from heading_intercompare.core.pairing.ledger import Ledger
-from heading_intercompare.core.pairing.ledger_keys import LedgerKey
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey
 from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Headings, Losses, Motion, Pairs
 from heading_intercompare.core.rows.sensor_table import find_reference, Sensor

@@ -29,7 +29,7 @@ import numpy as np
 import zstandard
 
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.packed_payloads import is_packed
+from heading_intercompare.bags.packed_files import is_packed
 from heading_intercompare.core.records import Integers
 from heading_intercompare.messages.byte_columns import BytesLike
 

@@ -26,7 +26,7 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.mcap_file import Part, Stretch
 from heading_intercompare.bags.mcap.message_blocks import Block
 from heading_intercompare.bags.mcap.record_stream import RecordStream
-from heading_intercompare.bags.packed_payloads import is_packed, unpack_payloads
+from heading_intercompare.bags.packed_files import is_packed, unpack_payloads
 from heading_intercompare.core.records import Headings, Integers
 from heading_intercompare.messages.byte_columns import decode_readable
 from heading_intercompare.messages.heading_messages import decode_headings

@@ -25,10 +25,8 @@ from typing import BinaryIO, Iterable, Mapping
 
 import numpy as np
 
-from heading_intercompare.bags.checked_text import utf8
-from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.mcap.chunk_writer import ChunkWriter
-from heading_intercompare.bags.mcap.message_batch import Rows
+from heading_intercompare.bags.errors import BagError, utf8
+from heading_intercompare.bags.mcap.chunk_writer import ChunkWriter, Rows
 from heading_intercompare.bags.rosbag2.bag_yaml import (
     bag_metadata,
     metadata_file,

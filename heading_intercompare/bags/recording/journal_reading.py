@@ -26,8 +26,7 @@ from typing import Any, Iterator, Mapping, Protocol, Sequence
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.kept_state import KeptState
 from heading_intercompare.core.pairing.incarnations import Incarnations, StreamNumbers
-from heading_intercompare.core.pairing.ledger import Ledger
-from heading_intercompare.core.pairing.ledger_keys import LedgerSegment
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
 from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
 from heading_intercompare.core.records import Motion, Pairs
 from heading_intercompare.core.utc_text import utc

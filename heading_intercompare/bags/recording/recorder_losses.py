@@ -12,20 +12,145 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a recorder says about its own losses: the metadata record `recording`, and its words."""
+"""What is missing from a recording, and what its recorder says of its own losses."""
 
 from __future__ import annotations
 
-from typing import Mapping, NamedTuple, TYPE_CHECKING
+from collections import Counter
+from typing import Callable, Mapping, NamedTuple, TYPE_CHECKING
 
-from heading_intercompare.bags.checked_text import decimal
-from heading_intercompare.messages.status_messages import ERROR, OK, WARN
+from heading_intercompare.bags.errors import decimal
+from heading_intercompare.bags.rosbag2.provenance import read_continues
+from heading_intercompare.bags.rosbag2.readable import Readable
+from heading_intercompare.core.pairing.ledger import LedgerKey
+from heading_intercompare.core.records import Losses
+from heading_intercompare.messages.errors import MessageError
+from heading_intercompare.messages.ledger_messages import decode_ledger, decode_losses, lost_topic
+from heading_intercompare.messages.status_messages import ERROR, OK, STATUS_TYPE, WARN
 
 if TYPE_CHECKING:
     from .resilient_recording import Recording
 
-__all__ = ['bag_state', 'count_words', 'Counts', 'loss_record', 'loss_words', 'RECORDING',
-           'tell_missing']
+class PublishedHeadings:
+    """
+    Counts the published headings of each sensor, and says which ones were judged.
+
+    A recorder that missed the last headings cannot know it from their numbers. The synchronizer
+    received them, and each of its ledgers says so. Publishers that go on when the synchronizer has
+    ended send headings that nobody judges.
+    """
+
+    def __init__(self) -> None:
+        self._newest: dict[int, dict[str, int]] = {}
+        self._spans: dict[str, tuple[int | None, int | None]] = {}
+
+    def take(self, message: bytes) -> None:
+        """Take a message of ``pairs/ledger``; a damaged one says nothing."""
+        try:
+            newest = decode_ledger(message)
+        except MessageError:
+            return
+        total = newest.ledger.total
+        self._newest[newest.started_ns] = {
+            stream: (total.received(stream)
+                     - total.counts.get(LedgerKey.of_rejected(stream, 'burst'), 0)
+                     + total.counts.get(LedgerKey.of_lost(stream, 'on_the_way'), 0))
+            for stream in ('ts', 'rs')}
+        if newest.started_ns == max(self._newest):
+            self._spans = {
+                stream: (numbers.first or None, numbers.last or None if newest.final else None)
+                for stream, numbers in newest.numbers.items()}
+
+    def find_span(self, stream: str) -> tuple[int | None, int | None]:
+        """
+        Return the numbers of the first and the last heading that the newest synchronizer took.
+
+        None for the first one before there is one, for the last one before its end.
+        """
+        return self._spans.get(stream, (None, None))
+
+    def count(self, stream: str) -> int:
+        """Return how many headings of ``'ts'`` or ``'rs'`` all synchronizers have counted."""
+        return sum(counts[stream] for counts in self._newest.values())
+
+
+class BagLosses:
+    """
+    Collects the readings that a bag says were sent but that it does not hold.
+
+    Parameters
+    ----------
+    reader : Readable
+        The bag.
+    sensors : mapping of str to str
+        Names of the sensors, by topic as requested.
+    count : callable
+        Called with the name of a sensor, the key of the ledger as of a TS, and the losses.
+    goes_on : bool
+        The bag goes on with another one that is judged with it, which has what was sent before.
+
+    """
+
+    def __init__(self, reader: Readable, sensors: Mapping[str, str],
+                 count: Callable[[str, LedgerKey, Losses], None], *,
+                 goes_on: bool = False) -> None:
+        self._reader, self._sensors, self._count = reader, sensors, count
+        self._goes_on = goes_on
+        self._by_numbers: Counter[str] = Counter()
+
+    def take(self, topic: str, lost_as: str, losses: Losses) -> None:
+        """Take what the numbers of a publisher say is missing of a topic, as one of `LOST_AS`."""
+        key = LedgerKey.of_told('ts', lost_as)
+        if key.lost == 'before_start' and (self._goes_on or read_continues(self._reader)):
+            return
+        if key.lost == 'on_the_way':
+            self._by_numbers[topic] += int(losses.count.sum())
+        self._count(self._sensors[topic], key, losses)
+
+    def read_told(self) -> None:
+        """
+        Take what the drivers said beside their headings.
+
+        Raises
+        ------
+        OSError, BagError
+            If the bag cannot be read. An unreadable message is an oddity of it.
+
+        """
+        problems: list[str] = []
+        sensors: dict[str, list[str]] = {}
+        for topic, sensor in self._sensors.items():
+            name = lost_topic(self._reader.resolve(topic))
+            info = self._reader.topics.get(name)
+            if info is not None and info.count and info.type_name == STATUS_TYPE:
+                sensors.setdefault(name, []).append(sensor)
+        for message in self._reader.messages(sensors) if sensors else ():
+            try:
+                losses_by_cause = decode_losses(message.data)
+            except ValueError as error:
+                problems.append(f'topic {message.topic}: {error}')
+                continue
+            for sensor in sensors[message.topic]:
+                for lost_as, losses in losses_by_cause.items():
+                    self._count(sensor, LedgerKey.of_told('ts', lost_as), losses)
+
+        words = f'{len(problems)} messages about losses cannot be read; the first: '
+        if problems and words + problems[0] not in self._reader.oddities:
+            self._reader.oddities.append(words + problems[0])
+
+    def finish(self, newest_ns: int | None) -> None:
+        """Take what the recorder missed after the last messages, given the newest stamp."""
+        record = self._reader.metadata().get(RECORDING, {})
+        for topic, sensor in self._sensors.items():
+            name = self._reader.resolve(topic)
+            n_missed = sum(decimal(record.get(f'{kind}.{name}', '')) or 0
+                           for kind in ('lost_on_the_way', 'not_written'))
+            rest = n_missed - self._by_numbers[topic]
+            if rest > 0 and newest_ns is not None:
+                # After all readings, so in no run.
+                self._count(sensor, LedgerKey.of_lost('ts', 'on_the_way'),
+                            Losses.of([newest_ns + 1], [0], [rest]))
+
 
 RECORDING = 'recording'
 """The metadata record, written at the end of a recording."""

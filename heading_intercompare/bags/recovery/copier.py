@@ -32,13 +32,12 @@ import numpy as np
 
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.chunk_runs import Chunk, ChunkRun, ChunkRuns
-from heading_intercompare.bags.mcap.chunk_writer import ChunkWriter
+from heading_intercompare.bags.mcap.chunk_writer import ChunkWriter, Records
 from heading_intercompare.bags.mcap.chunks import CHUNK_HEAD
 from heading_intercompare.bags.mcap.index_records import message_index
-from heading_intercompare.bags.mcap.message_batch import Records
 from heading_intercompare.bags.mcap.message_blocks import Block, block_of, HEAD, MESSAGE_HEAD
 from heading_intercompare.bags.mcap.record_stream import parse_record
-from heading_intercompare.bags.packed_payloads import is_packed, MOST_BYTES, unpack_payload
+from heading_intercompare.bags.packed_files import is_packed, MOST_BYTES, unpack_payload
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
 from heading_intercompare.core.records import Integers

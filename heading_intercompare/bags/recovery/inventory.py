@@ -12,7 +12,13 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The inventory of a damaged file: what can be copied, which topics it has, what is lost."""
+"""
+The inventory of a damaged file: what can be copied, which topics it has, what is lost.
+
+A definition may stand before or after its messages, and more than once. One in a chunk with a
+checksum counts more than others. If two of those disagree, nobody knows which messages belong to
+which: the number means nothing, so that no message comes under the topic of another.
+"""
 
 from __future__ import annotations
 
@@ -40,12 +46,80 @@ from heading_intercompare.bags.mcap.message_blocks import (
 )
 from heading_intercompare.bags.mcap.record_stream import parse_record
 
-from .channel_topics import Definitions
 from .large_chunks import Large, read_blocks
 from .scanner import Gap, Salvage, Sound
 from .unreadable_sectors import open_with_holes
 
-__all__ = ['Damage', 'Inventory', 'Kind', 'Piece', 'Pieces', 'Section', 'take_inventory']
+_Definition = mcap.Schema | mcap.Channel
+#: Opcode and number of a definition.
+_Key = tuple[int, int]
+
+
+class Definitions:
+    """The schemas and channels found in a file."""
+
+    def __init__(self) -> None:
+        #: Definitions in chunks with a checksum, and the first ones elsewhere.
+        self._checked: dict[_Key, _Definition] = {}
+        self._others: dict[_Key, _Definition] = {}
+        self._contradicted: dict[_Key, str] = {}
+        self._seen: set[tuple[int, bytes, bool]] = set()
+
+    @property
+    def contradictions(self) -> list[str]:
+        """Return what is defined in two ways, in words."""
+        return list(self._contradicted.values())
+
+    def take(self, opcode: int, content: bytes, checked: bool) -> None:
+        """
+        Take a definition.
+
+        Parameters
+        ----------
+        opcode, content
+            Opcode and content of its record; a damaged one is ignored.
+        checked : bool
+            It is in a chunk with a correct checksum.
+
+        """
+        key = opcode, int.from_bytes(content[:2], 'little')
+        if key in self._contradicted or (opcode, content, checked) in self._seen:
+            return
+        self._seen.add((opcode, content, checked))
+        try:
+            kind: type[_Definition] = (mcap.Schema if opcode == Opcode.SCHEMA
+                                       else mcap.Channel)
+            definition = parse_record(kind, content, any_text=checked)
+        except BagError:
+            return
+        first_definition = (self._checked if checked else self._others).setdefault(key, definition)
+        if checked and _meaning(first_definition) != _meaning(definition):
+            what = 'schema' if opcode == Opcode.SCHEMA else 'channel'
+            self._contradicted[key] = (
+                f'{what} {key[1]} is both {_meaning(first_definition)[0]} and '
+                f'{_meaning(definition)[0]}')
+
+    def topic(self, number: int) -> tuple[mcap.Channel, mcap.Schema] | None:
+        """Return channel and schema of a number; None if lost, contradicted or not of ROS 2."""
+        channel = self._find(Opcode.CHANNEL, number)
+        if not isinstance(channel, mcap.Channel) or channel.message_encoding != 'cdr':
+            return None
+        schema = self._find(Opcode.SCHEMA, channel.schema_id)
+        return (channel, schema) if isinstance(schema, mcap.Schema) else None
+
+    def _find(self, opcode: int, number: int) -> _Definition | None:
+        key = opcode, number
+        if key in self._contradicted:
+            return None
+        return self._checked.get(key) or self._others.get(key)
+
+
+def _meaning(definition: _Definition) -> tuple[object, ...]:
+    """Return what decides to which topic and type messages belong; first its name."""
+    if isinstance(definition, mcap.Schema):
+        return definition.name, definition.encoding, definition.data
+    return definition.topic, definition.message_encoding, definition.schema_id
+
 
 _ROWS = 4096
 

@@ -29,8 +29,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Callable, Sequence
 
-from heading_intercompare.bags.checked_text import decimal
-from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.errors import BagError, decimal
 from heading_intercompare.bags.mcap.chunk_writer import COMPRESSIONS
 from heading_intercompare.bags.packed_files import PACKED, unpack_file
 from heading_intercompare.bags.recording.bag_writer import BagWriter

@@ -44,6 +44,12 @@ from heading_intercompare.bags.mcap.fragments import (
     measure_leading,
     MESSAGE_LEAST,
 )
+from heading_intercompare.bags.mcap.index_records import (
+    find_attached,
+    is_disguised,
+    is_formed,
+    SMALL,
+)
 from heading_intercompare.bags.mcap.message_blocks import (
     Block,
     block_of,
@@ -52,12 +58,6 @@ from heading_intercompare.bags.mcap.message_blocks import (
     Record,
 )
 from heading_intercompare.bags.mcap.record_stream import MAGIC, RecordStream
-from heading_intercompare.bags.mcap.record_validity import (
-    find_attached,
-    is_disguised,
-    is_formed,
-    SMALL,
-)
 from heading_intercompare.messages.byte_columns import BytesLike
 
 from .large_chunks import find_fault, Large, survey

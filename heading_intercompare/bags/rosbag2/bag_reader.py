@@ -31,8 +31,13 @@ import numpy as np
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.mcap_file import NeverBegun, Part
 from heading_intercompare.bags.mcap.message_blocks import Block
-from heading_intercompare.bags.packed_files import PACKED, plain_name, unpack_file
-from heading_intercompare.bags.packed_payloads import is_packed, unpack_payload
+from heading_intercompare.bags.packed_files import (
+    is_packed,
+    PACKED,
+    plain_name,
+    unpack_file,
+    unpack_payload,
+)
 from heading_intercompare.bags.parallel.by_minute import Window
 from heading_intercompare.bags.parallel.decode_workers import can_fork, decode_stretches, Task
 from heading_intercompare.bags.parallel.decoding import (

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import argparse
 
-from heading_intercompare.bags.checked_text import utf8
+from heading_intercompare.bags.errors import utf8
 from heading_intercompare.bags.rosbag2.provenance import note_lines
 from heading_intercompare.cli.node_command import add_namespace_argument
 from heading_intercompare.cli.terminal.console import say_lines

@@ -59,7 +59,7 @@ from heading_intercompare.messages.status_messages import (
     STATUS_TYPE,
 )
 from heading_intercompare.report import check_form, write_trial_page
-from heading_intercompare.report.sketching.trace import Trace
+from heading_intercompare.report.sketching.track import Trace
 
 from .analyze import add_settings_arguments
 from .note import add_note_argument, read_notes

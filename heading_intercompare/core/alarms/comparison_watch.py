@@ -23,8 +23,7 @@ import numpy as np
 
 from heading_intercompare.core.angles import unwrap_deg, wrap360
 from heading_intercompare.core.conditions.conventions import Convention, find_convention
-from heading_intercompare.core.conditions.one_source import find_one_source
-from heading_intercompare.core.conditions.same_readings import find_same_source
+from heading_intercompare.core.conditions.one_source import find_one_source, find_same_source
 from heading_intercompare.core.conditions.standstill import (
     find_coarse_resolution,
     find_frozen,

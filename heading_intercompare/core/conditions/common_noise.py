@@ -30,7 +30,7 @@ from heading_intercompare.core.timing.bracketing_readings import (
     pairs_per_reading,
     readings_per_pair,
 )
-from heading_intercompare.core.timing.cubic_spline import CubicSpline
+from heading_intercompare.core.timing.heading_track import CubicSpline
 
 __all__ = ['CommonNoise', 'find_common_noise', 'FollowedNoise']
 

@@ -17,18 +17,102 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+import math
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from heading_intercompare.core.angles import wrap360
-from heading_intercompare.core.statistics.resolution import find_resolution, LOOKED_AT
+from heading_intercompare.core.statistics.moments import Moments
+from heading_intercompare.core.statistics.resolution import find_resolution, LOOKED_AT, Resolution
 
 from .common_glitches import CommonGlitches, find_common_glitches
 from .common_noise import CommonNoise, find_common_noise
-from .same_readings import find_same_source, SameSource
 
-__all__ = ['find_one_source', 'OneSource']
+_EQUAL_DEG = 1e-7
+_LEAST_CHANGES = 300
+#: Headings compared at once: intermediate results stay in the cache.
+_PIECE = 1 << 14
+
+
+@dataclass(frozen=True, slots=True)
+class SameSource:
+    """
+    Whether both headings are the same except for a constant.
+
+    Attributes
+    ----------
+    suspected : bool or None
+        None if the headings change too rarely: then two sensors may agree by chance.
+    std_deg : float or None
+        Standard deviation of the difference; None for n < 2.
+    rounding_deg : float
+        Standard deviation that rounding of both headings alone would give.
+
+    """
+
+    suspected: bool | None
+    std_deg: float | None
+    rounding_deg: float
+
+
+def find_same_source(x_deg: ArrayLike, rs_deg: ArrayLike, ts: Resolution, rs: Resolution,
+                     share: float = 0.001) -> SameSource:
+    """
+    Tell whether one stream repeats the other, reading by reading.
+
+    Parameters
+    ----------
+    x_deg, rs_deg : array_like, shape (n,)
+        Differences and headings of the RS, in sample order, finite, degrees.
+    ts, rs : Resolution
+        Resolution of the TS and RS headings.
+    share : float
+        Largest number of differing readings, as a share of the readings that change.
+
+    Returns
+    -------
+    SameSource
+
+    Notes
+    -----
+    A small difference proves nothing: two good sensors that round the same motion differ by no
+    more than rounding, and by less if their steps begin at the same angle. But if the errors of
+    two sensors are e apart, their readings differ in at least a share e/q of the changes, where q
+    is the coarser step. With 300 changes or more, fewer than one in a thousand that differ means
+    that the errors agree to a thousandth of a step. A copy that is late, filtered, interpolated
+    or rounded again is found by its noise, if it has any, in `common_noise`.
+
+    """
+    x = np.asarray(x_deg, dtype=np.float64)
+    rounding = math.sqrt(ts.variance_deg2 + rs.variance_deg2)
+    if x.size < 2:
+        return SameSource(None, None, rounding)
+    first = float(x[0])
+    moments = sum((Moments.of(x[lo:lo + _PIECE] - first) for lo in range(0, x.size, _PIECE)),
+                  start=Moments())
+    std = math.sqrt(moments.m2_deg2 / (x.size - 1))
+    heading = np.asarray(rs_deg, dtype=np.float64)
+    ts_changes = rs_changes = 0
+    for lo in range(0, x.size - 1, _PIECE):
+        part = slice(lo, lo + _PIECE + 1)
+        rs_changes += _count_nonzero(np.diff(heading[part]))
+        ts_changes += _count_nonzero(np.diff(x[part] - first + heading[part]))
+    changes = min(ts_changes, rs_changes)
+    if changes < _LEAST_CHANGES:
+        return SameSource(None, std, rounding)
+    middle = float(np.median(x[::max(1, x.size // 100_000)]))
+    differing = sum(_count_nonzero(x[lo:lo + _PIECE] - middle)
+                    for lo in range(0, x.size, _PIECE))
+    return SameSource(differing <= share * changes, std, rounding)
+
+
+def _count_nonzero(difference: np.ndarray) -> int:
+    """Count the differences that are no whole number of turns."""
+    off = np.abs(difference)
+    if off.max(initial=0.0) >= 180.0:
+        off = np.abs(off - 360.0 * np.rint(off / 360.0))
+    return int(np.count_nonzero(off > _EQUAL_DEG))
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,16 +19,71 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from fractions import Fraction
 import math
+from typing import Callable
 
 from heading_intercompare.core.declared_figures import figure
-from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.settings import Norms, SettingsError
+from heading_intercompare.core.outcome import Outcome, worst
+from heading_intercompare.core.settings import Norms, Settings, SettingsError
 
 from .error_models import coverage_factor, ts_factor
 from .norm_presets import sigma_max_deg
 
-__all__ = ['apply_count_criterion', 'apply_variance_criterion', 'CountCriterion',
-           'estimate_total_error', 'Limits', 'TotalError', 'variance_limits', 'VarianceCriterion']
+
+@dataclass(frozen=True, slots=True)
+class Printed:
+    """
+    Findings of the criteria as printed.
+
+    Attributes
+    ----------
+    variance : VarianceCriterion
+    counts : CountCriterion
+    total : TotalError
+    outcome : Outcome
+        The worst of the three; the total error counts only if it has a norm.
+
+    """
+
+    variance: VarianceCriterion
+    counts: CountCriterion
+    total: TotalError
+    outcome: Outcome
+
+
+def apply_gk(n: int, mean_deg: float | None, variance_deg2: float | None,
+             count: Callable[[float], int], limits: Limits, settings: Settings) -> Printed:
+    """
+    Apply the criteria of GK.
+
+    Parameters
+    ----------
+    n : int
+        Number of differences.
+    mean_deg, variance_deg2 : float or None
+        Their mean and variance; None for too few differences.
+    count : callable
+        ``count(limit_deg)`` returns the number of deviations above a limit.
+    limits : Limits
+        Of variance and counts.
+    settings : Settings
+        Uses norms and model.
+
+    References
+    ----------
+    GK (5), (6), (7).
+
+    """
+    variance = apply_variance_criterion(variance_deg2, limits)
+    printed = limits.as_printed
+    counts = apply_count_criterion(n, count(printed.count_limit_deg),
+                                   count(printed.tightened_count_limit_deg), printed)
+    total = estimate_total_error(mean_deg, variance_deg2, limits, settings.norms, settings.model)
+    outcomes = [variance.outcome, counts.outcome]
+    if total.outcome is not None:
+        outcomes.append(total.outcome)
+    together = Outcome.INDETERMINATE if variance_deg2 is None else worst(outcomes)
+    return Printed(variance, counts, total, together)
+
 
 _PRINTED_P = 0.997
 

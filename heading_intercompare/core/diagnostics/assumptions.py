@@ -26,9 +26,8 @@ import math
 from heading_intercompare.core.conditions.one_source import OneSource
 from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.statistics.drift import Order, Slope
-from heading_intercompare.core.statistics.ergodicity import Homogeneity
 from heading_intercompare.core.statistics.normality import Shape
-from heading_intercompare.core.statistics.stationarity import Stationarity
+from heading_intercompare.core.statistics.stationarity import Homogeneity, Stationarity
 from heading_intercompare.core.statistics.variance_uncertainty import Spread
 from heading_intercompare.core.statistics.warm_up import WarmUp
 from heading_intercompare.core.timing.time_skew import Skew

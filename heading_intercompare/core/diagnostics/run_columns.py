@@ -16,9 +16,10 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 import math
+from typing import Sequence
 
 import numpy as np
 
@@ -28,9 +29,14 @@ from heading_intercompare.core.conditions.partings import find_partings, Parting
 from heading_intercompare.core.conditions.shared_readings import Fingerprint
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.records import Integers, Reals
+from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.statistics.autocorrelation import SeriesCorrelation
+from heading_intercompare.core.statistics.drift import remove_polynomial, select_order
+from heading_intercompare.core.statistics.moments import count_outside, Moments
 from heading_intercompare.core.statistics.resolution import find_resolution, Resolution
+from heading_intercompare.core.statistics.warm_up import fit_warm_up
+from heading_intercompare.core.time_rules.exclusions import Exclusion, find_excluded
 from heading_intercompare.core.timing.realignment import move_pairs
 from heading_intercompare.core.timing.skew_instrument import common_tracks, LEAST_PAIRS, Tracks
 from heading_intercompare.core.timing.stamp_steps import measure_stamp_steps, StampSteps
@@ -38,7 +44,131 @@ from heading_intercompare.core.timing.time_skew import estimate_skew, Skew
 
 from .run_findings import Correlation, describe_correlation
 
-__all__ = ['RunColumns']
+SETTLED_SHARE = 0.1
+"""A warm-up has settled when it has fallen to this share of sigma_max."""
+
+HIGHEST_ORDER_REMOVED = 3
+"""Highest order of the polynomials that `drift_order` may remove."""
+
+
+@dataclass(frozen=True, slots=True)
+class PreparedRun:
+    """
+    The analysed part of a run.
+
+    Attributes
+    ----------
+    stamp_ns, x_deg, rs_deg : ndarray, shape (n,)
+        Stamps, differences and RS headings after the stabilisation period.
+    residual_deg : ndarray, shape (n,), or None
+        Differences minus the polynomial removed, degrees; None if only the mean is removed.
+    order : int
+        Order of that polynomial; 0 for the mean.
+    coefficients_deg : tuple of float
+        Its Legendre coefficients from order 0, degrees; empty if only the mean is removed.
+    n_left_out : int
+        Differences at the start that an automatic stabilisation period leaves out.
+    moments : Moments
+        Moments of `x_deg`.
+    variance_deg2 : float or None
+        GK (4): sum of squared residuals / (n - 1 - order); None for n < 2 + order.
+    taken_out_s : float
+        Time within the run that a person took out, seconds.
+
+    """
+
+    stamp_ns: Integers
+    x_deg: Reals
+    rs_deg: Reals
+    residual_deg: Reals | None
+    order: int
+    coefficients_deg: tuple[float, ...]
+    n_left_out: int
+    moments: Moments
+    variance_deg2: float | None
+    taken_out_s: float = 0.0
+
+    def count_outside(self, variant: str, limit_deg: float) -> int:
+        """Count what exceeds a limit: ``|x|`` in variant A, otherwise the absolute residuals."""
+        if variant != 'A' and self.residual_deg is not None:
+            return count_outside(self.residual_deg, 0.0, limit_deg)
+        return count_outside(self.x_deg, 0.0 if variant == 'A' else self.moments.mean_deg,
+                             limit_deg)
+
+    @classmethod
+    def of(cls, stamp_ns: Integers, x_deg: Reals, rs_deg: Reals,
+           settings: Settings, n_left_out: int = 0) -> 'PreparedRun':
+        """Build from settled differences; the settings decide which drift to remove."""
+        order = settings.drift_order
+        if isinstance(order, str):
+            chosen = select_order(stamp_ns, x_deg)
+            order = 0 if chosen is None else min(chosen.order, HIGHEST_ORDER_REMOVED)
+        moments = Moments.of(x_deg)
+        if order == 0 or moments.n < 2 + order:
+            variance = moments.variance_deg2 if moments.n >= 2 + order else None
+            return cls(stamp_ns=stamp_ns, x_deg=x_deg, rs_deg=rs_deg, residual_deg=None, order=0,
+                       coefficients_deg=(), n_left_out=n_left_out, moments=moments,
+                       variance_deg2=variance)
+        fit = remove_polynomial(stamp_ns, x_deg, order)
+        squares = float(np.dot(fit.residual_deg, fit.residual_deg))
+        return cls(stamp_ns=stamp_ns, x_deg=x_deg, rs_deg=rs_deg, residual_deg=fit.residual_deg,
+                   order=fit.order, coefficients_deg=fit.coefficients_deg, n_left_out=n_left_out,
+                   moments=moments, variance_deg2=squares / (moments.n - 1 - fit.order))
+
+    @property
+    def series_deg(self) -> Reals:
+        """Return what gives the variance: the residuals, or the differences; degrees."""
+        return self.x_deg if self.residual_deg is None else self.residual_deg
+
+    @property
+    def span_s(self) -> float:
+        """Time from the first to the last analysed difference that is not taken out, seconds."""
+        stamps = self.stamp_ns
+        if not stamps.size:
+            return 0.0
+        return max(0.0, (int(stamps[-1]) - int(stamps[0])) / 1e9 - self.taken_out_s)
+
+
+def prepare_run(run: RunSeries, limits: Limits, settings: Settings,
+                exclusions: Sequence[Exclusion] = ()) -> PreparedRun:
+    """
+    Remove the stabilisation period and the drift of a run, as the settings say.
+
+    Parameters
+    ----------
+    run : RunSeries
+        A run at its end.
+    limits : Limits
+        `sigma_max_deg` determines when a run has settled.
+    settings : Settings
+        Uses `runs.stabilization_s` and `drift_order`; both may be 'auto'. A run that goes on
+        after a cut by the clock has no automatic stabilisation period.
+    exclusions : sequence of Exclusion
+        Stretches to leave out after the stabilisation period, which they do not move.
+
+    References
+    ----------
+    GK (4) and its conditions on the data.
+
+    """
+    stamps, x, rs = run.stamp_ns.values, run.x_deg.values, run.rs_deg.values
+    lo = 0
+    if run.stabilization_s == 'auto':
+        warm_up = fit_warm_up(stamps, x, SETTLED_SHARE * limits.sigma_max_deg)
+        if warm_up is not None and warm_up.stabilization_s > 0.0:
+            until = int(stamps[0]) + round(warm_up.stabilization_s * 1e9)
+            lo = int(np.searchsorted(stamps, until))
+            stamps, x, rs = stamps[lo:], x[lo:], rs[lo:]
+    if not exclusions:
+        return PreparedRun.of(stamps, x, rs, settings, lo)
+    stays = find_excluded(stamps, exclusions) < 0
+    stamps, x, rs = stamps[stays], x[stays], rs[stays]
+    taken_out_ns = sum(
+        min(exclusion.end_ns, int(stamps[-1])) - max(exclusion.start_ns, int(stamps[0]))
+        for exclusion in exclusions if stamps.size
+        and exclusion.start_ns < int(stamps[-1]) and exclusion.end_ns > int(stamps[0]))
+    return replace(PreparedRun.of(stamps, x, rs, settings, lo), taken_out_s=taken_out_ns / 1e9)
+
 
 #: Few enough that intermediate results stay in the cache.
 _PIECE = 1 << 14

@@ -26,10 +26,13 @@ from heading_intercompare.core.angles import unwrap_deg, wrap180, wrap360
 from heading_intercompare.core.decision.guarded import Guarded
 from heading_intercompare.core.statistics.blocking import pick_stretches, samples_per_average
 from heading_intercompare.core.statistics.drift import Detrended
-from heading_intercompare.core.statistics.ergodicity import Homogeneity
 from heading_intercompare.core.statistics.moments import Moments
 from heading_intercompare.core.statistics.normality import examine_normality, Normality
-from heading_intercompare.core.statistics.stationarity import examine_stationarity, Stationarity
+from heading_intercompare.core.statistics.stationarity import (
+    examine_stationarity,
+    Homogeneity,
+    Stationarity,
+)
 from heading_intercompare.core.timing.skew_instrument import Tracks
 from heading_intercompare.core.timing.skew_scan import Scan
 from heading_intercompare.core.timing.time_skew import Skew

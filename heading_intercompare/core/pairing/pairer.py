@@ -34,8 +34,7 @@ from heading_intercompare.core.settings import Settings
 
 from .direction import Direction, UsualSteps
 from .interpolation_kernel import Bridged, find_left, interpolate, longest_step_ns, reach
-from .ledger import Ledger
-from .ledger_keys import APART_DEG2, LedgerKey
+from .ledger import APART_DEG2, Ledger, LedgerKey
 from .pending_readings import BRACKET, PAIRED, Stream, UNBRIDGED
 
 __all__ = ['pair', 'Pairer']

@@ -21,8 +21,7 @@ from dataclasses import dataclass
 
 from heading_intercompare.core.settings import Pairing
 
-from .ledger import Ledger
-from .ledger_keys import LedgerKey
+from .ledger import Ledger, LedgerKey
 
 __all__ = ['PairingState', 'PairingWatch']
 

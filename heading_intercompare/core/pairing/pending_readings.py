@@ -25,8 +25,7 @@ from heading_intercompare.core.raw_streams.stamp_jumps import Decided, JumpFilte
 from heading_intercompare.core.records import Headings, Losses
 
 from .direction import UsualSteps
-from .ledger import Ledger
-from .ledger_keys import LedgerKey
+from .ledger import Ledger, LedgerKey
 
 __all__ = ['BRACKET', 'PAIRED', 'Stream', 'UNBRIDGED']
 

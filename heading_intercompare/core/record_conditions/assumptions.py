@@ -21,7 +21,7 @@ from typing import Callable, Mapping
 from heading_intercompare.core.decision.error_models import ERROR_MODELS
 from heading_intercompare.core.diagnostics.assumptions import model_kurtosis, VIOLATED
 from heading_intercompare.core.diagnostics.deviation import deviation_at
-from heading_intercompare.core.diagnostics.prepare import HIGHEST_ORDER_REMOVED
+from heading_intercompare.core.diagnostics.run_columns import HIGHEST_ORDER_REMOVED
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.statistics.drift import remove_polynomial
 from heading_intercompare.core.validity.condition import Condition, DOUBTFUL, Finding, HOLDS

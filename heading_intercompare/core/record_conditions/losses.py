@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from typing import Iterator, Sequence
 
-from heading_intercompare.core.pairing.ledger_keys import LedgerKey, LedgerSegment
+from heading_intercompare.core.pairing.ledger import LedgerKey, LedgerSegment
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.validity.condition import (
     Condition,

@@ -20,7 +20,7 @@ import math
 
 from heading_intercompare.core.diagnostics.assumptions import SMALL_OFFSET
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.statistics.ergodicity import Homogeneity
+from heading_intercompare.core.statistics.stationarity import Homogeneity
 from heading_intercompare.core.validity.condition import Condition, DOUBTFUL, Finding, HOLDS
 
 __all__ = ['judge_mean_over_runs', 'MEAN_OVER_RUNS']

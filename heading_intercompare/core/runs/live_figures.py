@@ -19,8 +19,7 @@ from __future__ import annotations
 from typing import Any
 
 from heading_intercompare.core.decision.coverage import slowest_error_s
-from heading_intercompare.core.decision.criteria import Limits
-from heading_intercompare.core.decision.gk import apply_gk, Printed
+from heading_intercompare.core.decision.criteria import apply_gk, Limits, Printed
 from heading_intercompare.core.decision.guarded import decide, Evidence, gather_evidence
 from heading_intercompare.core.decision.sequential import risk_at_the_end
 from heading_intercompare.core.settings import Settings

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from typing import Mapping
 
 from heading_intercompare.core.declared_figures import figure
-from heading_intercompare.core.pairing.ledger_keys import LedgerKey, LedgerSegment
+from heading_intercompare.core.pairing.ledger import LedgerKey, LedgerSegment
 
 __all__ = ['LostReadings', 'PairingFigures', 'RejectedReadings']
 

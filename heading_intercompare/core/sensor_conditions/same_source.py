@@ -19,7 +19,7 @@ from __future__ import annotations
 import math
 
 from heading_intercompare.core.conditions.common_noise import CommonNoise
-from heading_intercompare.core.pairing.ledger_keys import LedgerKey
+from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.validity.condition import (
     Condition,
     DOUBTFUL,

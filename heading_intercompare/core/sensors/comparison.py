@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from typing import Callable, Mapping, Sequence
 
-from heading_intercompare.core.pairing.ledger_keys import LedgerKey
+from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.pairing.pair_sampling import PairSampler
 from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Headings, Losses, Motion, Pairs

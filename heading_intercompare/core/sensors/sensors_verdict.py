@@ -12,12 +12,13 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The verdict on several sensors: each one's outcome, all pairs, and which sensor is wrong."""
+"""The verdict on several sensors: the outcome of each, all pairs, the vote; and as text."""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from typing import Any, Mapping, Sequence
+from dataclasses import dataclass, replace
+import math
+from typing import Any, Callable, Iterator, Mapping, Sequence
 
 from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.outcome import Outcome
@@ -34,13 +35,114 @@ from heading_intercompare.core.verdict.verdict_document import (
     Software,
     Verdict,
 )
+from heading_intercompare.core.verdict.compare_verdicts import compare_plain, drop_sources
 from heading_intercompare.core.version import RULE_VERSION
 
 from .pair_figures import PairFigures
 from .variance_split import SensorVariance
 from .vote import Vote
 
-__all__ = ['is_of_sensors', 'SCHEMA', 'SCHEMA_VERSION', 'SensorResult', 'SensorsVerdict']
+
+def find_sensor_differences(a: SensorsVerdict, b: SensorsVerdict) -> Iterator[str]:
+    """
+    Yield the differences of two verdicts, except those of their sources.
+
+    Yields
+    ------
+    str
+        One difference with the names of the JSON, as `find_differences`.
+
+    """
+    yield from compare_plain(_drop_sources(a), _drop_sources(b))
+
+
+def _drop_sources(verdict: SensorsVerdict) -> dict[str, Any]:
+    return replace(verdict, inputs=(), verdicts={
+        name: drop_sources(of_pair) for name, of_pair in verdict.verdicts.items()}).to_dict()
+
+
+SHOWN: tuple[tuple[str, Callable[[PairFigures, float], str]], ...] = (
+    ('standard deviation of the difference [deg]', lambda pair, sign: _number(pair.std_deg)),
+    ('  as share of what both norms explain',
+     lambda pair, sign: '-' if pair.share is None else
+     f'{pair.share:.2f}{" !" if pair.differs else ""}'),
+    ('mean difference, row - column [deg]',
+     lambda pair, sign: '-' if pair.mean_deg is None else f'{sign * pair.mean_deg:+.4f}'),
+    ('age, row - column, and its standard uncertainty [s]',
+     lambda pair, sign: '-' if pair.skew_s is None or pair.skew_u_s is None else
+     f'{sign * pair.skew_s:+.3f} ({pair.skew_u_s:.3f})'),
+)
+"""The matrices that people see: title, and the text of a pair with the sign of row - column."""
+
+
+def _number(value: float | None) -> str:
+    return '-' if value is None else f'{value:.4f}'
+
+
+def matrix_of(verdict: SensorsVerdict,
+              text: Callable[[PairFigures, float], str]) -> list[list[str]]:
+    """Return a matrix of texts with names as its first row and column."""
+    names = [sensor.name for sensor in verdict.sensors]
+    rows = [['', *names]]
+    for row in names:
+        cells = [row]
+        for column in names:
+            pair = verdict.find_pair(row, column)
+            cells.append('' if row == column else '-' if pair is None else text(*pair))
+        rows.append(cells)
+    return rows
+
+
+def split_words(sensor: SensorResult) -> str:
+    """Return the standard deviation of a sensor from the split, with its range."""
+    variance = sensor.variance
+    if variance is None:
+        return '-'
+    low, high = (math.copysign(math.sqrt(abs(v)), v) for v in variance.interval_deg2)
+    if variance.std_deg is None:
+        return (f'negative variance {variance.variance_deg2:.3g} deg2: the errors are correlated, '
+                'or the record is short')
+    return f'{variance.std_deg:.4f} ({max(low, 0.0):.4f} .. {max(high, 0.0):.4f})'
+
+
+def sensors_text(verdict: SensorsVerdict) -> str:
+    """Return the outcomes, the matrices of all pairs, the vote and its evidence, as lines."""
+    return '\n'.join(_lines(verdict))
+
+
+def _lines(verdict: SensorsVerdict) -> Iterator[str]:
+    yield f'VERDICT on {len(verdict.sensors)} sensors: {verdict.headline}'
+    yield ''
+    width = max(len(sensor.name) for sensor in verdict.sensors)
+    for sensor in verdict.sensors:
+        yield f'{sensor.name:{width}}  norm {sensor.sigma_max_deg:g} deg: {sensor.headline}'
+    for title, text in SHOWN:
+        yield ''
+        yield title
+        yield from _align(matrix_of(verdict, text))
+    if any(pair.differs for pair in verdict.pairs):
+        yield '  !: more than both norms explain'
+    if any(sensor.variance for sensor in verdict.sensors):
+        yield ''
+        yield ('standard deviation of each sensor [deg] (at least 95 % range), if their errors '
+               'are uncorrelated')
+        for sensor in verdict.sensors:
+            yield f'  {sensor.name:{width}}  {split_words(sensor)}'
+    yield ''
+    yield f'who is wrong: {verdict.vote.words} (risk {verdict.risk:g} that it names a sound one)'
+    for pair in verdict.pairs:
+        words = [*([f'differs: {pair.gross}'] if pair.gross else []),
+                 *(f for f in pair.findings if f != pair.gross)]
+        if words:
+            yield f'  {pair.first} and {pair.second}: {"; ".join(words)}'
+
+
+def _align(rows: Sequence[Sequence[str]]) -> Iterator[str]:
+    widths = [max(map(len, column)) for column in zip(*rows)]
+    for row in rows:
+        yield '  ' + '  '.join([f'{row[0]:{widths[0]}}', *(
+            f'{cell:>{width}}' for cell, width in zip(row[1:], widths[1:]))]).rstrip()
+
 
 _SCHEMA = 'heading_intercompare/sensors/'
 SCHEMA_VERSION = '1.0'
@@ -102,7 +204,7 @@ class SensorsVerdict:
 
     def __str__(self) -> str:
         """Return the tables that the command line prints."""
-        from .sensors_table import sensors_text
+        from .sensors_verdict import sensors_text
         return sensors_text(self)
 
     def __repr__(self) -> str:

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 import math
 from typing import Mapping
 
-from heading_intercompare.core.pairing.ledger_keys import APART_DEG2, LedgerKey
+from heading_intercompare.core.pairing.ledger import APART_DEG2, LedgerKey
 
 __all__ = ['estimate_interpolation_error', 'InterpolationError']
 

@@ -24,8 +24,7 @@ import numpy as np
 
 from heading_intercompare.core.statistics.blocking import block_means, block_size
 
-from .cubic_spline import CubicSpline
-from .heading_track import Track
+from .heading_track import CubicSpline, Track
 from .skew_instrument import Fit, Instrument, LEAST_STRENGTH
 
 __all__ = ['coarsen', 'compute_correlogram', 'Correlogram', 'find_skew', 'has_turned', 'REACH_S',

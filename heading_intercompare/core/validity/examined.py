@@ -25,7 +25,7 @@ from heading_intercompare.core.diagnostics.run_columns import RunColumns
 from heading_intercompare.core.diagnostics.run_diagnostics import Diagnostics
 from heading_intercompare.core.motion.motion_check import MotionCheck
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.pairing.ledger_keys import LedgerSegment
+from heading_intercompare.core.pairing.ledger import LedgerSegment
 from heading_intercompare.core.raw_streams.decimal_steps import find_decimal_step
 from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
 from heading_intercompare.core.records import Reals

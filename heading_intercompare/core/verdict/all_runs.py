@@ -31,7 +31,7 @@ from heading_intercompare.core.record_conditions.left_out import judge_left_out
 from heading_intercompare.core.record_conditions.mean_over_runs import judge_mean_over_runs
 from heading_intercompare.core.record_conditions.repeated_readings import judge_repeated_runs
 from heading_intercompare.core.settings import Settings
-from heading_intercompare.core.statistics.ergodicity import (
+from heading_intercompare.core.statistics.stationarity import (
     examine_homogeneity,
     Homogeneity,
     RunFigures,

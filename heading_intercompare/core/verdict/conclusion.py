@@ -20,7 +20,7 @@ import math
 from typing import Sequence, TYPE_CHECKING
 
 from heading_intercompare.core.decision.campaign import CAMPAIGN_REASONS
-from heading_intercompare.core.decision.gk import Printed
+from heading_intercompare.core.decision.criteria import Printed
 from heading_intercompare.core.decision.guarded import Guarded, REASONS
 from heading_intercompare.core.decision.needed_length import describe_need, describe_need_together
 from heading_intercompare.core.decision.sequential import find_rejection, LookVerdict

@@ -23,26 +23,24 @@ from typing import Any, Callable, Iterator, Sequence
 import numpy as np
 
 from heading_intercompare.core.angles import circular_mean
-from heading_intercompare.core.decision.coverage import coverage_of, slowest_error_s
-from heading_intercompare.core.decision.criteria import Limits
-from heading_intercompare.core.decision.gk import apply_gk, Printed
+from heading_intercompare.core.decision.coverage import coverage_of, Scope, slowest_error_s
+from heading_intercompare.core.decision.criteria import apply_gk, Limits, Printed
 from heading_intercompare.core.decision.guarded import decide, Evidence, gather_evidence, Guarded
-from heading_intercompare.core.decision.scope import Scope
 from heading_intercompare.core.decision.sequential import Look, LookVerdict, risk_at_the_end
 from heading_intercompare.core.decision.taken_out import Stretch, TakenOut
 from heading_intercompare.core.diagnostics.percentile import estimate_percentile
-from heading_intercompare.core.diagnostics.prepare import (
+from heading_intercompare.core.diagnostics.run_columns import (
     HIGHEST_ORDER_REMOVED,
     prepare_run,
     PreparedRun,
+    RunColumns,
     SETTLED_SHARE,
 )
-from heading_intercompare.core.diagnostics.run_columns import RunColumns
 from heading_intercompare.core.diagnostics.run_diagnostics import diagnose, with_runs
 from heading_intercompare.core.diagnostics.run_findings import describe_drift, left_in_deg2
 from heading_intercompare.core.motion.motion_check import check_motion
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.pairing.ledger_keys import LedgerSegment
+from heading_intercompare.core.pairing.ledger import LedgerSegment
 from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
 from heading_intercompare.core.record_conditions.losses import (
     warn_of_alone,
@@ -54,7 +52,7 @@ from heading_intercompare.core.runs.pairing_figures import PairingFigures
 from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.settings import Risk, Settings
 from heading_intercompare.core.statistics.cells import Cells
-from heading_intercompare.core.statistics.ergodicity import (
+from heading_intercompare.core.statistics.stationarity import (
     Homogeneity,
 )
 from heading_intercompare.core.time_rules.exclusions import (

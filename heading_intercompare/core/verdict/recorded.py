@@ -34,7 +34,7 @@ from heading_intercompare.core.decision.taken_out import (
     sum_stretches,
     TakenOut,
 )
-from heading_intercompare.core.diagnostics.prepare import SETTLED_SHARE
+from heading_intercompare.core.diagnostics.run_columns import SETTLED_SHARE
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.runs.record_pieces import RecordPiece
 from heading_intercompare.core.settings import Settings

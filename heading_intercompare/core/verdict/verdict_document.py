@@ -43,9 +43,8 @@ from heading_intercompare.core.settings import (
     settings_sha256,
     SettingsError,
 )
-from heading_intercompare.core.statistics.ergodicity import Homogeneity
 from heading_intercompare.core.statistics.normality import Normality
-from heading_intercompare.core.statistics.stationarity import Stationarity
+from heading_intercompare.core.statistics.stationarity import Homogeneity, Stationarity
 from heading_intercompare.core.typed_reader import (
     check_schema,
     make_plain,

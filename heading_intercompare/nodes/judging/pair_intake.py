@@ -25,7 +25,7 @@ import numpy as np
 from rclpy.node import Node
 
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
-from heading_intercompare.core.pairing.incarnation_choice import IncarnationChoice
+from heading_intercompare.core.pairing.incarnations import IncarnationChoice
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Pairing
 from heading_intercompare.messages.heading_messages import read_pairs

@@ -29,7 +29,7 @@ from rcl_interfaces.msg import (
 from rclpy.node import Node
 from rclpy.parameter import Parameter
 
-from heading_intercompare.bags.checked_text import utf8
+from heading_intercompare.bags.errors import utf8
 from heading_intercompare.core.settings import (
     explain_unknown,
     from_mapping,

@@ -20,7 +20,7 @@ import time
 
 from rclpy.node import Node
 
-from heading_intercompare.core.pairing.ledger_keys import LedgerKey
+from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.core.sensors.comparison import SensorsComparison
 from heading_intercompare.nodes.ros.parameters import follow

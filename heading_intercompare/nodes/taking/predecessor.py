@@ -23,7 +23,7 @@ from typing import Mapping
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 
-from heading_intercompare.core.pairing.ledger_keys import LedgerKey
+from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.messages.ledger_messages import decode_ledger, LedgerMessage
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.endpoints import is_named

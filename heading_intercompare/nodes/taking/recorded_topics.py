@@ -25,8 +25,7 @@ from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile
 
 from heading_intercompare.bags.recording.part_states import DIAGNOSTICS_TOPIC, PartStates
-from heading_intercompare.bags.recording.published_headings import PublishedHeadings
-from heading_intercompare.bags.recording.recorder_losses import Counts
+from heading_intercompare.bags.recording.recorder_losses import Counts, PublishedHeadings
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
 from heading_intercompare.bags.rosbag2.motion_topics import motion_topics
 from heading_intercompare.bags.rosbag2.provenance import (

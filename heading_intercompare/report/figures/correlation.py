@@ -26,8 +26,7 @@ from heading_intercompare.core.statistics.autocorrelation import allan_dof
 from heading_intercompare.core.statistics.confidence_bounds import interval_factors
 from heading_intercompare.report.sketching.spectra import JOINED, LAGS, Level, SEGMENT
 
-from .drawing import Drawing, LeftOut, LIMIT, RANGE, SERIES, UNIT
-from .subject import Subject
+from .drawing import Drawing, LeftOut, LIMIT, RANGE, SERIES, Subject, UNIT
 
 __all__ = ['draw_allan_deviation', 'draw_autocorrelation', 'draw_spectrum']
 

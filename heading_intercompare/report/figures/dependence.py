@@ -24,8 +24,7 @@ from heading_intercompare.core.records import Reals
 from heading_intercompare.report.formatting import number
 from heading_intercompare.report.series_sketch import HEADING_BINS
 
-from .drawing import Drawing, LeftOut, SERIES, SIGMA, START, UNIT
-from .subject import pad, Subject
+from .drawing import Drawing, LeftOut, pad, SERIES, SIGMA, START, Subject, UNIT
 
 __all__ = ['draw_against_heading', 'draw_against_rate', 'draw_skew_scan']
 

@@ -22,8 +22,7 @@ import numpy as np
 
 from heading_intercompare.report.formatting import number
 
-from .drawing import Drawing, LeftOut, LIMIT, RANGE, SERIES, UNIT
-from .subject import pad, Subject
+from .drawing import Drawing, LeftOut, LIMIT, pad, RANGE, SERIES, Subject, UNIT
 
 __all__ = ['draw_histogram', 'draw_quantiles']
 

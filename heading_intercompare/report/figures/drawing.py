@@ -17,14 +17,134 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Callable
+import math
+from typing import Any, Callable, Sequence
 
 import numpy as np
 
+from heading_intercompare.core.decision.criteria import Limits
+from heading_intercompare.core.decision.error_models import density, tail
 from heading_intercompare.core.records import Integers, Reals
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
+from heading_intercompare.report.series_sketch import SeriesSketch
 
-__all__ = ['days', 'Drawing', 'LeftOut', 'LIMIT', 'MEAN', 'RANGE', 'SERIES', 'SIGMA', 'START',
-           'TAKEN_OUT', 'TIGHTENED', 'UNIT']
+
+def pad(low: float, up: float) -> tuple[float, float]:
+    """Return the ends of an axis that shows a range with a margin."""
+    margin = 0.06 * (up - low) or max(abs(low), 1.0) * 1e-3
+    return low - margin, up + margin
+
+
+class Band:
+    """The limits of a run, as differences about its centre; degrees."""
+
+    def __init__(self, run: RunVerdict, settings: Settings) -> None:
+        counts = run.count_criterion
+        self.run = run
+        self.center_deg = 0.0 if settings.variant == 'A' else run.mean_deg or 0.0
+        self.limit_deg = counts.limit_deg
+        self.tightened_deg = counts.tightened_limit_deg
+        self.sigma_deg = math.sqrt(run.variance_criterion.limit_deg2)
+
+    def lines(self) -> list[tuple[float, dict[str, Any], str | None]]:
+        """Return level, look and legend of each limit; one legend serves both sides."""
+        return [(self.center_deg + sign * size, look, words if sign > 0 else None)
+                for size, look, words in (
+                    (self.limit_deg, LIMIT, 'limit of GK (*), n+ beyond it'),
+                    (self.tightened_deg, TIGHTENED,
+                     'tightened limit of GK (**), n++ beyond it'))
+                for sign in (1.0, -1.0)]
+
+
+@dataclass(frozen=True, slots=True)
+class Subject:
+    """
+    A record and its judgement.
+
+    Attributes
+    ----------
+    sketch : SeriesSketch
+        Holds at least one difference.
+    start_ns : int
+        Stamp of the first difference.
+    settings : Settings
+    runs : sequence of RunVerdict
+        Those of the record.
+    bands : sequence of Band
+        Their limits.
+
+    """
+
+    sketch: SeriesSketch
+    start_ns: int
+    settings: Settings
+    runs: Sequence[RunVerdict]
+    bands: Sequence[Band]
+
+    @classmethod
+    def of(cls, sketch: SeriesSketch, verdict: Verdict) -> 'Subject | None':
+        """Join a sketch with its runs in a verdict; None if the sketch has no difference."""
+        start_ns, newest_ns = sketch.time.start_ns, sketch.newest_ns
+        if not sketch.n or start_ns is None or newest_ns is None:
+            return None
+        inside = [r for r in verdict.runs if r.start_ns <= newest_ns and r.end_ns >= start_ns]
+        runs = [r for r in inside if r.source == sketch.source] or inside
+        return cls(sketch, start_ns, verdict.settings, runs,
+                   [Band(run, verdict.settings) for run in runs])
+
+    def title(self, what: str, n: int | None = None) -> str:
+        """Return the title of a figure: the runs, what it shows, and of how many values."""
+        runs = self.runs
+        who = 'No run' if not runs else f'Run {runs[0].run}'
+        if len(runs) > 1:
+            who = f'Runs {runs[0].run} {"and" if len(runs) == 2 else "to"} {runs[-1].run}'
+        return f'{who}: {what}, n = {self.sketch.n if n is None else n}'
+
+    @property
+    def step_s(self) -> float | None:
+        """Return the usual time from difference to difference, seconds; None if unknown."""
+        return next((r.correlation.stamps.typical_s for r in self.runs
+                     if r.correlation.stamps.typical_s), None)
+
+    def extremes(self) -> tuple[float, float]:
+        """Return the least and the largest difference, degrees."""
+        bins = self.sketch.time.bins
+        return float(bins.low_deg.min()), float(bins.up_deg.max())
+
+    def _parts(self) -> list[tuple[float, float, float]]:
+        """Return share, mean and standard deviation of each run that has them."""
+        moments = [(float(r.n), r.mean_deg, r.std_deg) for r in self.runs
+                   if r.n and r.mean_deg is not None and r.std_deg]
+        whole = sum(n for n, _, _ in moments)
+        return [(n / whole, mean, std) for n, mean, std in moments]
+
+    def _ratio(self) -> float:
+        limits = Limits.of(self.settings.norms, self.settings.model)
+        return limits.m_up * limits.sigma_ref_max_deg / limits.sigma_max_deg
+
+    def model_density(self, x_deg: Reals) -> Reals | None:
+        """Return the density of the error model with the moments of the runs, per degree."""
+        parts, ratio = self._parts(), self._ratio()
+        if not parts:
+            return None
+        density_per_deg: Reals = np.sum([
+            share / std * density(self.settings.model, ratio, (x_deg - mean) / std)
+            for share, mean, std in parts], axis=0)
+        return density_per_deg
+
+    def model_share(self, x_deg: Reals) -> Reals | None:
+        """Return the share of the differences that the model puts below each value."""
+        parts, ratio = self._parts(), self._ratio()
+        if not parts:
+            return None
+        total = np.zeros(len(x_deg))
+        for share, mean, std in parts:
+            z = (x_deg - mean) / std
+            half = 0.5 * tail(self.settings.model, ratio, z)
+            total += share * np.where(z < 0.0, half, 1.0 - half)
+        return total
+
 
 _DAY_NS = 86_400 * 10 ** 9
 

@@ -24,9 +24,8 @@ from heading_intercompare.report.series_sketch import SeriesSketch
 from .correlation import draw_allan_deviation, draw_autocorrelation, draw_spectrum
 from .dependence import draw_against_heading, draw_against_rate, draw_skew_scan
 from .distribution import draw_histogram, draw_quantiles
-from .drawing import Drawing, LeftOut
+from .drawing import Drawing, LeftOut, Subject
 from .over_time import draw_differences, draw_headings, draw_running_variance
-from .subject import Subject
 from .track import draw_track
 
 __all__ = ['collect', 'draw_figures', 'Drawn', 'NAMES']

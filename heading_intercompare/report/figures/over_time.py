@@ -28,8 +28,19 @@ from heading_intercompare.core.time_rules.exclusions import find_excluded, read_
 from heading_intercompare.core.verdict.verdict_document import RunVerdict
 from heading_intercompare.report.formatting import number
 
-from .drawing import days, Drawing, LeftOut, LIMIT, RANGE, SERIES, START, TAKEN_OUT, TIGHTENED
-from .subject import pad, Subject
+from .drawing import (
+    days,
+    Drawing,
+    LeftOut,
+    LIMIT,
+    pad,
+    RANGE,
+    SERIES,
+    START,
+    Subject,
+    TAKEN_OUT,
+    TIGHTENED,
+)
 
 __all__ = ['draw_differences', 'draw_headings', 'draw_running_variance', 'find_far', 'Times']
 

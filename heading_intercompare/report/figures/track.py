@@ -26,9 +26,8 @@ from heading_intercompare.core.records import Motion, Reals
 from heading_intercompare.core.verdict.verdict_document import RunVerdict
 from heading_intercompare.report.formatting import number
 
-from .drawing import days, Drawing, LeftOut
+from .drawing import days, Drawing, LeftOut, Subject
 from .over_time import find_far, Times
-from .subject import Subject
 
 __all__ = ['draw_track']
 

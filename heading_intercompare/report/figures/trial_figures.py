@@ -21,7 +21,7 @@ from typing import Any, Mapping, Sequence
 import numpy as np
 
 from heading_intercompare.core.records import Reals
-from heading_intercompare.report.sketching.trace import Trace
+from heading_intercompare.report.sketching.track import Trace
 
 from .drawing import MEAN, RANGE, SERIES, SIGMA
 from .style import draw

@@ -12,15 +12,51 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The track of a ship in bounded memory: the first position of each span of time."""
+"""Tracks and traces in bounded memory: where a ship was, and what its sensors showed."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
 
-from heading_intercompare.core.records import Motion
+from heading_intercompare.core.records import Motion, Reals
 
-__all__ = ['MOST_POSITIONS', 'Track']
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trace:
+    """
+    What one sensor of a trial showed, in columns of equal time.
+
+    Attributes
+    ----------
+    name : str
+        The sensor.
+    n : int
+        Its readings.
+    t_h : ndarray, shape (m,)
+        Middle of each column, hours since the start.
+    true_deg, heading_deg : ndarray, shape (m,)
+        True heading and reading at the last valid reading of each column; nan without one.
+    low_deg, high_deg : ndarray, shape (m,)
+        Least and greatest error of the readings in each column.
+    sigma_deg : ndarray, shape (m,)
+        Greatest standard deviation that the sensor claims.
+    modes : tuple of (float, str)
+        Hour at which each mode begins, and its name; empty for sensors without.
+
+    """
+
+    name: str
+    n: int
+    t_h: Reals
+    true_deg: Reals
+    heading_deg: Reals
+    low_deg: Reals
+    high_deg: Reals
+    sigma_deg: Reals
+    modes: tuple[tuple[float, str], ...] = ()
+
 
 MOST_POSITIONS = 4096
 

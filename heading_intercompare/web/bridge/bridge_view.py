@@ -42,7 +42,7 @@ from .bridge_records import (
 )
 from .sensors_panel import SensorsPanel, SensorsView
 from .verdict_lamp import light_lamp
-from .wording import integer, lacking_words, real, shorten
+from .view_texts import integer, lacking_words, real, shorten
 
 __all__ = ['Bridge', 'BridgeView']
 

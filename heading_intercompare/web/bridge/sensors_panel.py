@@ -25,7 +25,7 @@ from heading_intercompare.web.figures.stream_watch import SensorView
 
 from .bridge_records import LampView, Tone
 from .verdict_lamp import make_lamp
-from .wording import real, shorten
+from .view_texts import real, shorten
 
 __all__ = ['SensorRow', 'SensorsPanel', 'SensorsView']
 

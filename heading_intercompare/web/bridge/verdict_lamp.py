@@ -23,7 +23,7 @@ from heading_intercompare.core.validity.condition import HOLDS, NOT_TESTABLE
 from heading_intercompare.messages.status_messages import Status
 
 from .bridge_records import LampView, Tone
-from .wording import clock, integer, shorten
+from .view_texts import clock, integer, shorten
 
 __all__ = ['coming_words', 'light_lamp', 'make_lamp']
 

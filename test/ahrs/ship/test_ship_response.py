@@ -22,7 +22,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from heading_intercompare.ahrs.ship.ship_response import Hull, respond
+from heading_intercompare.ahrs.ship.wave_sea import Hull, respond
 
 
 def answer(hull, k, away_deg, encounter=0.01):

@@ -25,10 +25,14 @@ import pytest
 from heading_intercompare.ahrs.ship.earth import KNOT_M_S
 from heading_intercompare.ahrs.ship.seaway import CHANNELS
 from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
-from heading_intercompare.ahrs.ship.ship_response import Hull, respond
 from heading_intercompare.ahrs.ship.steering import Leg, Steering
-from heading_intercompare.ahrs.ship.wave_sea import STANDARD_GRAVITY_M_S2, WaveSea
-from heading_intercompare.ahrs.ship.waves import Waves
+from heading_intercompare.ahrs.ship.wave_sea import (
+    Hull,
+    respond,
+    STANDARD_GRAVITY_M_S2,
+    Waves,
+    WaveSea,
+)
 
 SPEED_KN = 10.0
 

@@ -22,7 +22,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from heading_intercompare.ahrs.ship.waves import draw_waves, Waves
+from heading_intercompare.ahrs.ship.wave_sea import draw_waves, Waves
 
 
 @pytest.mark.parametrize('peak_factor', [1.0, 3.3, 7.0])

@@ -19,7 +19,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heading_intercompare.bags.csv.motion_text import motion_of_text, text_of_motion
+from heading_intercompare.bags.csv.pairs_account import motion_of_text, text_of_motion
 from heading_intercompare.core.records import Motion
 
 

@@ -28,8 +28,7 @@ from heading_intercompare.bags.recording.journal import read_journal
 from heading_intercompare.bags.recording.run_journal import find_bag, RunJournal
 from heading_intercompare.core.motion.motion_record import leave_out_known
 from heading_intercompare.core.pairing.incarnations import StreamNumbers
-from heading_intercompare.core.pairing.ledger import Ledger
-from heading_intercompare.core.pairing.ledger_keys import LedgerSegment
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
 from heading_intercompare.core.records import Motion, Pairs

@@ -32,7 +32,7 @@ import zstandard
 from heading_intercompare.bags import packed_files
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.mcap_file import mcap_files
-from heading_intercompare.bags.packed_payloads import unpack_payload
+from heading_intercompare.bags.packed_files import unpack_payload
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.recovery import copier
 from heading_intercompare.bags.recovery.recover_bag import recover

@@ -38,8 +38,8 @@ from heading_intercompare.messages.ledger_messages import encode_losses
 from heading_intercompare.messages.marks import encode_mark, MARKER_TOPIC
 from heading_intercompare.messages.status_messages import STATUS_TYPE
 from heading_intercompare.messages.texts import encode_text, TEXT_TYPE
-from heading_intercompare.readers.errors import ReaderError
 from heading_intercompare.readers.registry import open_recording
+from heading_intercompare.readers.stream_recording import ReaderError
 
 S = 10 ** 9
 T0 = 1_400_000_000 * S

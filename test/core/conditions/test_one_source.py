@@ -21,8 +21,7 @@ import pytest
 
 from heading_intercompare.core.conditions.common_glitches import CommonGlitches
 from heading_intercompare.core.conditions.common_noise import CommonNoise, FollowedNoise
-from heading_intercompare.core.conditions.one_source import find_one_source, OneSource
-from heading_intercompare.core.conditions.same_readings import SameSource
+from heading_intercompare.core.conditions.one_source import find_one_source, OneSource, SameSource
 
 N = 12_000
 T_S = np.arange(N) / 10.0

@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare.core.angles import wrap180
-from heading_intercompare.core.conditions.same_readings import find_same_source
+from heading_intercompare.core.conditions.one_source import find_same_source
 from heading_intercompare.core.statistics.resolution import find_resolution
 
 

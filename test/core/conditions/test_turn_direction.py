@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare.core.angles import wrap180
-from heading_intercompare.core.conditions.turn_direction import find_turn_direction
+from heading_intercompare.core.conditions.conventions import find_turn_direction
 
 
 def found_of(t_s, ts_deg, rs_deg):

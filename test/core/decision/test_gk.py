@@ -18,8 +18,7 @@ from __future__ import annotations
 
 import pytest
 
-from heading_intercompare.core.decision.criteria import Limits
-from heading_intercompare.core.decision.gk import apply_gk
+from heading_intercompare.core.decision.criteria import apply_gk, Limits
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import Settings
 

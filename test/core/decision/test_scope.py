@@ -18,7 +18,7 @@
 import numpy as np
 import pytest
 
-from heading_intercompare.core.decision.scope import Scope
+from heading_intercompare.core.decision.coverage import Scope
 from heading_intercompare.core.settings import Settings
 
 NORMS = {'sigma_max_deg': 0.2, 'sigma_ref_max_deg': 0.1}

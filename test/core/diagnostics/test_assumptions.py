@@ -24,8 +24,7 @@ import pytest
 
 from heading_intercompare.core.conditions.common_glitches import CommonGlitches
 from heading_intercompare.core.conditions.common_noise import CommonNoise, FollowedNoise
-from heading_intercompare.core.conditions.one_source import OneSource
-from heading_intercompare.core.conditions.same_readings import SameSource
+from heading_intercompare.core.conditions.one_source import OneSource, SameSource
 from heading_intercompare.core.diagnostics import assumptions
 from heading_intercompare.core.diagnostics.assumptions import (
     MET,
@@ -35,9 +34,12 @@ from heading_intercompare.core.diagnostics.assumptions import (
 )
 from heading_intercompare.core.diagnostics.deviation import HeadingDependence
 from heading_intercompare.core.statistics.drift import Order, Slope
-from heading_intercompare.core.statistics.ergodicity import examine_homogeneity, RunFigures
 from heading_intercompare.core.statistics.normality import measure_shape
-from heading_intercompare.core.statistics.stationarity import Stationarity
+from heading_intercompare.core.statistics.stationarity import (
+    examine_homogeneity,
+    RunFigures,
+    Stationarity,
+)
 from heading_intercompare.core.statistics.variance_uncertainty import Spread
 from heading_intercompare.core.statistics.warm_up import WarmUp
 from heading_intercompare.core.timing.time_skew import Skew

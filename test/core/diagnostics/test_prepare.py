@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare.core.decision.criteria import Limits
-from heading_intercompare.core.diagnostics.prepare import prepare_run
+from heading_intercompare.core.diagnostics.run_columns import prepare_run
 from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.runs.run_series import RunSeries

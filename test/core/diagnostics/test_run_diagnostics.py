@@ -40,7 +40,7 @@ from heading_intercompare.core.diagnostics.run_findings import (
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.statistics.cells import Cells
 from heading_intercompare.core.statistics.drift import remove_polynomial
-from heading_intercompare.core.statistics.ergodicity import (
+from heading_intercompare.core.statistics.stationarity import (
     examine_homogeneity,
     RunFigures,
 )

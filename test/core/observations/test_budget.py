@@ -22,7 +22,7 @@ from core.observations.make_corrections import corrections
 import numpy as np
 import pytest
 
-from heading_intercompare.core.observations.budget import make_budget
+from heading_intercompare.core.observations.systematic_error import make_budget
 
 
 def component(budget, name):

@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from heading_intercompare.core.pairing.incarnation_choice import IncarnationChoice
+from heading_intercompare.core.pairing.incarnations import IncarnationChoice
 
 
 def run(steps):

@@ -21,8 +21,7 @@ import pytest
 
 from heading_intercompare import Headings, Settings
 from heading_intercompare.core.pairing.incarnations import Incarnations, StreamNumbers
-from heading_intercompare.core.pairing.ledger import Ledger
-from heading_intercompare.core.pairing.ledger_keys import LedgerKey, LedgerSegment
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
 from heading_intercompare.core.pairing.pairer import Pairer
 
 STEP_NS = 10 ** 8

@@ -20,8 +20,7 @@ from collections import Counter
 
 import numpy as np
 
-from heading_intercompare.core.pairing.ledger import Ledger
-from heading_intercompare.core.pairing.ledger_keys import LedgerKey
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey
 
 MINUTE_NS = 60_000_000_000
 ADDED = (LedgerKey.PAIRED, LedgerKey.TS_PAIRED, LedgerKey.RS_USED, LedgerKey.TS_UNPAIRED,

@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare import Headings, Settings
-from heading_intercompare.core.pairing.ledger_keys import LedgerKey, LedgerSegment
+from heading_intercompare.core.pairing.ledger import LedgerKey, LedgerSegment
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Losses

@@ -28,8 +28,7 @@ from heading_intercompare.core.pairing import pairer as pairing
 from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.pairing.direction import usual_step_ns
 from heading_intercompare.core.pairing.interpolation_kernel import longest_step_ns
-from heading_intercompare.core.pairing.ledger import Ledger
-from heading_intercompare.core.pairing.ledger_keys import LedgerKey, LedgerSegment, REASONS
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment, REASONS
 from heading_intercompare.core.pairing.pairer import pair, Pairer
 from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.core.settings import Settings

@@ -19,7 +19,7 @@ import pytest
 
 from heading_intercompare import analyze
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.pairing.ledger_keys import LedgerKey
+from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.pairing.pairer import pair, Pairer
 from heading_intercompare.core.raw_streams.sequence_match import Matched, SequenceMatch
 from heading_intercompare.core.records import Headings

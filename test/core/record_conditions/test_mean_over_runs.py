@@ -22,7 +22,7 @@ import pytest
 from heading_intercompare import analyze, Headings, Settings
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.record_conditions.mean_over_runs import judge_mean_over_runs
-from heading_intercompare.core.statistics.ergodicity import examine_homogeneity, RunFigures
+from heading_intercompare.core.statistics.stationarity import examine_homogeneity, RunFigures
 from heading_intercompare.core.validity.condition import DOUBTFUL, HOLDS
 
 N = 12_000

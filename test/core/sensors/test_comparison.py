@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 from ship_of_sensors import make_sensor
 
-from heading_intercompare.core.pairing.ledger_keys import LedgerKey
+from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.pairing.pair_sampling import PairSampler
 from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Headings, Losses, Pairs

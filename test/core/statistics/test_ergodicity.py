@@ -22,7 +22,7 @@ import numpy as np
 import pytest
 from scipy import stats
 
-from heading_intercompare.core.statistics.ergodicity import examine_homogeneity, RunFigures
+from heading_intercompare.core.statistics.stationarity import examine_homogeneity, RunFigures
 
 
 def test_means_by_hand():

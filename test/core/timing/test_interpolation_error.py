@@ -21,7 +21,7 @@ import math
 import numpy as np
 import pytest
 
-from heading_intercompare.core.pairing.ledger_keys import LedgerKey
+from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.pairing.pairer import pair
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings

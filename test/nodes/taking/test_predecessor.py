@@ -23,8 +23,7 @@ import pytest
 from rclpy.node import Node
 
 from heading_intercompare.core.pairing.incarnations import StreamNumbers
-from heading_intercompare.core.pairing.ledger import Ledger
-from heading_intercompare.core.pairing.ledger_keys import LedgerSegment
+from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
 from heading_intercompare.messages.ledger_messages import encode_ledger
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.runtime.health import Health

@@ -23,8 +23,8 @@ from typing import get_args, get_type_hints
 import pytest
 
 from heading_intercompare.core.declared_figures import list_figures
-from heading_intercompare.core.statistics.ergodicity import Homogeneity
 from heading_intercompare.core.statistics.normality import Shape
+from heading_intercompare.core.statistics.stationarity import Homogeneity
 from heading_intercompare.core.verdict.verdict_document import Campaign, RunVerdict, Verdict
 from heading_intercompare.report.contents.findings import (
     describe_findings,

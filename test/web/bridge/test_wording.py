@@ -20,7 +20,7 @@ import math
 
 import pytest
 
-from heading_intercompare.web.bridge.wording import (
+from heading_intercompare.web.bridge.view_texts import (
     integer,
     lacking_words,
     real,

@@ -28,8 +28,10 @@ from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.app.scenarios import read_scenario
 from heading_intercompare.cli.terminal.console import say, say_lines, VERDICT_MARKS
 from heading_intercompare.cli.terminal.progress import Progress
-from heading_intercompare.core.sensors.compare_sensors import find_sensor_differences
-from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
+from heading_intercompare.core.sensors.sensors_verdict import (
+    find_sensor_differences,
+    SensorsVerdict,
+)
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.compare_verdicts import find_differences
 from heading_intercompare.core.verdict.verdict_document import Verdict
