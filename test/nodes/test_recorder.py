@@ -19,6 +19,7 @@ from __future__ import annotations
 import json
 import shutil
 import time
+from types import SimpleNamespace
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import QuaternionStamped, TwistStamped
@@ -49,6 +50,7 @@ from heading_intercompare.messages.status_messages import (
     Status,
     WARN,
 )
+from heading_intercompare.nodes import recorder
 from heading_intercompare.nodes.recorder import Recorder
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.parameters import make_overrides
@@ -289,6 +291,36 @@ def test_the_end_waits_for_the_last_verdict(ros, tmp_path):
     assert report.wait_for_all_acked()
     bag = finish(ros, node, report)
     assert bag.topics['/compliance/report'].count == 1
+
+
+@pytest.mark.parametrize('publishers, readings', [(1, False), (0, True)])
+def test_the_end_waits_for_publishers_and_for_readings_until_its_time_is_up(
+        ros, tmp_path, monkeypatch, publishers, readings):
+    """A publisher of verdicts, or readings whose verdict is missing: then 0.3 s more."""
+    clock = SimpleNamespace(now_s=100.0)
+    monkeypatch.setattr(recorder, 'time', SimpleNamespace(
+        monotonic=lambda: clock.now_s, time_ns=time.time_ns))
+
+    def begin(name):
+        node = recorder_of(ros, tmp_path / name, end_wait_s=8.0)
+        awaited = SimpleNamespace(publishers=publishers, readings=readings)
+        monkeypatch.setattr(node, 'count_publishers', lambda topic: awaited.publishers)
+        monkeypatch.setattr(node._judged, 'may_come', lambda: awaited.readings)
+        clock.now_s = 100.0
+        node.end()
+        return node, awaited
+
+    def is_closed(node, now_s):
+        clock.now_s = now_s
+        node._close_if_quiet(node._end_s)
+        return node.ended
+
+    node, awaited = begin('until_quiet')
+    assert not is_closed(node, 100.1) and not is_closed(node, 101.0)
+    awaited.publishers, awaited.readings = 0, False
+    assert not is_closed(node, 101.2) and is_closed(node, 101.31)
+    node, _ = begin('until_the_end')
+    assert not is_closed(node, 107.9) and is_closed(node, 108.0)
 
 
 def test_headings_that_the_synchronizer_had_but_the_recorder_missed_at_the_end_are_counted(

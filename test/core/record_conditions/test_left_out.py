@@ -21,8 +21,10 @@ import pytest
 from trials import find_finding
 
 from heading_intercompare import analyze, Headings, Settings
+from heading_intercompare.core.decision.taken_out import AsRecorded, Stretch, TakenOut
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.pipeline import Intercomparison
+from heading_intercompare.core.record_conditions.left_out import judge_left_out
 from heading_intercompare.core.validity.condition import DOUBTFUL, HOLDS
 
 N = 15_000
@@ -189,3 +191,24 @@ def test_the_settling_time_of_a_class_may_be_left_out(sensor_class, effect):
                                'risk': {'sensor_class': sensor_class}}))
     assert verdict.outcome is Outcome.COMPLIANT
     assert find_finding(verdict.campaign, 'left_out').effect == effect
+
+
+@pytest.mark.parametrize('as_set, as_recorded, effect', [
+    ('compliant', 'compliant', HOLDS), ('compliant', 'indeterminate', DOUBTFUL),
+    ('compliant', 'non_compliant', DOUBTFUL), ('non_compliant', 'non_compliant', HOLDS),
+    ('non_compliant', 'compliant', DOUBTFUL), ('non_compliant', 'indeterminate', HOLDS),
+    ('indeterminate', 'compliant', HOLDS), ('indeterminate', 'non_compliant', HOLDS)])
+def test_another_outcome_as_recorded_is_doubtful_unless_nothing_was_decided(
+        as_set, as_recorded, effect):
+    recorded = AsRecorded(Outcome(as_recorded), 'holds', '', 1000, None)
+    left_out = TakenOut(500, 0.5, (Stretch(1, 2, 'dock', 500),), recorded)
+    finding = judge_left_out(Outcome(as_set), left_out, by_hand=False)
+    assert finding.effect == effect
+
+
+@pytest.mark.parametrize('share, by_hand, is_said', [
+    (0.009, False, False), (0.01, False, True), (0.009, True, True)])
+def test_the_headline_names_a_hundredth_and_all_that_a_person_takes_out(share, by_hand, is_said):
+    recorded = AsRecorded(Outcome.COMPLIANT, 'holds', '', 1000, None)
+    left_out = TakenOut(9, share, (Stretch(1, 2, 'dock', 9),), recorded)
+    assert bool(judge_left_out(Outcome.COMPLIANT, left_out, by_hand).words) == is_said
