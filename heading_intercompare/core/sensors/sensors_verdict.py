@@ -29,13 +29,13 @@ from heading_intercompare.core.typed_reader import (
     read_plain,
     VerdictError,
 )
+from heading_intercompare.core.verdict.compare_verdicts import compare_plain, drop_sources
 from heading_intercompare.core.verdict.verdict_document import (
     Input,
     read_settings,
     Software,
     Verdict,
 )
-from heading_intercompare.core.verdict.compare_verdicts import compare_plain, drop_sources
 from heading_intercompare.core.version import RULE_VERSION
 
 from .pair_figures import PairFigures
