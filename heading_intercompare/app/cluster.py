@@ -200,7 +200,7 @@ def _connect(place: _Place) -> Iterator[Client]:
     place.check_version('distributed', DISTRIBUTED, {'the scheduler': version})
     try:
         with warnings.catch_warnings():
-            # The client warns of many libraries that do not matter here; `remote_task` checks
+            # The client warns of many libraries that do not matter here; `job` checks
             # the others.
             warnings.simplefilter('ignore', VersionMismatchWarning)
             client = Client(place.address, timeout=_CONNECT_S, set_as_default=False)

@@ -264,12 +264,7 @@ def _judge_recording(readers: Sequence[Readable], path: str, name: str, settings
                      helpers: int) -> JudgedInput:
     """Judge the recording at `path`, and those that go on with its trial."""
     reference, first = comparison.reference, readers[0]
-    conventions = {sensor.heading_topic: sensor.convention for sensor in comparison.sensors}
-    if settings.antennas.fore_topic is not None:
-        if reference is None:
-            raise SettingsError('antennas.fore_topic: two antennas are the reference, but no row '
-                                'of sensors has the word rs')
-        del conventions[reference.heading_topic]
+    conventions = _list_conventions(comparison, settings)
     problems: list[str] = []
     remarks: list[str] = []
     n, whole = 0, _count_headings(readers, conventions)
@@ -314,6 +309,17 @@ def _judge_recording(readers: Sequence[Readable], path: str, name: str, settings
     return comparison.describe(
         results, [entry], lambda ts, rs: [_name_topics(entry, ts, rs, settings)],
         [f'{name}: {note}' for note in (*remarks, *problems)], path=name, label=name)
+
+
+def _list_conventions(comparison: InputComparison, settings: Settings) -> dict[str, str]:
+    """Return the convention of each topic of headings to read; two antennas have none."""
+    conventions = {sensor.heading_topic: sensor.convention for sensor in comparison.sensors}
+    if settings.antennas.fore_topic is not None:
+        if comparison.reference is None:
+            raise SettingsError('antennas.fore_topic: two antennas are the reference, but no row '
+                                'of sensors has the word rs')
+        del conventions[comparison.reference.heading_topic]
+    return conventions
 
 
 def describe_recording(path: str, entry: Input, settings: Settings) -> JudgedInput:

@@ -25,12 +25,13 @@ from typing import Any, Callable, Mapping, Sequence
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Input
 
+# `cluster` asks workers for it by this name, to see that they can load this module.
+from heading_intercompare.core.version import VERSION as VERSION
+
 from .inputs import describe_recording, judge_input
 from .run_table import RunTable
 from .sources.input_comparison import PairTakers
 from .sources.judged_input import JudgedInput
-
-# `cluster` asks workers for VERSION of this module by name, to see that they can load it.
 
 
 class _OneThread:

@@ -362,7 +362,6 @@ class GimballedAhrs:
 
     def _obstacle(self, kind: str, waiting: Sequence[str] = ()) -> str:
         """Return why an event would change nothing after the waiting events; empty if it would."""
-        computer, mode = self.computer, self.mode
         if kind in FAILURES or kind == 'repair':
             return find_obstacle_to_failure(kind, self.failures, waiting)
         before = [event for event in waiting if event in next(
@@ -370,23 +369,31 @@ class GimballedAhrs:
         if before:
             return 'it is about to happen' if before[-1] == kind else ''
         if kind in ('gyrocompass', 'gyro_azimuth'):
-            if mode is Mode.FAULT and not {'reset', 'power_dip'} & set(waiting):
-                return 'the mode is FAULT; reset first'
-            operates = mode in (Mode.GYROCOMPASS, Mode.GYRO_AZIMUTH)
-            if kind.upper() == (mode if operates else self.operation).name:
-                return f'it is the mode {"already" if operates else "that follows"}'
-            if kind == 'gyrocompass' and abs(computer.latitude_rad) > POLE_RAD:
-                return TOO_NEAR_THE_POLE
-        elif kind == 'reset' and mode is not Mode.FAULT:
-            return f'there is no fault; the mode is {mode.name}'
-        elif kind == 'force_on' and mode is not Mode.THERMOSTAT_WAIT:
-            return f'only THERMOSTAT_WAIT can be cut short; the mode is {mode.name}'
-        elif kind in AVAILABLE:
-            what, available = AVAILABLE[kind]
-            if what == 'log' and computer.speed_is_set:
-                return 'the log is not used'
-            if available == (computer.log_ok if what == 'log' else computer.gps_ok):
-                return f'the {what} is {"there" if available else "lost"} already'
+            return self._obstacle_to_operation(kind, waiting)
+        if kind == 'reset' and self.mode is not Mode.FAULT:
+            return f'there is no fault; the mode is {self.mode.name}'
+        if kind == 'force_on' and self.mode is not Mode.THERMOSTAT_WAIT:
+            return f'only THERMOSTAT_WAIT can be cut short; the mode is {self.mode.name}'
+        return self._obstacle_to_change(*AVAILABLE[kind]) if kind in AVAILABLE else ''
+
+    def _obstacle_to_operation(self, kind: str, waiting: Sequence[str]) -> str:
+        """Return why a mode of operation cannot be chosen; empty if it can."""
+        mode = self.mode
+        if mode is Mode.FAULT and not {'reset', 'power_dip'} & set(waiting):
+            return 'the mode is FAULT; reset first'
+        operates = mode in (Mode.GYROCOMPASS, Mode.GYRO_AZIMUTH)
+        if kind.upper() == (mode if operates else self.operation).name:
+            return f'it is the mode {"already" if operates else "that follows"}'
+        if kind == 'gyrocompass' and abs(self.computer.latitude_rad) > POLE_RAD:
+            return TOO_NEAR_THE_POLE
+        return ''
+
+    def _obstacle_to_change(self, instrument: str, available: bool) -> str:
+        """Return why an instrument cannot be lost or come back; empty if it can."""
+        if instrument == 'log' and self.computer.speed_is_set:
+            return 'the log is not used'
+        if available == (self.computer.log_ok if instrument == 'log' else self.computer.gps_ok):
+            return f'the {instrument} is {"there" if available else "lost"} already'
         return ''
 
     def _happen(self, kind: str) -> None:

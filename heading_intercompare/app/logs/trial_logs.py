@@ -75,11 +75,7 @@ def find_logs(inputs: Sequence[str], drivers: Mapping[str, DriverSettings] | Non
         If one input is a log and the inputs are neither two different logs nor one log of both.
 
     """
-    for argument in inputs:
-        name, equals, path = argument.partition('=')
-        if equals and os.path.exists(path) and not os.path.exists(argument):
-            raise ValueError(f'{argument}: NAME=LOG is for several sensors, and the setting '
-                             f'sensors has no {name}: give it a row for each of them')
+    _refuse_names(inputs)
     streams = len(inputs) == 2 and not recordings
     logs = [path for path in inputs
             if has_one_sensor(path) or streams and has_streams(path)]
@@ -95,16 +91,26 @@ def find_logs(inputs: Sequence[str], drivers: Mapping[str, DriverSettings] | Non
     apart = drivers is not None and drivers['ts'] != drivers['rs']
     if len(inputs) == 1 and apart:
         return inputs[0], inputs[0]
-    if len(inputs) != 2:
-        kind = 'the log of one sensor' if len(inputs) == 1 else f'one of {len(inputs)} logs'
-        more = (f'; if it is of both, {_APART}' if len(inputs) == 1 else
-                '; give the files of one sensor as their folder, or as a pattern in quotes')
-        raise ValueError(f'{inputs[0]}: is {kind}: {_USE}{more}')
+    if len(inputs) == 1:
+        raise ValueError(f'{inputs[0]}: is the log of one sensor: {_USE}; if it is of both, '
+                         f'{_APART}')
+    if len(inputs) > 2:
+        raise ValueError(f'{inputs[0]}: is one of {len(inputs)} logs: {_USE}; give the files of '
+                         'one sensor as their folder, or as a pattern in quotes')
     ts, rs = inputs
     if not apart and (ts == rs or (os.path.exists(ts) and os.path.exists(rs)
                                    and os.path.samefile(ts, rs))):
         raise ValueError(f'{rs}: is given as TS and as RS: {_USE}; if it is of both, {_APART}')
     return ts, rs
+
+
+def _refuse_names(inputs: Sequence[str]) -> None:
+    """Raise ValueError for an input NAME=LOG without a sensor of that name."""
+    for argument in inputs:
+        name, equals, path = argument.partition('=')
+        if equals and os.path.exists(path) and not os.path.exists(argument):
+            raise ValueError(f'{argument}: NAME=LOG is for several sensors, and the setting '
+                             f'sensors has no {name}: give it a row for each of them')
 
 
 def _check_texts(inputs: Sequence[str]) -> None:

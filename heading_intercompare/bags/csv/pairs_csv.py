@@ -19,7 +19,7 @@ from __future__ import annotations
 import hashlib
 import math
 import os
-from typing import Any, Callable, Iterable, Iterator
+from typing import Any, Callable, Iterable, Iterator, Sequence
 
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.pairing.difference import subtract
@@ -170,10 +170,8 @@ class PairsCsv:
 
     def _read(self) -> Iterator[tuple[int, float, float, int, float, float]]:
         """Yield the fields of `Pairs` row by row."""
-        rows, plain = self._rows, self._rows.plain
+        rows = self._rows
         at_stamp, at_ts, at_rs = self._places
-        kind = STAMP_COLUMNS[self._stamp]
-        convert_lag, lag_allowed = _LAGS[self._lag or 'lag_s']
         at_lag = None if self._lag is None else rows.names.index(self._lag)
         factors = [rows.names.index(name) if name in rows.names else None for name in _FACTORS]
         last = max(place for place in (*self._places, at_lag, *factors) if place is not None)
@@ -181,40 +179,53 @@ class PairsCsv:
             if len(row) <= last:
                 raise BagError(f'line {rows.line} has {len(row)} columns, fewer than the '
                                'header', rows.path)
-            stamp = row[at_stamp].strip()
-            try:
-                stamp_ns = kind.convert(plain(stamp) if kind.decimal else stamp)
-            except (ValueError, ArithmeticError):
-                stamp_ns = _FIRST_BEYOND
-            if not -_FIRST_BEYOND < stamp_ns < _FIRST_BEYOND:
-                raise self._wrong(self._stamp, stamp, kind.allowed,
-                                  explain_stamp(self._stamp, stamp))
-            try:
-                ts_deg, rs_deg = _heading(plain(row[at_ts])), _heading(plain(row[at_rs]))
-            except ValueError:
-                ts, rs = row[at_ts], row[at_rs]
-                raise BagError(
-                    f'line {rows.line}: ts_deg = {ts[:_SHOWN]!r}, rs_deg = {rs[:_SHOWN]!r} must '
-                    f'be numbers{rows.why_no_number(ts) or rows.why_no_number(rs)}',
-                    rows.path) from None
-            lag_ns = 0
-            if at_lag is not None and row[at_lag]:
-                try:
-                    lag_ns = convert_lag(plain(row[at_lag]))
-                except (ValueError, ArithmeticError):
-                    lag_ns = _FIRST_BEYOND
-                if not -_FIRST_BEYOND < lag_ns < _FIRST_BEYOND:
-                    raise self._wrong(self._lag or '', row[at_lag], lag_allowed)
-            texts = ['' if place is None else row[place] for place in factors]
-            try:
-                rs_factor, ts_factor = [_factor(plain(text)) for text in texts]
-            except ValueError:
-                cells = ', '.join(f'{name} = {text[:_SHOWN]!r}'
-                                  for name, text in zip(_FACTORS, texts))
-                raise BagError(f'line {rows.line}: {cells} must be above 0 and at most '
-                               '1, or empty',
-                               rows.path) from None
+            stamp_ns = self._read_stamp(row[at_stamp].strip())
+            ts_deg, rs_deg = self._read_headings(row[at_ts], row[at_rs])
+            lag_ns = 0 if at_lag is None else self._read_lag(row[at_lag])
+            rs_factor, ts_factor = self._read_factors(
+                ['' if place is None else row[place] for place in factors])
             yield stamp_ns, ts_deg, rs_deg, lag_ns, rs_factor, ts_factor
+
+    def _read_stamp(self, text: str) -> int:
+        kind = STAMP_COLUMNS[self._stamp]
+        try:
+            stamp_ns = kind.convert(self._rows.plain(text) if kind.decimal else text)
+        except (ValueError, ArithmeticError):
+            stamp_ns = _FIRST_BEYOND
+        if not -_FIRST_BEYOND < stamp_ns < _FIRST_BEYOND:
+            raise self._wrong(self._stamp, text, kind.allowed, explain_stamp(self._stamp, text))
+        return stamp_ns
+
+    def _read_headings(self, ts: str, rs: str) -> tuple[float, float]:
+        rows = self._rows
+        try:
+            return _heading(rows.plain(ts)), _heading(rows.plain(rs))
+        except ValueError:
+            raise BagError(
+                f'line {rows.line}: ts_deg = {ts[:_SHOWN]!r}, rs_deg = {rs[:_SHOWN]!r} must '
+                f'be numbers{rows.why_no_number(ts) or rows.why_no_number(rs)}',
+                rows.path) from None
+
+    def _read_lag(self, text: str) -> int:
+        if not text:
+            return 0
+        convert, allowed = _LAGS[self._lag or 'lag_s']
+        try:
+            lag_ns = convert(self._rows.plain(text))
+        except (ValueError, ArithmeticError):
+            lag_ns = _FIRST_BEYOND
+        if not -_FIRST_BEYOND < lag_ns < _FIRST_BEYOND:
+            raise self._wrong(self._lag or '', text, allowed)
+        return lag_ns
+
+    def _read_factors(self, texts: Sequence[str]) -> tuple[float, ...]:
+        try:
+            return tuple(_factor(self._rows.plain(text)) for text in texts)
+        except ValueError:
+            cells = ', '.join(f'{name} = {text[:_SHOWN]!r}'
+                              for name, text in zip(_FACTORS, texts))
+            raise BagError(f'line {self._rows.line}: {cells} must be above 0 and at most '
+                           '1, or empty', self._rows.path) from None
 
     def _wrong(self, name: str, text: str, allowed: str, hint: str = '') -> BagError:
         hint = hint or self._rows.why_no_number(text)

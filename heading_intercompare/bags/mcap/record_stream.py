@@ -197,13 +197,11 @@ class RecordStream:
                     at = start + length
                     continue
             except BagError:
-                if chunks:
-                    yield chunks.block(), chunks.end
+                yield from self._take_block()
                 raise
             after_chunk = opcode == Opcode.CHUNK
             if chunks and (opcode != Opcode.CHUNK or chunks.size >= least):
-                yield chunks.block(), chunks.end
-                chunks.clear()
+                yield from self._take_block()
                 self._file.seek(start)
             if opcode == Opcode.CHUNK:
                 try:
@@ -213,16 +211,13 @@ class RecordStream:
                     first_ns, last_ns, _ = begun.said
                     in_span = first_ns < stop_ns and last_ns >= start_ns
                     if in_span and begun.is_large:
-                        if chunks:
-                            yield chunks.block(), chunks.end
-                            chunks.clear()
+                        yield from self._take_block()
                         in_span = False
                         yield from self._large(begun, at)
                     elif in_span:
                         chunks.take(self._file, begun)
                 except BagError as error:
-                    if chunks:
-                        yield chunks.block(), chunks.end
+                    yield from self._take_block()
                     raise error.locate('', at) from None
                 at = start + length
             elif opcode in _BARE:
@@ -233,5 +228,10 @@ class RecordStream:
                 yield record, at
                 if opcode == Opcode.DATA_END:
                     return
-        if chunks:
-            yield chunks.block(), chunks.end
+        yield from self._take_block()
+
+    def _take_block(self) -> Iterator[tuple[Block, int]]:
+        """Yield the chunks read so far as a block, if there are any."""
+        if self._chunks:
+            yield self._chunks.block(), self._chunks.end
+            self._chunks.clear()

@@ -404,14 +404,19 @@ def pool(runs: Sequence[Spread], *, by_statement: bool = False) -> Spread:
         mean([r.kurtosis for r in runs]), min(times) if len(times) == len(runs) else None)
     if not by_statement or pooled.times is None:
         return pooled
+    return replace(pooled, stated=_state_pooled(pooled, runs, times, weights))
+
+
+def _state_pooled(pooled: Spread, runs: Sequence[Spread], times: Sequence[float],
+                  weights: Sequence[float]) -> Above:
+    """Return the upper bound of several runs as it rests on the slowest error stated; S.18."""
     # What mean and polynomial absorb is low where the errors are not flat over the lowest modes.
-    bent = mean([r.d_deg2 + (_bend(t, r.order) - 1.0) * r.absorbed_deg2
-                 for r, t in zip(runs, times)])
-    ratio = mean([_flat_ratio(t, r.order) for r, t in zip(runs, times)])
+    bent_deg2 = math.fsum(w * (r.d_deg2 + (_bend(t, r.order) - 1.0) * r.absorbed_deg2)
+                          for w, r, t in zip(weights, runs, times))
+    ratio = math.fsum(w * _flat_ratio(t, r.order) for w, r, t in zip(weights, runs, times))
     heavy = max(1.0, pooled.kurtosis / _NORMAL_KURTOSIS)
-    return replace(pooled, stated=Above(
-        bent, s, pooled.f, pooled.student_dof, 1.0 + _POOLED_PER_TAIL * math.log(heavy),
-        _allowance_deg2(pooled, ratio)))
+    return Above(bent_deg2, pooled.s_deg2, pooled.f, pooled.student_dof,
+                 1.0 + _POOLED_PER_TAIL * math.log(heavy), _allowance_deg2(pooled, ratio))
 
 
 def _bend(times: float, order: int) -> float:

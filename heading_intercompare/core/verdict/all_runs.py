@@ -23,6 +23,7 @@ from heading_intercompare.core.decision.campaign import (
     conclude_every_run,
     conclude_sensor,
     judge_together,
+    Together,
 )
 from heading_intercompare.core.decision.coverage import Coverage, coverage_of
 from heading_intercompare.core.decision.sequential import risk_at_the_end
@@ -77,28 +78,37 @@ def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,
     sound = [r for r in once if r.verdict.validity_effect != VOID]
     shared = judge_together([r.evidence for r in sound], [r.limits for r in sound], risk,
                             settings.variant, shortest_apart_s([r.verdict for r in sound]))
-    scopes = [scope for r in results if (scope := r.verdict.coverage.scope) is not None]
     if settings.campaign.rule == 'sensor':
         met = all(r.printed.total.outcome in (None, Outcome.COMPLIANT) for r in results)
         outcome, reason = conclude_sensor(shared, [r.limits for r in results], met, risk)
         if repeated and outcome is not Outcome.NON_COMPLIANT:
             outcome, reason = Outcome.INDETERMINATE, 'a_run_repeated'
-        coverage = None if shared is None else coverage_of(
-            shared.span_s, risk, apart_s=None if shared.between_upper_bound_deg2 is None
-            else shared.apart_s, scopes=scopes)
     else:
         outcome, reason = conclude_every_run(
             [r.verdict.outcome for r in results],
             [r.outcome_among(len(once), settings) for r in results])
-        spans = [r.evidence.span_s for r in results]
-        coverage = coverage_of(min(spans), risk, scopes=scopes) if spans else None
     if len(sound) < len(once) and outcome is not Outcome.NON_COMPLIANT:
         outcome, reason = Outcome.INDETERMINATE, 'a_run_void'
     if incomplete and outcome is Outcome.COMPLIANT:
         outcome, reason = Outcome.INDETERMINATE, 'an_input_not_judged'
     verdicts = [r.verdict for r in results]
+    coverage = _cover_together(results, shared, settings)
     return outcome, coverage, Campaign.of(verdicts, runs, settings.campaign.rule, reason, shared,
                                           _judge_campaign(results, runs, settings, incomplete))
+
+
+def _cover_together(results: Sequence[RunResult], shared: Together | None, settings: Settings,
+                    ) -> Coverage | None:
+    """Return what the verdict on the runs together covers; None without evidence."""
+    risk = risk_at_the_end(settings)
+    scopes = [scope for r in results if (scope := r.verdict.coverage.scope) is not None]
+    if settings.campaign.rule != 'sensor':
+        spans = [r.evidence.span_s for r in results]
+        return coverage_of(min(spans), risk, scopes=scopes) if spans else None
+    if shared is None:
+        return None
+    apart_s = None if shared.between_upper_bound_deg2 is None else shared.apart_s
+    return coverage_of(shared.span_s, risk, apart_s=apart_s, scopes=scopes)
 
 
 def _judge_campaign(results: Sequence[RunResult], runs: Homogeneity, settings: Settings,
