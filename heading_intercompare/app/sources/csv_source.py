@@ -137,17 +137,14 @@ def judge_csv(path: str, name: str, settings: Settings,
     digest = hash_files([path] if os.path.isfile(path) else [])
     open_pairs = _find_reader(path)
     account, problems = _find_account(path, digest, open_pairs, progress)
-    table = runs
-    if account is not None and runs is None:
-        table = account.table
+    table = account.table if account is not None and runs is None else runs
     compliance = Compliance(settings, source=name, table=table, progress=progress)
     if sketch is not None:
         takers = (*takers, partial(sketch.update, settings=settings))
     judging = _Judging(compliance, settings, takers, progress, trusted=account is not None)
-    if account is not None and table is None:
-        for kind, stamp_ns in account.marks:
-            compliance.mark(kind, stamp_ns)
     if account is not None:
+        for kind, stamp_ns in account.marks if table is None else ():
+            compliance.mark(kind, stamp_ns)
         motion = motion_of_text(account.motion)
         compliance.take_motion(motion)
         if sketch is not None:
@@ -168,14 +165,8 @@ def judge_csv(path: str, name: str, settings: Settings,
         else:
             problems.append('its runs are not those of its account: what was rejected, lost or '
                             'without partner is unknown')
-    notes = []
-    if settings.alignment.skew == 'apply':
-        notes.append('alignment.skew = apply: a csv of pairs has no readings to align; it is '
-                     'judged as it was paired')
-    if rows.ignored:
-        notes.append(f'columns that are not read: {", ".join(rows.ignored)}')
     described = _describe(name, digest, account)
-    noted = (*notes, *problems)
+    noted = (*_list_notes(rows, settings), *problems)
     if account is None and rows.names == COLUMNS and not problems:
         # This program wrote the csv.
         problems.append(f'{account_path(path).name} is not beside it: what was rejected, lost or '
@@ -185,6 +176,15 @@ def judge_csv(path: str, name: str, settings: Settings,
     return describe_two(
         compliance.results(ledger), compliance.take_earlier(ledger), described, noted, ledger,
         settings, table=runs, account=judged_account, sketch=sketch)
+
+
+def _list_notes(rows: _Pairs, settings: Settings) -> Iterator[str]:
+    """Yield what a person should know of a csv that is read to its end."""
+    if settings.alignment.skew == 'apply':
+        yield ('alignment.skew = apply: a csv of pairs has no readings to align; it is judged as '
+               'it was paired')
+    if rows.ignored:
+        yield f'columns that are not read: {", ".join(rows.ignored)}'
 
 
 def _find_account(path: str, digest: str, open_pairs: Callable[[str], _Pairs],

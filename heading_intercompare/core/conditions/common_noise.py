@@ -336,29 +336,15 @@ def _segments(stamps: np.ndarray, x: np.ndarray, rs: np.ndarray, factor: ArrayLi
     span = length * every
     if span > n:
         return None
-    begins = np.arange(0, n - span + 1, span // 2)
-    most = min(_MOST_SEGMENTS, _MOST_SAMPLES // length)
-    if begins.size > most:
-        begins = begins[np.linspace(0, begins.size - 1, most).astype(np.int64)]
     ts_segments, rs_segments, factors = [], [], []
-    for lo in begins.tolist():
-        t = (stamps[lo:lo + span] - stamps[lo]) / 1e9
-        if t[-1] > 1.25 * span / every * step:
+    for lo in _choose_begins(n, span, length):
+        pick = _pick_readings(stamps, f, lo, length, every, step)
+        if pick is None:
             continue
-        at = 0 if f is None or every == 1 else int(np.argmax(
-            f[lo:lo + span].reshape(length, every).mean(axis=0)))
-        pick, t = slice(lo + at, lo + span, every), t[at::every]
-        if not (np.diff(t) > 0.0).all():
-            continue
+        t = (stamps[pick] - stamps[lo]) / 1e9
         heading = unwrap_deg(rs[pick])
-        # Uneven times treated as even would put the same false noise on both.
         both = np.stack((heading + unwrap_deg(x[pick]), heading), axis=1)
-        even = np.linspace(t[0], t[-1], length)
-        if slower > _SLOWER:
-            even = t[0] + (t[-1] - t[0]) / (length - 1) * slower * np.arange(
-                int((length - 1) / slower) + 1)
-        if slower > _SLOWER or np.abs(t - even).max() > _UNEVEN * step:
-            both = CubicSpline(t, both)(even)
+        both = _make_even(t, both, step, slower)
         ts_segments.append(both[:, 0])
         rs_segments.append(both[:, 1])
         if f is not None:
@@ -368,6 +354,39 @@ def _segments(stamps: np.ndarray, x: np.ndarray, rs: np.ndarray, factor: ArrayLi
     step *= slower if slower > _SLOWER else 1.0
     return (step, np.array(ts_segments), np.array(rs_segments),
             float(np.mean(factors)) if factors else 1.0)
+
+
+def _choose_begins(n: int, span: int, length: int) -> list[int]:
+    """Return where segments begin, overlapping by half; of very many an even choice."""
+    begins = np.arange(0, n - span + 1, span // 2)
+    most = min(_MOST_SEGMENTS, _MOST_SAMPLES // length)
+    if begins.size > most:
+        begins = begins[np.linspace(0, begins.size - 1, most).astype(np.int64)]
+    return [int(begin) for begin in begins]
+
+
+def _pick_readings(stamps: np.ndarray, factor: np.ndarray | None, lo: int, length: int,
+                   every: int, step_s: float) -> slice | None:
+    """Return one pair of each reading of a segment; None across a gap or a step back."""
+    span = length * every
+    t = (stamps[lo:lo + span] - stamps[lo]) / 1e9
+    if t[-1] > 1.25 * span / every * step_s:
+        return None
+    at = 0 if factor is None or every == 1 else int(np.argmax(
+        factor[lo:lo + span].reshape(length, every).mean(axis=0)))
+    return slice(lo + at, lo + span, every) if (np.diff(t[at::every]) > 0.0).all() else None
+
+
+def _make_even(t: np.ndarray, both: np.ndarray, step_s: float, slower: float) -> np.ndarray:
+    """Return both headings at even times: uneven ones would put the same false noise on both."""
+    length = t.size
+    even = np.linspace(t[0], t[-1], length)
+    if slower > _SLOWER:
+        even = t[0] + (t[-1] - t[0]) / (length - 1) * slower * np.arange(
+            int((length - 1) / slower) + 1)
+    if slower > _SLOWER or np.abs(t - even).max() > _UNEVEN * step_s:
+        return CubicSpline(t, both)(even)
+    return both
 
 
 def _spectra(step_s: float, ts: np.ndarray, rs: np.ndarray,

@@ -22,9 +22,10 @@ exponentially. The rest, and the errors of the RS, are white.
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 import math
-from typing import Callable, Sequence
+from typing import Callable, Iterable, Sequence, TypeAlias, TypeVar
 
 import numpy as np
 import scipy
@@ -170,7 +171,6 @@ def plan_trial(settings: Settings, rng: np.random.Generator, *, rate_hz: float =
     count (variant B), otherwise twenty times. They lie far apart.
 
     """
-    limits = Limits.of(settings.norms, settings.model)
     slowest = slowest_error_s(settings.risk)
     if not slowest:
         raise SettingsError('risk.slowest_error_s is missing: how long to measure follows from '
@@ -180,60 +180,103 @@ def plan_trial(settings: Settings, rng: np.random.Generator, *, rate_hz: float =
     for name, share in (('slow_share', slow_share), ('wanted', wanted)):
         if not 0.0 <= share <= 1.0:
             raise ValueError(f'{name} = {share!r}: must be from 0 to 1')
-    sigma_ref_deg = limits.m_up * limits.sigma_ref_max_deg
-
-    def one_run(duration_s: float, level: float) -> Evidence:
-        x_deg, _ = simulate_differences(rng, duration_s, rate_hz, sigma_ref_deg, slowest,
-                                        level * limits.sigma_max_deg, slow_share)
-        spread = estimate_spread(Cells.of(x_deg), times=duration_s / slowest)
-        return Evidence(len(x_deg), spread, float(x_deg.mean()), 0.0, duration_s, 0, 0)
-
-    def alone(evidence: Evidence) -> Outcome:
-        if evidence.spread is None:
-            return Outcome.INDETERMINATE
-        return decide_variance(evidence.spread, evidence.span_s, limits, settings.risk)[0]
-
-    def together(runs: Sequence[Evidence]) -> Outcome:
-        limits_of_runs = [limits] * len(runs)
-        common = judge_together(runs, limits_of_runs, settings.risk, settings.variant)
-        return conclude_sensor(common, limits_of_runs, True, settings.risk)[0]
-
-    def chance(level: float, duration_s: float, outcomes: Sequence[Outcome],
-               runs: int = 1) -> Chance:
-        share = {outcome: outcomes.count(outcome) / trials for outcome in Outcome}
-        return Chance(level, duration_s, share[Outcome.COMPLIANT], share[Outcome.NON_COMPLIANT],
-                      share[Outcome.INDETERMINATE], runs)
-
+    trial = _SimulatedTrial(settings, Limits.of(settings.norms, settings.model), slowest, rate_hz,
+                            slow_share, trials, rng)
     least_s = least_duration_s(settings.risk)
     short_s = (LEAST_TIMES_OF_MEANS if settings.variant == 'B' else LEAST_TIMES) * slowest
     steps = len(_RUNS) + len(times)
     chances: list[Chance] = []
     advised_runs: list[int | None] = [None] * len(LEVELS)
-    trial_runs: list[list[list[Evidence]]] = [[[] for _ in range(trials)] for _ in LEVELS]
-    for done, m in enumerate(_RUNS):
+    records: _Records = [[[] for _ in range(trials)] for _ in LEVELS]
+    for done, runs in enumerate(_RUNS):
         progress(f'{done} of {steps} plans')
-        for place, level in enumerate(LEVELS):
-            for runs in trial_runs[place]:
-                runs += [one_run(short_s, level) for _ in range(m - len(runs))]
-            chances.append(chance(level, short_s, [together(runs) for runs in trial_runs[place]],
-                                  m))
-            if advised_runs[place] is None and chances[-1].compliant >= wanted:
-                advised_runs[place] = m
+        chances_together = trial.extend(records, runs, short_s)
+        chances += chances_together
+        _advise(advised_runs, chances_together, wanted, runs)
         if None not in advised_runs:
             break
     advised_s: list[float | None] = [None] * len(LEVELS)
-    for done, factor in enumerate(times, start=len(_RUNS)):
-        duration_s = factor * least_s
+    for done, duration_s in enumerate((factor * least_s for factor in times), start=len(_RUNS)):
         progress(f'{done} of {steps} plans')
-        for place, level in enumerate(LEVELS):
-            chances.append(chance(level, duration_s, [
-                alone(one_run(duration_s, level)) for _ in range(trials)]))
-            if advised_s[place] is None and chances[-1].compliant >= wanted:
-                advised_s[place] = duration_s
+        chances_alone = trial.simulate_run(duration_s)
+        chances += chances_alone
+        _advise(advised_s, chances_alone, wanted, duration_s)
         if None not in advised_s:
             break
-    return TrialPlan(least_s, slowest, sigma_ref_deg, trials, wanted, tuple(advised_s), short_s,
-                     tuple(advised_runs), tuple(chances))
+    return TrialPlan(
+        least_s=least_s, slowest_error_s=slowest, sigma_ref_deg=trial.sigma_ref_deg, trials=trials,
+        wanted=wanted, advised_s=tuple(advised_s), short_s=short_s,
+        advised_runs=tuple(advised_runs), chances=tuple(chances))
+
+
+#: The runs of each trial, by level.
+_Records: TypeAlias = 'list[list[list[Evidence]]]'
+_Length = TypeVar('_Length', int, float)
+
+
+def _advise(advised: list[_Length | None], chances: Sequence[Chance], wanted: float,
+            length: _Length) -> None:
+    """Note this length where it is the first that certifies with the probability wanted."""
+    for place, chance in enumerate(chances):
+        if advised[place] is None and chance.compliant >= wanted:
+            advised[place] = length
+
+
+@dataclass(frozen=True, slots=True)
+class _SimulatedTrial:
+    """Simulated records of the trial to plan, and how often they give each outcome."""
+
+    settings: Settings
+    limits: Limits
+    slowest_s: float
+    rate_hz: float
+    slow_share: float
+    trials: int
+    rng: np.random.Generator
+
+    @property
+    def sigma_ref_deg(self) -> float:
+        return self.limits.m_up * self.limits.sigma_ref_max_deg
+
+    def extend(self, records: _Records, n: int, short_s: float) -> list[Chance]:
+        """Simulate up to n short runs of each record; return their chances at each level."""
+        chances = []
+        for level, trials in zip(LEVELS, records):
+            for runs in trials:
+                runs += [self._simulate(short_s, level) for _ in range(n - len(runs))]
+            chances.append(self._count(level, short_s, map(self._conclude, trials), n))
+        return chances
+
+    def simulate_run(self, duration_s: float) -> list[Chance]:
+        """Return the chances of a single run at each level."""
+        return [self._count(level, duration_s, [
+            self._decide(self._simulate(duration_s, level)) for _ in range(self.trials)])
+            for level in LEVELS]
+
+    def _simulate(self, duration_s: float, level: float) -> Evidence:
+        x_deg, _ = simulate_differences(
+            self.rng, duration_s, self.rate_hz, self.sigma_ref_deg, self.slowest_s,
+            level * self.limits.sigma_max_deg, self.slow_share)
+        spread = estimate_spread(Cells.of(x_deg), times=duration_s / self.slowest_s)
+        return Evidence(len(x_deg), spread, float(x_deg.mean()), 0.0, duration_s, 0, 0)
+
+    def _decide(self, evidence: Evidence) -> Outcome:
+        if evidence.spread is None:
+            return Outcome.INDETERMINATE
+        return decide_variance(evidence.spread, evidence.span_s, self.limits,
+                               self.settings.risk)[0]
+
+    def _conclude(self, runs: Sequence[Evidence]) -> Outcome:
+        limits, risk = [self.limits] * len(runs), self.settings.risk
+        together = judge_together(runs, limits, risk, self.settings.variant)
+        return conclude_sensor(together, limits, True, risk)[0]
+
+    def _count(self, level: float, duration_s: float, outcomes: Iterable[Outcome],
+               runs: int = 1) -> Chance:
+        counts = Counter(outcomes)
+        share = {outcome: counts[outcome] / self.trials for outcome in Outcome}
+        return Chance(level, duration_s, share[Outcome.COMPLIANT], share[Outcome.NON_COMPLIANT],
+                      share[Outcome.INDETERMINATE], runs)
 
 
 def simulate_differences(rng: np.random.Generator, duration_s: float, rate_hz: float,

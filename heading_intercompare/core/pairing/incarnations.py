@@ -171,6 +171,44 @@ class _Last:
                    for stream, n in self.count_until(after).items())
 
 
+class _LedgerSum:
+    """The ledgers of incarnations added up, from the first one on."""
+
+    def __init__(self) -> None:
+        self._counts: dict[int | None, Counter[LedgerKey]] = {None: Counter()}
+        self.newest_ns: int | None = None
+
+    def add(self, ledger: Ledger, before: Mapping[str, int],
+            after: Mapping[str, int] | None) -> None:
+        """Add a ledger with the counts until it began, and until the next; None for the newest."""
+        if self.newest_ns is not None:
+            for stream, n in before.items():
+                self._count(self.newest_ns + 1)[LedgerKey.of_lost(stream, 'on_the_way')] += max(
+                    0, n)
+        unpaired = {} if after is None else _LEFT
+        for segment in _without_pending(ledger.segments, after or {}):
+            start_ns = segment.start_ns
+            if start_ns is None and self.newest_ns is not None:
+                # What came before the first cut came after all of the incarnation before.
+                start_ns = self.newest_ns + 1
+            counts = self._count(start_ns)
+            for key, n in segment.counts.items():
+                # The incarnation before took such readings, or the numbers between count them.
+                if not (key.lost == 'before_start' and key.stream in before):
+                    counts[unpaired.get(key, key)] += n
+        self.newest_ns = max((ns for ns in (self.newest_ns, ledger.newest_ns) if ns is not None),
+                             default=None)
+
+    def _count(self, start_ns: int | None) -> Counter[LedgerKey]:
+        return self._counts.setdefault(start_ns, Counter())
+
+    @property
+    def segments(self) -> list[LedgerSegment]:
+        """Return the sums by the start of their segments."""
+        starts = [None, *sorted(start for start in self._counts if start is not None)]
+        return [LedgerSegment(start, dict(self._counts[start])) for start in starts]
+
+
 class Incarnations:
     """
     The last ledger of each start of the synchronizer.
@@ -243,36 +281,15 @@ class Incarnations:
         """Return the ledgers of all incarnations added up; None before the first ledger."""
         if len(self._last) < 2:
             return next((last.ledger for last in self._last.values()), None)
-        counts: dict[int | None, Counter[LedgerKey]] = {None: Counter()}
-        newest_ns: int | None = None
         ordered = [last for _, last in self._in_order]
         ledgers = [last.ledger for last in ordered]
-        steps = [*(before.count_until(after) for before, after in zip(ordered, ordered[1:])), {}]
-        for at, ledger in enumerate(ledgers):
-            if at and newest_ns is not None:
-                for stream, n in steps[at - 1].items():
-                    counts.setdefault(newest_ns + 1, Counter())[
-                        LedgerKey.of_lost(stream, 'on_the_way')] += max(0, n)
-            for segment in _without_pending(ledger.segments, steps[at]):
-                start_ns = segment.start_ns
-                if start_ns is None and newest_ns is not None:
-                    # What came before the first cut came after all of the incarnation before.
-                    start_ns = newest_ns + 1
-                left = {} if ledger is ledgers[-1] else _LEFT
-                # The incarnation before took such readings, or the numbers between count them.
-                between = steps[at - 1] if at else {}
-                for key, n in segment.counts.items():
-                    if key.lost == 'before_start' and key.stream in between:
-                        continue
-                    counts.setdefault(start_ns, Counter())[left.get(key, key)] += n
-                counts.setdefault(start_ns, Counter())
-            newest_ns = max((ns for ns in (newest_ns, ledger.newest_ns) if ns is not None),
-                            default=None)
-        starts = [None, *sorted(start for start in counts if start is not None)]
-        set_backs = [set_back for ledger in ledgers for steps in ledger.set_backs.values()
-                     for set_back in steps]
-        return Ledger.from_segments([LedgerSegment(start, dict(counts[start]))
-                                     for start in starts], newest_ns, set_backs)
+        steps = [before.count_until(after) for before, after in zip(ordered, ordered[1:])]
+        sums = _LedgerSum()
+        for ledger, before, after in zip(ledgers, ({}, *steps), (*steps, None)):
+            sums.add(ledger, before, after)
+        set_backs = [set_back for ledger in ledgers for times in ledger.set_backs.values()
+                     for set_back in times]
+        return Ledger.from_segments(sums.segments, sums.newest_ns, set_backs)
 
     def problems(self, who: str = 'the synchronizer',
                  sensors: tuple[str, str] = ('TS', 'RS')) -> Iterator[str]:

@@ -93,11 +93,9 @@ def judge_sensors(settings: Settings, verdicts: Mapping[str, Verdict],
              for names, judged in runs.items()]
     split = _split(sensors, pairs)
     norms = [_norm_of(sensor, sensors, settings) for sensor in sensors]
-    vote = find_wrong([sensor.name for sensor in sensors],
-                      {pair.names: pair.differs for pair in pairs},
-                      [pair.names for pair in pairs if pair.one_source],
-                      [sensor.name for sensor, norm, share in zip(sensors, norms, split or ())
-                       if share.interval_deg2[0] > norm ** 2])
+    vote = _vote(sensors, pairs, [sensor.name for sensor, norm, share
+                                  in zip(sensors, norms, split or ())
+                                  if share.interval_deg2[0] > norm ** 2])
     judgements = []
     for at, sensor in enumerate(sensors):
         outcome: Outcome | None
@@ -113,16 +111,27 @@ def judge_sensors(settings: Settings, verdicts: Mapping[str, Verdict],
             name=sensor.name, role=sensor.role, topic=sensor.heading_topic,
             sigma_max_deg=norms[at], outcome=outcome, headline=line,
             validity_effect=effect, variance=None if split is None else split[at]))
-    tested = [judgement for judgement in judgements if judgement.outcome is not None]
-    lines = [f'{judgement.name} {OUTCOME_WORDS[judgement.outcome.value]}'
-             + {VOID: ', VOID', DOUBTFUL: ', DOUBTFUL', HOLDS: ''}[judgement.validity_effect]
-             for judgement in tested if judgement.outcome is not None]
+    tested = [(judgement, judgement.outcome) for judgement in judgements
+              if judgement.outcome is not None]
     return SensorsVerdict(
-        outcome=worst(judgement.outcome for judgement in tested if judgement.outcome is not None),
-        headline=f'{"; ".join(lines)}; {vote.words}',
-        validity_effect=gravest(judgement.validity_effect for judgement in tested),
+        outcome=worst(outcome for _, outcome in tested),
+        headline='; '.join((*(_describe_result(*result) for result in tested), vote.words)),
+        validity_effect=gravest(judgement.validity_effect for judgement, _ in tested),
         settings=settings, inputs=tuple(inputs), sensors=tuple(judgements), pairs=tuple(pairs),
         vote=vote, risk=risk, verdicts=dict(verdicts))
+
+
+def _vote(sensors: Sequence[Sensor], pairs: Sequence[PairFigures], noisy: Sequence[str]) -> Vote:
+    """Return which sensor is wrong by its pairs; `noisy` names those whose variance says so."""
+    return find_wrong([sensor.name for sensor in sensors],
+                      {pair.names: pair.differs for pair in pairs},
+                      [pair.names for pair in pairs if pair.one_source], noisy)
+
+
+def _describe_result(judgement: SensorResult, outcome: Outcome) -> str:
+    """Return the result of a sensor in a few words."""
+    doubt = {VOID: ', VOID', DOUBTFUL: ', DOUBTFUL', HOLDS: ''}[judgement.validity_effect]
+    return f'{judgement.name} {OUTCOME_WORDS[outcome.value]}{doubt}'
 
 
 def _of_name(sensors: Sequence[Sensor], name: str) -> Sensor:

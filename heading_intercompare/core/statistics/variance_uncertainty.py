@@ -390,21 +390,29 @@ def pool(runs: Sequence[Spread], *, by_statement: bool = False) -> Spread:
 
     d = mean([r.d_deg2 for r in runs])
     s = math.hypot(*(w * r.s_deg2 for w, r in zip(weights, runs)))
-    skewness = math.fsum((w * r.s_deg2 / s) ** 3 * math.sqrt(8.0 / r.f)
-                         for w, r in zip(weights, runs)) if s > 0.0 else 0.0
-    free = math.fsum(r.n - 1 - r.order for r in runs)
+    nu, f = _pool_freedom(runs, weights, d, s)
     times = [r.times for r in runs if r.times is not None]
     pooled = Spread(
-        n, max(r.order for r in runs), d,
-        math.fsum(w * w * r.mean_variance_deg2 for w, r in zip(weights, runs)), s,
-        2.0 * (d / s) ** 2 if s > 0.0 else free,
-        8.0 / skewness ** 2 if skewness > 0.0 else free,
-        min(r.corner_j for r in runs), mean([r.low_deg2 for r in runs]),
-        mean([r.middle_deg2 for r in runs]), sum(r.student_dof for r in runs),
-        mean([r.kurtosis for r in runs]), min(times) if len(times) == len(runs) else None)
+        n=n, order=max(r.order for r in runs), d_deg2=d,
+        mean_variance_deg2=math.fsum(w * w * r.mean_variance_deg2 for w, r in zip(weights, runs)),
+        s_deg2=s, nu=nu, f=f, corner_j=min(r.corner_j for r in runs),
+        low_deg2=mean([r.low_deg2 for r in runs]), middle_deg2=mean([r.middle_deg2 for r in runs]),
+        student_dof=sum(r.student_dof for r in runs), kurtosis=mean([r.kurtosis for r in runs]),
+        times=min(times) if len(times) == len(runs) else None)
     if not by_statement or pooled.times is None:
         return pooled
     return replace(pooled, stated=_state_pooled(pooled, runs, times, weights))
+
+
+def _pool_freedom(runs: Sequence[Spread], weights: Sequence[float], d_deg2: float, s_deg2: float,
+                  ) -> tuple[float, float]:
+    """Return nu and f of the common variance: its second and third cumulants add up."""
+    free = math.fsum(r.n - 1 - r.order for r in runs)
+    if s_deg2 <= 0.0:
+        return free, free
+    skewness = math.fsum((w * r.s_deg2 / s_deg2) ** 3 * math.sqrt(8.0 / r.f)
+                         for w, r in zip(weights, runs))
+    return 2.0 * (d_deg2 / s_deg2) ** 2, 8.0 / skewness ** 2 if skewness > 0.0 else free
 
 
 def _state_pooled(pooled: Spread, runs: Sequence[Spread], times: Sequence[float],

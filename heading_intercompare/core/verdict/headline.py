@@ -61,31 +61,37 @@ def compose_headline(outcome: Outcome, findings: Sequence[Finding], coverage: Co
     'COMPLIANT for errors that change within 31 s, and that come at least three times in the run'
 
     """
-    text = OUTCOME_WORDS[outcome.value]
+    text, complies = OUTCOME_WORDS[outcome.value], outcome is Outcome.COMPLIANT
     void = [f.words for f in findings if f.effect == VOID]
     doubts = [f.words for f in findings if f.effect == DOUBTFUL]
-    # What is left out or removed is said whatever the outcome, unless it is among the doubts.
-    taken_out = [f'; {f.words}' for f in _list_also_said(findings, 'always')
-                 if void or f.effect != DOUBTFUL]
-    if outcome is Outcome.COMPLIANT and not void:
-        # The scope of a certificate, where it is narrower than others.
-        taken_out += [f'; {f.words}' for f in _list_also_said(findings, 'certificate')]
-    if outcome is Outcome.COMPLIANT and coverage is not None and not doubts:
-        return f'{text} {coverage.words}' + ''.join(taken_out)
+    also = ''.join(f'; {words}' for words in _list_also(findings, complies, bool(void)))
+    if complies and coverage is not None and not doubts:
+        return f'{text} {coverage.words}{also}'
     if void:
         # One cause has many symptoms; the conditions are ordered by cause.
         text += f', VOID: {void[0]}'
     elif doubts:
         text += f', DOUBTFUL: {"; ".join(doubts)}'
-    elif why and outcome is not Outcome.COMPLIANT:
+    elif why and not complies:
         text += f': {why}'
-    if outcome is Outcome.COMPLIANT and coverage is not None:
+    if complies and coverage is not None:
         text += f' ({coverage.words})'
     # The motion of the ship shows which one is wrong.
     if outcome is Outcome.NON_COMPLIANT and not any(
             f.condition == MOTION.name and f.effect == DOUBTFUL for f in findings):
         text += f' ({REJECTION_SCOPE})'
-    return text + ''.join(taken_out)
+    return text + also
+
+
+def _list_also(findings: Sequence[Finding], complies: bool, is_void: bool) -> list[str]:
+    """Return what is said beside outcome and doubts: what is left out or narrows the scope."""
+    # It is said whatever the outcome, unless it is among the doubts.
+    also = [f.words for f in _list_also_said(findings, 'always')
+            if is_void or f.effect != DOUBTFUL]
+    if complies and not is_void:
+        # The scope of a certificate, where it is narrower than others.
+        also += [f.words for f in _list_also_said(findings, 'certificate')]
+    return also
 
 
 def _list_also_said(findings: Sequence[Finding], when: str) -> list[Finding]:

@@ -28,7 +28,7 @@ from heading_intercompare.core.decision.criteria import apply_gk, Limits, Printe
 from heading_intercompare.core.decision.guarded import decide, Evidence, gather_evidence, Guarded
 from heading_intercompare.core.decision.sequential import Look, LookVerdict, risk_at_the_end
 from heading_intercompare.core.decision.taken_out import Stretch, TakenOut
-from heading_intercompare.core.diagnostics.percentile import estimate_percentile
+from heading_intercompare.core.diagnostics.percentile import estimate_percentile, Percentile
 from heading_intercompare.core.diagnostics.run_columns import (
     HIGHEST_ORDER_REMOVED,
     prepare_run,
@@ -316,7 +316,6 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
     limits = run.limits(settings.norms, settings.model)
     data = prepare_run(run, limits, settings, exclusions)
     moments = data.moments
-    n = moments.n
     drift, rest = describe_drift(data.stamp_ns, data.x_deg, SETTLED_SHARE * limits.sigma_max_deg)
     progress(_BEFORE)
     left = drift.left_deg2 if data.residual_deg is None and drift.left_deg2 is not None else 0.0
@@ -348,20 +347,14 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
     progress(_BEFORE + 0.9 * (1.0 - _BEFORE))
     coverage = coverage_of(data.span_s, risk,
                            scopes=[Scope.of(data.stamp_ns, data.rs_deg, settings)])
-    direction, length = circular_mean(data.x_deg) if n else (None, None)
     verdict = RunVerdict(
         run=number, source=source, start_ns=run.start_ns, end_ns=run.end_ns,
         duration_s=(run.end_ns - run.start_ns) / 1e9,
         pairing=PairingFigures.of(LedgerSegment(None), run.mean_lag_s, run.max_lag_s,
                                   run.rs_variance_factor, run.ts_variance_factor),
         n_input=run.n_input, n_invalid=run.n_invalid,
-        n_stabilization=run.n_stabilization + data.n_left_out, n=n,
-        mean_deg=moments.mean_deg if n else None,
-        min_deg=moments.min_deg if n else None,
-        max_deg=moments.max_deg if n else None,
-        max_abs_deg=max(abs(moments.min_deg), abs(moments.max_deg)) if n else None,
-        mean_square_deg2=moments.mean_square_deg2,
-        circular_mean_deg=direction, resultant_length=length,
+        n_stabilization=run.n_stabilization + data.n_left_out, n=moments.n,
+        mean_square_deg2=moments.mean_square_deg2, **_summarise(data),
         drift_coefficients_deg=data.coefficients_deg, variance_deg2=data.variance_deg2,
         std_deg=None if data.variance_deg2 is None else math.sqrt(data.variance_deg2),
         variance_criterion=printed.variance, count_criterion=printed.counts,
@@ -373,13 +366,32 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
         normality=diagnostics.normality, stationarity=diagnostics.stationarity,
         correlation=correlation, allan=diagnostics.allan,
         assumptions=diagnostics.assumptions, taken_out=taken_out, motion=checked,
-        limit_95=estimate_percentile(
-            data.series_deg, 0.0 if settings.variant == 'A' or data.residual_deg is not None
-            else moments.mean_deg, correlation.n_effective_variance) if n else None,
+        limit_95=_estimate_limit_95(data, settings, correlation.n_effective_variance),
         warnings=(*_warnings(data, limits, guarded, settings), *diagnostics.warnings))
     return RunResult(verdict, evidence, limits, printed, (outcome, reason), settings,
                      run.stabilization_s, judged, fingerprint=None if columns.fingerprint is None
                      else columns.fingerprint.to_text()).conclude()
+
+
+def _summarise(data: PreparedRun) -> dict[str, float | None]:
+    """Return mean and range of the differences, by their keys in the verdict; None for n = 0."""
+    moments = data.moments
+    keys = 'mean_deg', 'min_deg', 'max_deg', 'max_abs_deg', 'circular_mean_deg', 'resultant_length'
+    if not moments.n:
+        return dict.fromkeys(keys)
+    return dict(zip(keys, (
+        moments.mean_deg, moments.min_deg, moments.max_deg,
+        max(abs(moments.min_deg), abs(moments.max_deg)), *circular_mean(data.x_deg))))
+
+
+def _estimate_limit_95(data: PreparedRun, settings: Settings, n_effective: float,
+                       ) -> Percentile | None:
+    """Return the distance within which 95 % of the differences lie; None for n = 0."""
+    if not data.moments.n:
+        return None
+    is_centred = settings.variant == 'A' or data.residual_deg is not None
+    return estimate_percentile(data.series_deg, 0.0 if is_centred else data.moments.mean_deg,
+                               n_effective)
 
 
 def look_at(run: RunSeries, look: Look, looks: int, settings: Settings,
