@@ -37,7 +37,7 @@ from launch_ros.actions import Node
 
 from heading_intercompare.app.config import load_config, settings_for
 from heading_intercompare.app.scenarios import read_scenario
-from heading_intercompare.core.rows.sensor_table import read_sensors
+from heading_intercompare.core.sensor_table import read_sensors
 from heading_intercompare.nodes.launching.arguments import (
     check_path,
     common_arguments,

@@ -148,7 +148,7 @@ def add_sensors(policy: str, namespace: str, topics: dict, reference: str | None
 def read_topics(config: str) -> tuple:
     """Return the topics of the sensors of a parameter file by name, and the reference."""
     from heading_intercompare.app.config import load_config
-    from heading_intercompare.core.rows.sensor_table import find_reference, read_sensors
+    from heading_intercompare.core.sensor_table import find_reference, read_sensors
     sensors = read_sensors(load_config(config).shared.get('sensors'))
     if not sensors:
         raise ValueError(f'{config}: has no setting sensors')

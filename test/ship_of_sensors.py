@@ -24,7 +24,7 @@ from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.provenance import RECORD, SENSORS_REPORT_TOPIC
 from heading_intercompare.core.records import Headings
 from heading_intercompare.messages.heading_messages import encode_imu, IMU
-from heading_intercompare.messages.texts import encode_text, TEXT_TYPE
+from heading_intercompare.messages.status_messages import encode_text, TEXT_TYPE
 
 START_NS = 1_770_000_000_000_000_000
 

@@ -22,7 +22,7 @@ from typing import Any, Mapping
 from heading_intercompare.ahrs.ship.course import Current
 from heading_intercompare.ahrs.ship.seaway import SEAWAYS
 from heading_intercompare.ahrs.ship.wave_sea import Hull, Waves
-from heading_intercompare.core.rows.settings_rows import read_rows
+from heading_intercompare.core.sensor_table import read_rows
 from heading_intercompare.core.settings import (
     Checked,
     from_mapping,

@@ -21,7 +21,7 @@ from pathlib import Path
 import re
 from typing import Any, Mapping, Sequence
 
-from heading_intercompare.core.rows.sensor_table import read_sensors
+from heading_intercompare.core.sensor_table import read_sensors
 from heading_intercompare.core.sensors.pair_settings import settings_of_pair
 from heading_intercompare.core.settings import flatten, list_settings, Settings, SettingsError
 from heading_intercompare.yaml_file import load_settings, parse_yaml, YamlError

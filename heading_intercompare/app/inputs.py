@@ -26,6 +26,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Callable, Iterable, Iterator, Mapping, Sequence
 
+from heading_intercompare.app.sources.judged_input import hash_files
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.recording.journal import (
     is_journal,
@@ -48,7 +49,7 @@ from heading_intercompare.core.motion.antennas import find_baseline_headings
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.records import Headings, Motion, Pairs
-from heading_intercompare.core.rows.sensor_table import Sensor
+from heading_intercompare.core.sensor_table import Sensor
 from heading_intercompare.core.sensors.pair_settings import pair_with_reference
 from heading_intercompare.core.settings import Settings, SettingsError
 from heading_intercompare.core.utc_text import utc
@@ -61,7 +62,6 @@ from .config import Config, load_config
 from .logs.antenna_logs import describe_baseline
 from .run_table import RunTable
 from .sources.csv_source import has_pairs, judge_csv
-from .sources.file_hash import hash_files
 from .sources.input_comparison import describe_two, InputComparison, PairTakers, Spans
 from .sources.judged_input import JudgedInput
 

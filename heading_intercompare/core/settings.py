@@ -24,6 +24,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, Mapping
 
+from heading_intercompare.core.sensor_table import read_sensors, SENSOR_CLASS_NAMES
+
 from .declared_settings import (
     Checked,
     explain_unknown,
@@ -38,7 +40,6 @@ from .declared_settings import (
     to_mapping,
     Used,
 )
-from .rows.sensor_table import read_sensors, SENSOR_CLASS_NAMES
 from .time_rules.clock_cuts import ClockCuts
 from .time_rules.exclusions import read_exclusions
 from .units.full_turns import ANGLE_UNITS

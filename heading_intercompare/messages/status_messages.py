@@ -30,8 +30,35 @@ from .cdr import decode, encode
 from .errors import MessageError
 from .stamps import stamp_fields, stamp_ns
 
-__all__ = ['decode_statuses', 'encode_figures', 'encode_statuses', 'ERROR', 'LEVELS', 'OK',
-           'Status', 'STATUS_TYPE', 'value_text', 'WARN']
+TEXT_TYPE = 'std_msgs/msg/String'
+
+
+def encode_text(text: str) -> bytes:
+    """Return a text as std_msgs/msg/String."""
+    return encode(TEXT_TYPE, {'data': text})
+
+
+def decode_text(data: bytes) -> str:
+    """Return the text of a std_msgs/msg/String; MessageError if it is damaged."""
+    text: str = decode(TEXT_TYPE, data)['data']
+    return text
+
+
+MARKER_TOPIC = 'compliance/marker'
+
+MARKS = ('start', 'stop')
+
+
+def encode_mark(kind: str, ns: int) -> bytes:
+    """Return a mark, 'start' or 'stop', as `STATUS_TYPE`; `ns` is the stamp of the newest pair."""
+    return encode_statuses(ns, [Status('marker', OK, kind)])
+
+
+def decode_marks(data: bytes) -> list[tuple[str, int]]:
+    """Return the kind and stamp (ns) of the marks in a message; MessageError if damaged."""
+    ns, statuses = decode_statuses(data)
+    return [(status.message, ns) for status in statuses]
+
 
 STATUS_TYPE = 'diagnostic_msgs/msg/DiagnosticArray'
 

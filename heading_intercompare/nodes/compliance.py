@@ -30,7 +30,7 @@ from heading_intercompare.core.sensors.pair_settings import settings_of_tested
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.messages.ledger_messages import decode_ledger
-from heading_intercompare.messages.marks import decode_marks, encode_mark, MARKER_TOPIC
+from heading_intercompare.messages.status_messages import decode_marks, encode_mark, MARKER_TOPIC
 from heading_intercompare.nodes.alarms.comparison_alarms import ComparisonAlarms
 from heading_intercompare.nodes.judging.pair_intake import PairIntake
 from heading_intercompare.nodes.judging.reporting import Reporting

@@ -35,7 +35,7 @@ from rclpy.executors import Executor
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-from heading_intercompare.core.rows.sensor_table import list_tested, read_sensors
+from heading_intercompare.core.sensor_table import list_tested, read_sensors
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Verdict

@@ -29,9 +29,8 @@ from std_srvs.srv import Trigger
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.paced_replay import Replay
 from heading_intercompare.core.settings import SettingsError
-from heading_intercompare.messages.marks import MARKER_TOPIC
 from heading_intercompare.messages.stamps import encode_clock
-from heading_intercompare.messages.status_messages import OK, WARN
+from heading_intercompare.messages.status_messages import MARKER_TOPIC, OK, WARN
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.message_types import find_heading_type
 from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES

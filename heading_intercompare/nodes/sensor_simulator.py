@@ -32,7 +32,7 @@ from heading_intercompare.ahrs.plans import EVENTS
 from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.simulator import SimulatedChunk, Simulation, Trial
 from heading_intercompare.bags.rosbag2.provenance import TRUTH_TOPIC
-from heading_intercompare.core.rows.sensor_table import simulated_topics
+from heading_intercompare.core.sensor_table import simulated_topics
 from heading_intercompare.messages.heading_messages import imu_messages
 from heading_intercompare.messages.status_messages import LEVELS, OK
 from heading_intercompare.nodes.ros import qos

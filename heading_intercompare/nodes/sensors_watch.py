@@ -28,8 +28,12 @@ from heading_intercompare.bags.rosbag2.provenance import SENSORS_REPORT_TOPIC
 from heading_intercompare.core.sensors.comparison import SensorsComparison
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
-from heading_intercompare.messages.marks import decode_marks, encode_mark, MARKER_TOPIC
-from heading_intercompare.messages.texts import encode_text
+from heading_intercompare.messages.status_messages import (
+    decode_marks,
+    encode_mark,
+    encode_text,
+    MARKER_TOPIC,
+)
 from heading_intercompare.nodes.alarms.alarm_panel import ACKNOWLEDGE_TOPIC, ALL
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES

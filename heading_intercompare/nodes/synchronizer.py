@@ -28,7 +28,7 @@ from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.records import Losses, Pairs
 from heading_intercompare.messages.heading_messages import pair_messages
 from heading_intercompare.messages.ledger_messages import encode_ledger
-from heading_intercompare.messages.marks import decode_marks, MARKER_TOPIC
+from heading_intercompare.messages.status_messages import decode_marks, MARKER_TOPIC
 from heading_intercompare.nodes.alarms.stream_alarms import StreamAlarms
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.batches import Arrivals

@@ -38,9 +38,8 @@ from heading_intercompare.bags.rosbag2.provenance import describe_origin, RECORD
 from heading_intercompare.cli import main
 from heading_intercompare.core.motion.tangent_plane import radii_m
 from heading_intercompare.messages.heading_messages import encode_imu, IMU
-from heading_intercompare.messages.marks import encode_mark, MARKER_TOPIC
 from heading_intercompare.messages.motion.motion_messages import encode_motion, FIX
-from heading_intercompare.messages.status_messages import STATUS_TYPE
+from heading_intercompare.messages.status_messages import encode_mark, MARKER_TOPIC, STATUS_TYPE
 
 S, SPAN_S = 10 ** 9, 1200
 NAMES = ('gyro1', 'gyro2', 'ins', 'gnss')

@@ -32,7 +32,7 @@ from heading_intercompare import (
     judge_logs,
 )
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.rows.sensor_table import read_sensors
+from heading_intercompare.core.sensor_table import read_sensors
 from heading_intercompare.core.sensors.pair_settings import settings_of_pair
 from heading_intercompare.core.sensors.sensors_verdict import find_sensor_differences
 from heading_intercompare.core.settings import Settings

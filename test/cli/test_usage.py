@@ -193,7 +193,7 @@ def test_too_little_memory_is_one_line(capsys, monkeypatch):
     def run(arguments):
         raise MemoryError
 
-    monkeypatch.setattr('heading_intercompare.cli.commands.planning.norms.run', run)
+    monkeypatch.setattr('heading_intercompare.cli.commands.norms.run', run)
     assert 'there is not enough memory for this' in refusal(capsys, 'norms')
 
 

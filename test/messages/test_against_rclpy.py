@@ -49,14 +49,15 @@ from heading_intercompare.messages.heading_messages import (  # noqa: E402
     read_pairs,
 )
 from heading_intercompare.messages.stamps import encode_clock  # noqa: E402
-from heading_intercompare.messages.status_messages import (  # noqa: E402
+from heading_intercompare.messages.status_messages import (  # noqa: E402  # noqa: E402
     decode_statuses,
+    decode_text,
     encode_statuses,
+    encode_text,
     ERROR,
     Status,
     WARN,
 )
-from heading_intercompare.messages.texts import decode_text, encode_text  # noqa: E402
 
 KINDS = {'sensor_msgs/msg/Imu': Imu, 'geometry_msgs/msg/QuaternionStamped': QuaternionStamped,
          'geometry_msgs/msg/PoseWithCovarianceStamped': PoseWithCovarianceStamped,

@@ -19,7 +19,7 @@ from __future__ import annotations
 import pytest
 
 from heading_intercompare.messages.errors import MessageError
-from heading_intercompare.messages.marks import decode_marks, encode_mark, MARKS
+from heading_intercompare.messages.status_messages import decode_marks, encode_mark, MARKS
 
 
 @pytest.mark.parametrize('kind', MARKS)

@@ -19,7 +19,7 @@ from __future__ import annotations
 import pytest
 
 from heading_intercompare.messages.errors import MessageError
-from heading_intercompare.messages.texts import decode_text, encode_text
+from heading_intercompare.messages.status_messages import decode_text, encode_text
 
 
 @pytest.mark.parametrize('text', ['', 'all fast', 'Länge 54°\n'])

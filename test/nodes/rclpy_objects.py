@@ -28,7 +28,7 @@ from heading_intercompare.messages.heading_messages import (
     read_pairs,
 )
 from heading_intercompare.messages.ledger_messages import decode_ledger
-from heading_intercompare.messages.marks import decode_marks, encode_mark
+from heading_intercompare.messages.status_messages import decode_marks, encode_mark
 
 __all__ = ['heading_messages', 'headings_from', 'ledger_from', 'marker_message', 'marks_from',
            'name_of', 'pairs_from']

@@ -35,7 +35,7 @@ from std_msgs.msg import String
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.motion_topics import motion_topics
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
-from heading_intercompare.core.rows.sensor_table import read_sensors
+from heading_intercompare.core.sensor_table import read_sensors
 from heading_intercompare.core.settings import MotionRule
 from heading_intercompare.messages.ledger_messages import encode_ledger
 from heading_intercompare.messages.motion.motion_messages import PUBLISHED_TYPES

@@ -35,7 +35,7 @@ from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.records import Headings
-from heading_intercompare.core.rows.sensor_table import read_sensors
+from heading_intercompare.core.sensor_table import read_sensors
 from heading_intercompare.core.sensors.pair_settings import settings_of_tested
 from heading_intercompare.core.sensors.sensors_verdict import (
     find_sensor_differences,

@@ -38,7 +38,7 @@ from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.core.settings import Settings, SettingsError
 from heading_intercompare.messages.heading_messages import IMU, imu_messages
 from heading_intercompare.messages.ledger_messages import encode_losses
-from heading_intercompare.messages.marks import encode_mark
+from heading_intercompare.messages.status_messages import encode_mark
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.message_types import PAIRS_TYPES
 from heading_intercompare.nodes.ros.steady_timer import every

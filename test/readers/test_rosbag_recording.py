@@ -29,8 +29,7 @@ from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.cli import main
 from heading_intercompare.core.records import Headings
 from heading_intercompare.messages.heading_messages import IMU, imu_messages
-from heading_intercompare.messages.marks import encode_mark, MARKER_TOPIC
-from heading_intercompare.messages.status_messages import STATUS_TYPE
+from heading_intercompare.messages.status_messages import encode_mark, MARKER_TOPIC, STATUS_TYPE
 from heading_intercompare.readers.registry import find_format, open_recording
 from heading_intercompare.readers.stream_recording import ReaderError
 

@@ -20,7 +20,7 @@ from dataclasses import replace
 import os
 from typing import Sequence
 
-from heading_intercompare.app.sources.file_hash import hash_files
+from heading_intercompare.app.sources.judged_input import hash_files
 from heading_intercompare.core.motion.antennas import BaselineHeadings, find_baseline_headings
 from heading_intercompare.core.settings import Antennas
 from heading_intercompare.drivers.log_lines.log_files import LogFiles

@@ -28,7 +28,7 @@ from heading_intercompare.app.sources.input_comparison import (
     Spans,
 )
 from heading_intercompare.core.offline import name_apart
-from heading_intercompare.core.rows.sensor_table import describe_driver, read_sensors, Sensor
+from heading_intercompare.core.sensor_table import describe_driver, read_sensors, Sensor
 from heading_intercompare.core.sensors.pair_settings import check_norms, list_sensors
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Input

@@ -49,9 +49,8 @@ from heading_intercompare.readers.registry import (
 )
 from heading_intercompare.report import SeriesSketch
 
-from .file_hash import hash_files
 from .input_comparison import describe_two, Spans
-from .judged_input import JudgedInput
+from .judged_input import hash_files, JudgedInput
 
 __all__ = ['has_pairs', 'judge_csv']
 

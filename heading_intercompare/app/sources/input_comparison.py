@@ -23,8 +23,8 @@ from heading_intercompare.core.offline import judge_aligned
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey
 from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Headings, Losses, Motion, Pairs
-from heading_intercompare.core.rows.sensor_table import find_reference, Sensor
 from heading_intercompare.core.runs.growing_columns import GrowingHeadings
+from heading_intercompare.core.sensor_table import find_reference, Sensor
 from heading_intercompare.core.sensors.comparison import SensorsComparison
 from heading_intercompare.core.sensors.pair_settings import Names
 from heading_intercompare.core.settings import Settings

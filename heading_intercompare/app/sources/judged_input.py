@@ -11,12 +11,15 @@
 # WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
 # See the License for the specific language governing permissions and
 # limitations under the License.
+
 """What the judging of one input gives: the runs of each pair of its sensors."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from typing import Any, Mapping, Sequence
+import hashlib
+import os
+from typing import Any, Iterable, Mapping, Sequence
 
 from heading_intercompare.bags.csv.pairs_account import PairsAccount
 from heading_intercompare.core.sensors.pair_settings import Names
@@ -24,7 +27,17 @@ from heading_intercompare.core.verdict.judge import RunResult
 from heading_intercompare.core.verdict.verdict_document import Input, RunVerdict
 from heading_intercompare.report import SeriesSketch
 
-__all__ = ['JudgedInput']
+_BLOCK = 1 << 20
+
+
+def hash_files(paths: Iterable[str | os.PathLike[str]]) -> str:
+    """Return the SHA-256, in hexadecimal, of the bytes of files, one after the other."""
+    digest = hashlib.sha256()
+    for path in paths:
+        with open(path, 'rb') as file:
+            while block := file.read(_BLOCK):
+                digest.update(block)
+    return digest.hexdigest()
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,6 +22,8 @@ a helper fails, this process does its work.
 
 from __future__ import annotations
 
+from collections import deque
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack, suppress
 from mmap import mmap
 from multiprocessing import get_context, parent_process
@@ -29,7 +31,7 @@ from multiprocessing.connection import Connection, wait
 import signal
 import sys
 from threading import active_count
-from typing import Container, Generator, Iterator, NamedTuple, Sequence
+from typing import Any, Container, Generator, Iterator, NamedTuple, Sequence, TypeVar
 from warnings import catch_warnings, simplefilter
 
 import numpy as np
@@ -39,7 +41,26 @@ from heading_intercompare.core.records import Headings
 
 from .decoding import Decoded, Decoder, Found
 
-__all__ = ['can_fork', 'decode_stretches', 'Task']
+#: Items that are ready or in preparation while the caller uses one.
+_ITEMS_AHEAD = 2
+
+_Item = TypeVar('_Item')
+
+
+def run_ahead(items: Iterator[_Item]) -> Iterator[_Item]:
+    """
+    Yield the items of an iterator that runs in a second thread.
+
+    If the iterator raises, the error follows the items it yielded before.
+    """
+    # Any, because `is not` tells it from the items.
+    end: Any = object()
+    with ThreadPoolExecutor(1) as worker:
+        coming = deque(worker.submit(next, items, end) for _ in range(_ITEMS_AHEAD))
+        while (item := coming.popleft().result()) is not end:
+            coming.append(worker.submit(next, items, end))
+            yield item
+
 
 #: Stretches that a helper holds, waiting, in work or done, and the memory for each.
 _SLOTS = 4

@@ -31,7 +31,7 @@ from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
 from heading_intercompare.core.records import Motion, Pairs
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.messages.ledger_messages import LedgerMessage
-from heading_intercompare.messages.marks import MARKS
+from heading_intercompare.messages.status_messages import MARKS
 
 from .journal import decode_columns, JournalContents, Record
 

@@ -28,8 +28,12 @@ from heading_intercompare.bags.rosbag2.readable import Readable
 from heading_intercompare.bags.rosbag2.topic_names import find_elsewhere
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
-from heading_intercompare.messages.marks import decode_marks, MARKER_TOPIC, MARKS
-from heading_intercompare.messages.status_messages import STATUS_TYPE
+from heading_intercompare.messages.status_messages import (
+    decode_marks,
+    MARKER_TOPIC,
+    MARKS,
+    STATUS_TYPE,
+)
 
 from .recorder_losses import RECORDING, tell_missing
 

@@ -39,7 +39,12 @@ from heading_intercompare.bags.packed_files import (
     unpack_payload,
 )
 from heading_intercompare.bags.parallel.by_minute import Window
-from heading_intercompare.bags.parallel.decode_workers import can_fork, decode_stretches, Task
+from heading_intercompare.bags.parallel.decode_workers import (
+    can_fork,
+    decode_stretches,
+    run_ahead,
+    Task,
+)
 from heading_intercompare.bags.parallel.decoding import (
     add_unreadable,
     Decoded,
@@ -48,7 +53,6 @@ from heading_intercompare.bags.parallel.decoding import (
     Found,
     Kind,
 )
-from heading_intercompare.bags.parallel.prefetch import run_ahead
 from heading_intercompare.bags.parallel.reading_order import (
     cut_pieces,
     is_in_order,

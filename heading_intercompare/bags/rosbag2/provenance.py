@@ -28,7 +28,7 @@ from typing import Callable, Mapping, NamedTuple, TYPE_CHECKING
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.version import VERSION
 from heading_intercompare.messages.errors import MessageError
-from heading_intercompare.messages.texts import decode_text, TEXT_TYPE
+from heading_intercompare.messages.status_messages import decode_text, TEXT_TYPE
 
 if TYPE_CHECKING:
     from .readable import Readable

@@ -41,7 +41,7 @@ from heading_intercompare.cli.terminal.console import (
 )
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.rows.sensor_table import read_sensors
+from heading_intercompare.core.sensor_table import read_sensors
 from heading_intercompare.core.sensors.pair_settings import (
     check_norms,
     pair_with_reference,

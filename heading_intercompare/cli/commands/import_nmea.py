@@ -33,7 +33,7 @@ from heading_intercompare.bags.rosbag2.provenance import describe_origin, Notes,
 from heading_intercompare.cli.terminal.console import say_lines
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.records import Headings, Integers, Motion
-from heading_intercompare.core.rows.sensor_table import read_sensors, Sensor
+from heading_intercompare.core.sensor_table import read_sensors, Sensor
 from heading_intercompare.core.sensors.pair_settings import list_sensors
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.drivers.settings import DriverSettings

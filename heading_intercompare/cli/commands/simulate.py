@@ -48,7 +48,7 @@ from heading_intercompare.bags.rosbag2.provenance import (
 from heading_intercompare.cli.terminal.console import say_lines
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.records import Headings, Reals
-from heading_intercompare.core.rows.sensor_table import simulated_topics
+from heading_intercompare.core.sensor_table import simulated_topics
 from heading_intercompare.core.settings import Settings, SettingsError
 from heading_intercompare.messages.heading_messages import encode_imu, IMU
 from heading_intercompare.messages.motion.motion_messages import encode_motion, PUBLISHED_TYPES

@@ -23,7 +23,7 @@ from heading_intercompare.core.decision.coverage import span_words
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.guarded import decide_variance, variance_risk
 from heading_intercompare.core.outcome import Outcome, worst
-from heading_intercompare.core.rows.sensor_table import find_reference, Sensor
+from heading_intercompare.core.sensor_table import find_reference, Sensor
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.validity.condition import DOUBTFUL, gravest, HOLDS, VOID
 from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
@@ -93,7 +93,7 @@ def judge_sensors(settings: Settings, verdicts: Mapping[str, Verdict],
              for names, judged in runs.items()]
     split = _split(sensors, pairs)
     norms = [_norm_of(sensor, sensors, settings) for sensor in sensors]
-    vote = _vote(sensors, pairs, [sensor.name for sensor, norm, share
+    vote = _find_wrong_sensors(sensors, pairs, [sensor.name for sensor, norm, share
                                   in zip(sensors, norms, split or ())
                                   if share.interval_deg2[0] > norm ** 2])
     judgements = []
@@ -121,7 +121,8 @@ def judge_sensors(settings: Settings, verdicts: Mapping[str, Verdict],
         vote=vote, risk=risk, verdicts=dict(verdicts))
 
 
-def _vote(sensors: Sequence[Sensor], pairs: Sequence[PairFigures], noisy: Sequence[str]) -> Vote:
+def _find_wrong_sensors(sensors: Sequence[Sensor], pairs: Sequence[PairFigures],
+                        noisy: Sequence[str]) -> Vote:
     """Return which sensor is wrong by its pairs; `noisy` names those whose variance says so."""
     return find_wrong([sensor.name for sensor in sensors],
                       {pair.names: pair.differs for pair in pairs},

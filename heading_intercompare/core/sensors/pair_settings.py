@@ -22,7 +22,7 @@ from itertools import combinations
 from heading_intercompare.core.decision.coverage import least_duration_s, slowest_error_s
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.norm_presets import sigma_max_deg
-from heading_intercompare.core.rows.sensor_table import (
+from heading_intercompare.core.sensor_table import (
     find_reference,
     find_tested,
     list_tested,

@@ -25,13 +25,13 @@ from std_msgs.msg import String
 from heading_intercompare.core.alarms.alarm import Alarm, AlarmState, Priority, Rule, Sign
 from heading_intercompare.core.alarms.alarm_table import AlarmTable
 from heading_intercompare.messages.status_messages import (
+    decode_text,
     encode_statuses,
     ERROR,
     OK,
     Status,
     WARN,
 )
-from heading_intercompare.messages.texts import decode_text
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.taking.raw_subscription import subscribe

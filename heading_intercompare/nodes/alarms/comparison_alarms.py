@@ -23,7 +23,7 @@ from heading_intercompare.core.alarms.comparison_watch import COMPARISON_RULES, 
 from heading_intercompare.core.alarms.motion_watch import MOTION_RULES, MotionWatch
 from heading_intercompare.core.records import Motion, Pairs
 from heading_intercompare.core.settings import Settings
-from heading_intercompare.messages.texts import encode_text
+from heading_intercompare.messages.status_messages import encode_text
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.parameters import follow
 from heading_intercompare.nodes.runtime.health import Health

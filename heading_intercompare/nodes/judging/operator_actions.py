@@ -26,7 +26,7 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from heading_intercompare.bags.rosbag2.provenance import NOTE_TOPIC
-from heading_intercompare.messages.texts import encode_text
+from heading_intercompare.messages.status_messages import encode_text
 from heading_intercompare.nodes.alarms.alarm_panel import ACKNOWLEDGE_TOPIC
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.steady_timer import every

@@ -37,8 +37,7 @@ from heading_intercompare.core.pairing.ledger import Ledger
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.messages.ledger_messages import encode_ledger, LedgerMessage
-from heading_intercompare.messages.status_messages import ERROR, OK, WARN
-from heading_intercompare.messages.texts import encode_text
+from heading_intercompare.messages.status_messages import encode_text, ERROR, OK, WARN
 from heading_intercompare.messages.verdict_messages import (
     encode_no_verdict,
     encode_verdict,

@@ -21,7 +21,7 @@ import time
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 
-from heading_intercompare.core.rows.sensor_table import read_sensors
+from heading_intercompare.core.sensor_table import read_sensors
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.drivers.framing import Received
 from heading_intercompare.drivers.motion.motion_decoder import MotionDecoder

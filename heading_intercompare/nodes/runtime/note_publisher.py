@@ -26,7 +26,7 @@ from std_msgs.msg import String
 
 from heading_intercompare.bags.rosbag2.provenance import NOTE_TOPIC
 from heading_intercompare.core.settings import SettingsError
-from heading_intercompare.messages.texts import encode_text
+from heading_intercompare.messages.status_messages import encode_text
 from heading_intercompare.nodes.ros.process import spin_nodes
 from heading_intercompare.nodes.ros.qos import NOTE
 from heading_intercompare.nodes.ros.remapping import check_namespace

@@ -27,8 +27,8 @@ from heading_intercompare.bags.rosbag2.provenance import read_continues
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
 from heading_intercompare.core.settings import MotionRule
 from heading_intercompare.messages.ledger_messages import encode_losses, lost_topic
-from heading_intercompare.messages.marks import MARKER_TOPIC
 from heading_intercompare.messages.stamps import header_stamp_ns
+from heading_intercompare.messages.status_messages import MARKER_TOPIC
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.message_types import MOTION_TYPES
 

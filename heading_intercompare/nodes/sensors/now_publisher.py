@@ -23,7 +23,7 @@ from typing import Any, Mapping
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 
-from heading_intercompare.core.rows.sensor_table import find_reference
+from heading_intercompare.core.sensor_table import find_reference
 from heading_intercompare.core.sensors.comparison import SensorsComparison
 from heading_intercompare.core.sensors.sensors_now import (
     describe_now,

@@ -28,7 +28,7 @@ from rclpy.node import Node
 
 from heading_intercompare.bags.recording.journal import name_journal
 from heading_intercompare.bags.rosbag2.motion_topics import motion_topics
-from heading_intercompare.core.rows.sensor_table import (
+from heading_intercompare.core.sensor_table import (
     find_reference,
     find_tested,
     list_tested,
@@ -36,7 +36,7 @@ from heading_intercompare.core.rows.sensor_table import (
     Sensor,
 )
 from heading_intercompare.core.settings import MotionRule, Settings
-from heading_intercompare.messages.marks import MARKER_TOPIC
+from heading_intercompare.messages.status_messages import MARKER_TOPIC
 from heading_intercompare.nodes.settings import ComplianceNode
 
 __all__ = ['called', 'choose_streams', 'count_judges', 'count_motion_subscribers',

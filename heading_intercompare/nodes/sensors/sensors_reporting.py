@@ -29,7 +29,7 @@ from std_msgs.msg import String
 from heading_intercompare.bags.recording.disk_sync import replace_file
 from heading_intercompare.bags.rosbag2.provenance import SENSORS_REPORT_TOPIC
 from heading_intercompare.core.pipeline import join
-from heading_intercompare.core.rows.sensor_table import list_tested
+from heading_intercompare.core.sensor_table import list_tested
 from heading_intercompare.core.sensors.comparison import SensorsComparison
 from heading_intercompare.core.sensors.judging import judge_sensors
 from heading_intercompare.core.sensors.pair_settings import settings_of_tested
@@ -37,8 +37,7 @@ from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Verdict, VerdictError
 from heading_intercompare.messages.errors import MessageError
-from heading_intercompare.messages.status_messages import ERROR, OK
-from heading_intercompare.messages.texts import decode_text, encode_text
+from heading_intercompare.messages.status_messages import decode_text, encode_text, ERROR, OK
 from heading_intercompare.messages.verdict_messages import (
     encode_no_verdict,
     NO_VERDICT,

@@ -19,8 +19,7 @@ from __future__ import annotations
 from typing import Iterable
 
 from heading_intercompare.core.runs.run_cutter import CutterState
-from heading_intercompare.messages.marks import MARKS
-from heading_intercompare.messages.status_messages import WARN
+from heading_intercompare.messages.status_messages import MARKS, WARN
 from heading_intercompare.nodes.runtime.health import Health
 
 __all__ = ['explain_mark', 'MarkIntake']

@@ -34,12 +34,11 @@ from heading_intercompare.bags.rosbag2.provenance import (
     SENSORS_REPORT_TOPIC,
     TRUTH_TOPIC,
 )
-from heading_intercompare.core.rows.sensor_table import find_reference, list_tested, read_sensors
+from heading_intercompare.core.sensor_table import find_reference, list_tested, read_sensors
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.ledger_messages import lost_topic
-from heading_intercompare.messages.marks import MARKER_TOPIC
-from heading_intercompare.messages.texts import decode_text
+from heading_intercompare.messages.status_messages import decode_text, MARKER_TOPIC
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.message_types import (
     HEADING_TYPES,

@@ -22,7 +22,7 @@ from typing import Mapping, Sequence
 
 from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.records import Headings, Pairs
-from heading_intercompare.core.rows.sensor_table import read_sensors
+from heading_intercompare.core.sensor_table import read_sensors
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.ledger_messages import LedgerMessage
 from heading_intercompare.messages.status_messages import ERROR, OK, Status, WARN

@@ -19,7 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Mapping, Sequence
 
-from heading_intercompare.core.rows.sensor_table import find_reference, Sensor
+from heading_intercompare.core.sensor_table import find_reference, Sensor
 from heading_intercompare.messages.status_messages import Status
 from heading_intercompare.web.figures.stream_watch import SensorView
 

@@ -31,8 +31,7 @@ from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
 from heading_intercompare.bags.rosbag2.provenance import Notes, RECORD
 from heading_intercompare.cli import main
 from heading_intercompare.messages.heading_messages import encode_imu, IMU
-from heading_intercompare.messages.marks import encode_mark, MARKER_TOPIC
-from heading_intercompare.messages.status_messages import STATUS_TYPE
+from heading_intercompare.messages.status_messages import encode_mark, MARKER_TOPIC, STATUS_TYPE
 
 S = 1_000_000_000
 T0 = 1_400_000_000 * S

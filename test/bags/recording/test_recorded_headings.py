@@ -23,8 +23,7 @@ from trials import write_headings
 from heading_intercompare import analyze, analyze_bag, Headings, read_bag, Settings
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.rosbag2.provenance import Notes
-from heading_intercompare.messages.marks import encode_mark, MARKER_TOPIC
-from heading_intercompare.messages.status_messages import STATUS_TYPE
+from heading_intercompare.messages.status_messages import encode_mark, MARKER_TOPIC, STATUS_TYPE
 
 S = 10 ** 9
 T0 = 1_400_000_000 * S

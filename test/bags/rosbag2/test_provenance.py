@@ -31,7 +31,7 @@ from heading_intercompare.bags.rosbag2.provenance import (
 )
 from heading_intercompare.core.version import VERSION
 from heading_intercompare.messages.cdr import encode
-from heading_intercompare.messages.texts import TEXT_TYPE
+from heading_intercompare.messages.status_messages import TEXT_TYPE
 
 S = 1_000_000_000
 NOW = 1_700_000_000 * S

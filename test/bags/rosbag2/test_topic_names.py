@@ -35,9 +35,13 @@ from heading_intercompare.cli import main
 from heading_intercompare.core.records import Losses
 from heading_intercompare.messages.heading_messages import encode_imu, IMU
 from heading_intercompare.messages.ledger_messages import encode_losses
-from heading_intercompare.messages.marks import encode_mark, MARKER_TOPIC
-from heading_intercompare.messages.status_messages import STATUS_TYPE
-from heading_intercompare.messages.texts import encode_text, TEXT_TYPE
+from heading_intercompare.messages.status_messages import (
+    encode_mark,
+    encode_text,
+    MARKER_TOPIC,
+    STATUS_TYPE,
+    TEXT_TYPE,
+)
 from heading_intercompare.readers.registry import open_recording
 from heading_intercompare.readers.stream_recording import ReaderError
 

@@ -114,7 +114,7 @@ def test_a_name_that_is_no_text_is_written_as_it_is_escaped(pairs, tmp_path, cap
 @pytest.mark.process
 def test_a_fault_of_the_program_does_not_end_with_the_code_of_a_verdict():
     code = ('from heading_intercompare.cli import main; '
-            'from heading_intercompare.cli.commands.planning import norms; '
+            'from heading_intercompare.cli.commands import norms; '
             'norms.run = lambda arguments: {}["fault"]; main()')
     done = subprocess.run([sys.executable, '-c', code, 'norms'], capture_output=True, text=True,
                           check=False, timeout=120,

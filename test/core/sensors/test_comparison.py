@@ -24,7 +24,7 @@ from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.pairing.pair_sampling import PairSampler
 from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Headings, Losses, Pairs
-from heading_intercompare.core.rows.sensor_table import read_sensors
+from heading_intercompare.core.sensor_table import read_sensors
 from heading_intercompare.core.sensors.comparison import SensorsComparison
 from heading_intercompare.core.sensors.pair_settings import settings_of_others, settings_of_pair
 from heading_intercompare.core.settings import Settings

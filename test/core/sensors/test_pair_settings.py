@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import pytest
 
-from heading_intercompare.core.rows.sensor_table import read_sensors
+from heading_intercompare.core.sensor_table import read_sensors
 from heading_intercompare.core.sensors.pair_settings import check_sensors, settings_of_pair
 from heading_intercompare.core.settings import Settings, SettingsError
 

@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from heading_intercompare.core.rows.sensor_table import read_sensors
+from heading_intercompare.core.sensor_table import read_sensors
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.nodes.sensors.places import (
     choose_streams,

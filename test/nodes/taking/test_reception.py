@@ -21,7 +21,7 @@ import time
 import pytest
 from std_msgs.msg import String
 
-from heading_intercompare.messages.texts import decode_text, encode_text
+from heading_intercompare.messages.status_messages import decode_text, encode_text
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.batches import take_all, Unwatched
 from heading_intercompare.nodes.taking.reception import Reception

@@ -36,7 +36,7 @@ from heading_intercompare.cli.node_command import add_namespace_argument
 from heading_intercompare.cli.terminal.console import tell
 from heading_intercompare.cli.terminal.live_view import LiveView
 from heading_intercompare.core.decision.coverage import least_duration_words
-from heading_intercompare.core.rows.sensor_table import describe_driver, list_tested, read_sensors
+from heading_intercompare.core.sensor_table import describe_driver, list_tested, read_sensors
 from heading_intercompare.core.sensors.pair_settings import (
     check_norms,
     settings_of_others,

@@ -33,8 +33,6 @@ from heading_intercompare.core.decision.coverage import span_words
 from heading_intercompare.core.decision.trial_plan import LEVELS, plan_trial, TrialPlan
 from heading_intercompare.core.settings import Settings
 
-__all__ = ['add_arguments', 'run']
-
 _MARKS = ((r'(?m)^to certify .*$', 'bold'),)
 
 

@@ -22,8 +22,6 @@ from heading_intercompare.cli.terminal.console import say
 from heading_intercompare.core.decision.coverage import SENSOR_CLASSES, span_words
 from heading_intercompare.core.decision.norm_presets import PRESETS
 
-__all__ = ['add_arguments', 'run']
-
 #: Highlights on a terminal: names, and norms whose text is unverified.
 _MARKS = ((r'(?m)^(?!use)(\w+): ', 'bold'), (r'(?m)\[unverified\]$', 'yellow'))
 

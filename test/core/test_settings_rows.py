@@ -21,7 +21,7 @@ from dataclasses import dataclass
 import pytest
 
 from heading_intercompare.core.declared_settings import Checked, setting
-from heading_intercompare.core.rows.settings_rows import read_rows
+from heading_intercompare.core.sensor_table import read_rows
 
 
 @dataclass(frozen=True, slots=True)

@@ -19,7 +19,7 @@ from __future__ import annotations
 import pytest
 
 from heading_intercompare.core.decision.coverage import SENSOR_CLASSES
-from heading_intercompare.core.rows.sensor_table import (
+from heading_intercompare.core.sensor_table import (
     find_reference,
     read_sensors,
     SENSOR_CLASS_NAMES,
