@@ -19,6 +19,11 @@ Numbers and booleans are those of YAML 1.2: 1e9 is a number, as in ROS, and `on`
 parser rejects everything that a reader could misunderstand or that could take unlimited time: a
 name given twice, an anchor or a tag, a second document, deep nesting, a large file. In settings it
 also rejects numbers such as 010, which is 10 in YAML 1.2 and 8 for ROS.
+
+Values are built from the events of PyYAML, because the metadata of a bag may be long. For a bag
+with 3000 topics, 2.2 MB, that takes 0.5 s. The loader of PyYAML takes 2 s. ruamel.yaml, the
+library for YAML 1.2, takes 4.5 s with the parser in C of its version 0.17, and 20 s without one,
+as in 0.19.
 """
 
 from __future__ import annotations

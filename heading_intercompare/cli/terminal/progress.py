@@ -38,8 +38,8 @@ class Progress:
     One line on stderr that is overwritten each time; nothing if stderr is not a terminal.
 
     With rich it has a spinner and the elapsed time. If the text begins with a percentage, with
-    "n of m" or with "replaying at n s of m s", it also has a bar and the time left. It uses
-    no thread, because the bag reader does not fork decoders from a process with a second thread.
+    "n of m" or with "replaying at n s of m s", it also has a bar and the time left. It uses no
+    thread, because the bag reader does not fork decoders from a process with a second thread.
 
     Parameters
     ----------
@@ -53,12 +53,9 @@ class Progress:
     def __init__(self, label: str, quiet: bool = False) -> None:
         self._label = label
         self._on = not quiet and sys.stderr.isatty()
-        self._console = open_console(sys.stderr) if self._on else None
-        self._spinner: Any = None
-        self._start = time.monotonic() if self._on else 0.0
-        # When the work began or went on after a pause, and its share then.
-        self._begun: tuple[float, float] | None = (self._start, 0.0)
-        self._share = 0.0
+        console = open_console(sys.stderr) if self._on else None
+        self._display = None if console is None else _make_display(console)
+        self._columns = self._display.columns if self._display else ()
         self._next = 0.0
         self._words = ''
         self._width = 0
@@ -77,60 +74,31 @@ class Progress:
         if now < self._next and words == self._words:
             return
         self._next, self._words = now + 0.1, words
-        room = _columns() - 1
-        if self._console is not None:
-            self._draw(self._console, text, room)
-        else:
-            line = f'{self._label}: {text}'[:room]
-            sys.stderr.write(line.ljust(self._width)[:room] + '\r')
-            self._width = len(line)
+        room, line = _columns() - 1, f'{self._label}: {text}'
+        if self._display is not None:
+            self._draw(self._display, _printable(line), _find_share(text), room)
+            return
+        sys.stderr.write(line[:room].ljust(self._width)[:room] + '\r')
+        self._width = len(line[:room])
         sys.stderr.flush()
 
-    def _draw(self, console: Any, text: str, room: int) -> None:
+    def _draw(self, display: Any, line: str, share: float | None, room: int) -> None:
         """Draw the line with rich, as wide as the terminal."""
-        from rich.progress_bar import ProgressBar
-        from rich.segment import Segments
-        from rich.spinner import Spinner
-        from rich.table import Table
-        from rich.text import Text
-
-        now = time.monotonic()
-        if self._spinner is None:
-            letters = (console.encoding or '').lower().startswith('utf')
-            self._spinner = Spinner('dots' if letters else 'line', style='cyan')
-        # Names from others are plain text, without markup or control characters.
-        words = Text(_printable(f'{self._label}: {text}'), overflow='ellipsis')
-        cells = [self._spinner.render(now), words, Text(_clock(now - self._start), style='dim')]
-        share = _find_share(text)
-        left_s = self._find_left_s(now, share)
-        if share is not None and room > 2 * _BAR:
-            cells += [ProgressBar(total=1.0, completed=share, width=_BAR),
-                      Text('' if left_s is None else f'{_clock(left_s)} left')]
-        line = Table.grid(*('' for _ in cells), padding=(0, 1))
-        for column in line.columns:
-            column.no_wrap = True
-        # In a narrow terminal the words give way, and a blank stands between two cells.
-        others = sum(1 + getattr(cell, 'cell_len', _BAR) for cell in cells if cell is not words)
-        words.truncate(max(1, room - others), overflow='ellipsis')
-        line.add_row(*cells)
-        options = console.options.update(width=room, no_wrap=True)
-        (drawn, *_) = console.render_lines(line, options)
-        with console.capture() as written:
-            console.print(Segments(drawn), end='')
-        sys.stderr.write(written.get() + '\r')
-        self._width = room
-
-    def _find_left_s(self, now: float, share: float | None) -> float | None:
-        """Return the time left at the pace since the work went on; None if it is not known."""
-        if share is None:
-            self._begun = None
-            return None
-        if self._begun is None or share < self._share:
-            self._begun = (now, share)
-        self._share = share
-        begun_s, begun_share = self._begun
-        done = share - begun_share
-        return (now - begun_s) * (1.0 - share) / done if done > 0.0 else None
+        task = display.tasks[0]
+        if share is None or share < task.completed:
+            # Other work, or a pause: the pace so far says nothing of the time left.
+            task.total = task.finished_time = None
+        display.update(task.id, description=line, completed=share or 0.0,
+                       total=None if share is None else 1.0)
+        display.console.width = room
+        # Without a bar the words have its room.
+        display.columns = self._columns[:None if share is not None and room > 2 * _BAR else -2]
+        if display.live.is_started:
+            display.refresh()
+        else:
+            display.start()
+            # However the process ends, no terminal is left without one.
+            display.console.show_cursor(True)
 
     def tell(self, text: str) -> None:
         """Write a line that stays, above the one that is overwritten."""
@@ -140,10 +108,37 @@ class Progress:
 
     def clear(self) -> None:
         """Remove the line from the screen."""
-        if self._width:
+        if self._display is not None:
+            self._display.stop()
+        elif self._width:
             sys.stderr.write('\r' + ' ' * self._width + '\r')
             sys.stderr.flush()
             self._width = 0
+
+
+def _make_display(console: Any) -> Any:
+    """Return a display of one task, with rich."""
+    from rich.progress import (
+        BarColumn,
+        Progress as Display,
+        SpinnerColumn,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+    from rich.table import Column
+
+    letters = (console.encoding or '').lower().startswith('utf')
+    # Names from others are plain text, without markup. In a narrow terminal the words give way.
+    words = TextColumn('{task.description}', markup=False,
+                       table_column=Column(ratio=1, no_wrap=True, overflow='ellipsis'))
+    display = Display(
+        SpinnerColumn('dots' if letters else 'line'), words, TimeElapsedColumn(),
+        BarColumn(_BAR), TimeRemainingColumn(compact=True), console=console, auto_refresh=False,
+        expand=True, transient=True, redirect_stdout=False, redirect_stderr=False,
+        get_time=time.monotonic)
+    display.add_task('', total=None)
+    return display
 
 
 def _find_share(text: str) -> float | None:
@@ -168,21 +163,6 @@ def _find_share(text: str) -> float | None:
 
 def _printable(text: str) -> str:
     return ''.join(letter if letter.isprintable() else '\ufffd' for letter in text)
-
-
-def _clock(seconds: float) -> str:
-    """
-    Return a time span in the format of a clock.
-
-    Examples
-    --------
-    >>> _clock(7.9), _clock(75.0), _clock(7384.0)
-    ('0:07', '1:15', '2:03:04')
-
-    """
-    minutes, rest = divmod(int(seconds), 60)
-    hours, minutes = divmod(minutes, 60)
-    return f'{hours}:{minutes:02d}:{rest:02d}' if hours else f'{minutes}:{rest:02d}'
 
 
 def _columns() -> int:
