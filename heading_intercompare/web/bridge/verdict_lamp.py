@@ -23,9 +23,9 @@ from heading_intercompare.core.validity.condition import HOLDS, NOT_TESTABLE
 from heading_intercompare.messages.status_messages import Status
 
 from .bridge_records import LampView, Tone
-from .view_texts import clock, integer, shorten
+from .view_texts import coming_words, integer, shorten
 
-__all__ = ['coming_words', 'light_lamp', 'make_lamp']
+__all__ = ['light_lamp', 'make_lamp']
 
 _TONES = {Outcome.COMPLIANT: Tone.GOOD, Outcome.INDETERMINATE: Tone.DOUBT,
           Outcome.NON_COMPLIANT: Tone.BAD}
@@ -59,13 +59,6 @@ def light_lamp(statuses: Sequence[Status], stamp_ns: int, next_look_ns: int | No
     if not lamps:
         return LampView(what=coming_words(next_look_ns, ends_ns) or 'at the end of the run')
     return max(lamps, key=lambda lamp: _GRAVITY.index(lamp.tone))
-
-
-def coming_words(next_look_ns: int | None, ends_ns: int | None) -> str:
-    """Return when the next verdict is due, in words; '' if that is not known."""
-    if next_look_ns is not None and (ends_ns is None or next_look_ns < ends_ns):
-        return f'next look {clock(next_look_ns)}'
-    return '' if ends_ns is None else f'the run ends {clock(ends_ns)}'
 
 
 def _judge_look(look: Status | None, stamp_ns: int) -> LampView | None:

@@ -17,16 +17,17 @@
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import NamedTuple, TYPE_CHECKING
 
 from heading_intercompare.core.decision.coverage import span_words
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.web.figures.stream_watch import SensorView
 
 from .bridge_records import NodeView, Tone
-from .bridge_view import BridgeView
-from .sensors_panel import SensorRow
-from .verdict_lamp import coming_words
+
+if TYPE_CHECKING:
+    from .bridge_view import BridgeView
+    from .sensors_panel import SensorRow
 
 
 def shorten(text: str, most: int) -> str:
@@ -71,6 +72,13 @@ def clock(stamp_ns: int | None) -> str:
 
     """
     return '-' if stamp_ns is None else f'{utc(stamp_ns)[11:16]} UTC'
+
+
+def coming_words(next_look_ns: int | None, ends_ns: int | None) -> str:
+    """Return when the next verdict is due, in words; '' if that is not known."""
+    if next_look_ns is not None and (ends_ns is None or next_look_ns < ends_ns):
+        return f'next look {clock(next_look_ns)}'
+    return '' if ends_ns is None else f'the run ends {clock(ends_ns)}'
 
 
 def age_words(age_s: float | None) -> str:
