@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 import ast
+from graphlib import TopologicalSorter
 from importlib import import_module
 from pathlib import Path
 import pickle
@@ -202,6 +203,7 @@ def package_of(path: Path) -> tuple[str, ...]:
 
 
 MODULES = sorted(PACKAGE.rglob('*.py'))
+MODULE_OF = {'.'.join(p.relative_to(ROOT).with_suffix('').parts): p for p in MODULES}
 SOURCES = sorted(p for top in ('heading_intercompare', 'test', 'launch', 'examples', 'benchmarks',
                                'docs') for p in (ROOT / top).rglob('*.py'))
 SOURCES += [ROOT / 'setup.py', ROOT / 'conftest.py']
@@ -268,6 +270,26 @@ def test_the_check_lets_an_allowed_import_pass(folder, statement):
 def test_a_module_imports_only_rooms_that_stand_before_its_own(path):
     module = '.'.join(path.relative_to(PACKAGE).with_suffix('').parts)
     assert out_of_order(module, path.read_text('utf-8'), package_of(path)) == []
+
+
+def imported_at_start(path: Path) -> set[Path]:
+    """Return the modules of the package that a module imports when it is loaded."""
+    tree = ast.parse(path.read_text('utf-8'))
+    tree.body = [node for node in tree.body
+                 if not isinstance(node, (ast.FunctionDef, ast.ClassDef))
+                 and not (isinstance(node, ast.If) and 'TYPE_CHECKING' in ast.dump(node.test))]
+    names = set()
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ImportFrom):
+            base = package_of(path)[:len(package_of(path)) - node.level + 1] if node.level else ()
+            module = '.'.join((*base, *([node.module] if node.module else [])))
+            names |= {module, *(f'{module}.{alias.name}' for alias in node.names)}
+    return {MODULE_OF[name] for name in names if name in MODULE_OF} - {path}
+
+
+def test_no_module_imports_itself_through_others():
+    order = TopologicalSorter({path: imported_at_start(path) for path in MODULES}).static_order()
+    assert {*order} == {*MODULES}
 
 
 @pytest.mark.parametrize('module, statement', [
