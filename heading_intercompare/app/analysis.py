@@ -164,12 +164,7 @@ def conclude(judged: Sequence[JudgedInput], settings: Settings,
     verdicts = _join_tested(judged, settings, results, lacking, sketches)
     together = None
     if settings.sensors is not None:
-        others = {names: runs for names, runs in results.items()
-                  if names[0] not in verdicts or names[1] in verdicts}
-        together = judge_sensors(
-            settings, verdicts, others,
-            [entry for judged_input in judged for entry in judged_input.entries],
-            incomplete=[names for names in others if names in lacking])
+        together = _judge_together(judged, settings, verdicts, results, lacking)
     unused = name_unused([run.verdict for runs in results.values() for run in runs],
                          settings.exclusions)
     input_notes = [note for judged_input in judged for note in judged_input.notes]
@@ -177,6 +172,19 @@ def conclude(judged: Sequence[JudgedInput], settings: Settings,
         verdicts, together, (*input_notes, *notes, *unused), sketches,
         {name: tuple(run for judged_input in judged for run in judged_input.earlier.get(name, ()))
          for name in verdicts}, judged[0].accounts if len(judged) == 1 else {})
+
+
+def _judge_together(judged: Sequence[JudgedInput], settings: Settings,
+                    verdicts: Mapping[str, Verdict],
+                    results: Mapping[Names, Sequence[RunResult]], lacking: Container[Names],
+                    ) -> SensorsVerdict:
+    """Return the verdict on all sensors together."""
+    others = {names: runs for names, runs in results.items()
+              if names[0] not in verdicts or names[1] in verdicts}
+    return judge_sensors(
+        settings, verdicts, others,
+        [entry for judged_input in judged for entry in judged_input.entries],
+        incomplete=[names for names in others if names in lacking])
 
 
 def _join_tested(judged: Sequence[JudgedInput], settings: Settings,

@@ -142,12 +142,7 @@ def judge_csv(path: str, name: str, settings: Settings,
         takers = (*takers, partial(sketch.update, settings=settings))
     judging = _Judging(compliance, settings, takers, progress, trusted=account is not None)
     if account is not None:
-        for kind, stamp_ns in account.marks if table is None else ():
-            compliance.mark(kind, stamp_ns)
-        motion = motion_of_text(account.motion)
-        compliance.take_motion(motion)
-        if sketch is not None:
-            sketch.take_motion(motion)
+        _take_marks_and_motion(account, compliance, table, sketch)
     rows = open_pairs(path)
     for pairs in rows:
         judging.take(pairs)
@@ -175,6 +170,17 @@ def judge_csv(path: str, name: str, settings: Settings,
     return describe_two(
         compliance.results(ledger), compliance.take_earlier(ledger), described, noted, ledger,
         settings, table=runs, account=judged_account, sketch=sketch)
+
+
+def _take_marks_and_motion(account: PairsAccount, compliance: Compliance, table: Spans | None,
+                           sketch: SeriesSketch | None) -> None:
+    """Take from an account what belongs between the pairs."""
+    for kind, stamp_ns in account.marks if table is None else ():
+        compliance.mark(kind, stamp_ns)
+    motion = motion_of_text(account.motion)
+    compliance.take_motion(motion)
+    if sketch is not None:
+        sketch.take_motion(motion)
 
 
 def _list_notes(rows: _Pairs, settings: Settings) -> Iterator[str]:

@@ -412,18 +412,7 @@ def _take(inventory: Inventory, item: Sound, salvage: Salvage, file: BufferedIOB
     elif item.large is not None:
         _take_large(inventory, item.record.start - HEAD.size, item.end, item.large, file)
     elif item.block is not None:
-        kind = Kind.FRAGMENT if opcode == Opcode.CHUNK else Kind.BARE
-        inventory.chunks += kind == Kind.FRAGMENT
-        _define(inventory, item.block, slice(None), False)
-        log = item.block.heads['log_time'].copy()
-        counts = count_messages(item.block.heads['channel'][log >= 0])
-        inventory.sections[-1].untimed += int((log < 0).sum())
-        inventory.count(inventory.section, counts)
-        if counts:
-            row = _make_row(item.record.start - HEAD.size, item.end, counts)
-            if kind == Kind.BARE and inventory.damage and not inventory.chunks:
-                inventory.doubtful.append((len(inventory.pieces), inventory.section, row))
-            inventory.pieces.add(kind, inventory.section, row)
+        _take_block(inventory, item, item.block)
     elif opcode == Opcode.STATISTICS:
         statistics = parse_record(mcap.Statistics, salvage.content(item.record))
         if statistics.channel_message_counts or not statistics.message_count:
@@ -443,6 +432,22 @@ def _take(inventory: Inventory, item: Sound, salvage: Salvage, file: BufferedIOB
         inventory.extras += 1
         start = item.record.start - HEAD.size
         inventory.pieces.add(Kind.EXTRA, inventory.section, _make_row(start, item.end, ()))
+
+
+def _take_block(inventory: Inventory, item: Sound, block: Block) -> None:
+    """Take messages of a cut chunk, or messages outside chunks."""
+    kind = Kind.FRAGMENT if item.record.opcode == Opcode.CHUNK else Kind.BARE
+    inventory.chunks += kind == Kind.FRAGMENT
+    _define(inventory, block, slice(None), False)
+    log = block.heads['log_time'].copy()
+    counts = count_messages(block.heads['channel'][log >= 0])
+    inventory.sections[-1].untimed += int((log < 0).sum())
+    inventory.count(inventory.section, counts)
+    if counts:
+        row = _make_row(item.record.start - HEAD.size, item.end, counts)
+        if kind == Kind.BARE and inventory.damage and not inventory.chunks:
+            inventory.doubtful.append((len(inventory.pieces), inventory.section, row))
+        inventory.pieces.add(kind, inventory.section, row)
 
 
 def _make_row(start: int, end: int, counts: Counts) -> Chunk:

@@ -89,6 +89,15 @@ def run(arguments: argparse.Namespace) -> int:
         _write_csv(histories, sys.stdout, since_ns)
     else:
         say('\n'.join(_list(histories, changes, since_ns)) or 'no runs', VERDICT_MARKS)
+    _write_files(histories, changes, arguments, since_ns)
+    differs = (any(change.differs for service_changes in changes for change in service_changes)
+               if service_ns is not None
+               else any(h.differs for h in histories))
+    return _DIFFERS_CODE if arguments.check and differs else 0
+
+
+def _write_files(histories: Sequence[History], changes: Sequence[Sequence[ServiceChange]],
+                 arguments: argparse.Namespace, since_ns: int | None) -> None:
     if arguments.json not in (None, '-'):
         with name_file(arguments.json):
             Path(arguments.json).write_text(
@@ -102,10 +111,6 @@ def run(arguments: argparse.Namespace) -> int:
 
         with name_file(arguments.html):
             write_page(histories, arguments.html, since_ns)
-    differs = (any(change.differs for service_changes in changes for change in service_changes)
-               if service_ns is not None
-               else any(h.differs for h in histories))
-    return _DIFFERS_CODE if arguments.check and differs else 0
 
 
 def _check_options(arguments: argparse.Namespace) -> None:

@@ -79,14 +79,8 @@ def judge_interpolation(error: InterpolationError, account: RunAccount) -> Findi
                                   'interpolation adds')
     limits, guarded = account.limits, account.guarded
     least, most = limits.tightened_limit_deg2, limits.rejection_limit_deg2
-    evidence = f'interpolated between readings {error.step_s:.3g} s apart'
-    if not error.is_resolved:
-        evidence += ', which come too seldom to show the motion between them'
-    elif error.variance_deg2:
-        evidence += (f', which adds {error.variance_deg2:.2g} deg2 to the variance, at most '
-                     f'{error.upper_deg2:.2g} deg2')
-    else:
-        evidence += ', which no motion of a ship outruns'
+    evidence = (f'interpolated between readings {error.step_s:.3g} s apart, '
+                f'{_describe_addition(error)}')
     if account.outcome is Outcome.COMPLIANT:
         if error.is_line and (error.line_deg2 is None or error.line_deg2 > _LINE_SHARE * least):
             return INTERPOLATION.find(
@@ -109,6 +103,15 @@ def judge_interpolation(error: InterpolationError, account: RunAccount) -> Findi
         return INTERPOLATION.find(VOID, 'the slower sensor is too slow for the motion',
                                   f'{evidence}: without this the outcome might differ')
     return INTERPOLATION.find(HOLDS, '', f'{evidence}; the outcome is the same without this')
+
+
+def _describe_addition(error: InterpolationError) -> str:
+    if not error.is_resolved:
+        return 'which come too seldom to show the motion between them'
+    if error.variance_deg2:
+        return (f'which adds {error.variance_deg2:.2g} deg2 to the variance, at most '
+                f'{error.upper_deg2:.2g} deg2')
+    return 'which no motion of a ship outruns'
 
 
 INTERPOLATION = Condition(

@@ -203,6 +203,16 @@ def _analysed_ns(run: RunVerdict) -> int:
     return round((run.end_ns - run.start_ns) * share)
 
 
+def _draw_limits(axes: Any, run: RunVerdict, ends: Any, is_first: bool) -> Iterator[float]:
+    """Draw the limits of a run from end to end, and yield them."""
+    variances = run.variance_criterion
+    for level, line, words in (
+            (variances.limit_deg2, LIMIT, 'limit of GK (5)'),
+            (variances.tightened_limit_deg2, TIGHTENED, "tightened limit of GK (5')")):
+        axes.plot(ends, [level, level], **line, label=words if is_first else None)
+        yield level
+
+
 def draw_running_variance(about: Subject) -> Iterator[Drawing | LeftOut]:
     """Yield the figure of the variance from the start of each run on, with bounds and looks."""
     title = about.title('variance as the run went on', sum(r.n for r in about.runs))
@@ -240,13 +250,7 @@ def draw_running_variance(about: Subject) -> Iterator[Drawing | LeftOut]:
                 axes.plot(days(at_ns), np.interp(days(at_ns), t, variance), _MARKS[look.outcome],
                           color='#d55e00', markersize=6.0, markeredgecolor='#000000',
                           label=None if k or j else _LOOKS)
-            variances = run.variance_criterion
-            for level, look_of, words in (
-                    (variances.limit_deg2, LIMIT, 'limit of GK (5)'),
-                    (variances.tightened_limit_deg2, TIGHTENED, "tightened limit of GK (5')")):
-                axes.plot(t[[0, -1]], [level, level], **look_of, label=None if k else words)
-                levels.append(level)
-            levels.extend(bounds)
+            levels += [*_draw_limits(axes, run, t[[0, -1]], is_first=not k), *bounds]
         axes.set_yscale('log')
         shown = [level for level in levels if level > _LEAST_SHARE * max(levels)]
         axes.set_ylim(0.8 * min(shown), 1.25 * max(shown))
