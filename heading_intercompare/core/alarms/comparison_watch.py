@@ -206,7 +206,12 @@ class ComparisonWatch:
         return True
 
     def _look_frozen(self, name: str, heading: Reals, other_deg: Reals, sigma_deg: float) -> Sign:
-        """Judge the repetition that goes on now."""
+        """
+        Judge the repetition that goes on now.
+
+        `find_frozen` judges it. Only the search for its beginning is here, because that must be
+        as fast as a message.
+        """
         window, detectors = self._window, self._settings.detectors
         changes = np.flatnonzero(np.abs(heading - heading[-1]) > _EQUAL_DEG)
         first = int(changes[-1]) + 1 if changes.size else 0

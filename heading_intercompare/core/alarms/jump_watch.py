@@ -68,7 +68,8 @@ class JumpWatch:
     range of the RS heading within the skew range, less the range that it usually has.
 
     A jump is abrupt: the means over half a second move by half of its size from one to the next.
-    It lasts until the difference has come back to half of the threshold.
+    It lasts until the difference has come back to half of the threshold. The
+    detector of the verdict, `find_partings`, needs a minute of it; an alarm must come at once.
 
     """
 

@@ -18,8 +18,9 @@ from __future__ import annotations
 
 from typing import Mapping
 
+from heading_intercompare.core.statistics.recent_count import RecentCount
+
 from .alarm import Priority, Rule, Sign
-from .recent_count import RecentCount
 
 __all__ = ['SENTENCE_RULES', 'SentenceWatch']
 

@@ -60,6 +60,9 @@ class StreamWatch:
     stamps go on in usual steps, though. So at least half of the change must show as a step of the
     stamps beyond the usual one of each reading.
 
+    Stamps far apart give no pairs, and a recording has no times of arrival. So no detector of the
+    verdict can do this.
+
     """
 
     def __init__(self, stale_s: float, apart_s: float) -> None:

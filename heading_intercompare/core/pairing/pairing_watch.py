@@ -16,10 +16,10 @@
 
 from __future__ import annotations
 
-from collections import deque
 from dataclasses import dataclass
 
 from heading_intercompare.core.settings import Pairing
+from heading_intercompare.core.statistics.recent_count import RecentCount
 
 from .ledger import Ledger, LedgerKey
 
@@ -52,13 +52,6 @@ class PairingState:
     trouble: str
 
 
-@dataclass(frozen=True, slots=True)
-class _Sample:
-    now_s: float
-    received: tuple[int, int]
-    paired: int
-
-
 class PairingWatch:
     """
     Watches the ledger of a live pairing.
@@ -72,7 +65,9 @@ class PairingWatch:
 
     def __init__(self, rule: Pairing) -> None:
         self._max_wait_s = rule.max_wait_s
-        self._samples: deque[_Sample] = deque()
+        self._received = RecentCount(_WINDOW_S), RecentCount(_WINDOW_S)
+        self._paired = RecentCount(_WINDOW_S)
+        self._begun_s: float | None = None
 
     def look(self, ledger: Ledger, ts_ns: int | None, rs_ns: int | None,
              now_s: float) -> PairingState:
@@ -90,32 +85,27 @@ class PairingWatch:
 
         """
         total = ledger.total
-        received = total.reported('ts'), total.reported('rs')
-        paired = total.counts.get(LedgerKey.PAIRED, 0)
-        samples = self._samples
-        if not samples:
-            samples.append(_Sample(now_s, (0, 0), 0))
-        samples.append(_Sample(now_s, received, paired))
-        while len(samples) > 1 and samples[1].now_s <= now_s - _WINDOW_S:
-            samples.popleft()
+        if self._begun_s is None:
+            self._begun_s = now_s
+        come = [count.take(total.reported(stream), now_s)
+                for stream, count in zip(('ts', 'rs'), self._received)]
+        paired = self._paired.take(total.counts.get(LedgerKey.PAIRED, 0), now_s)
         if ts_ns is None or rs_ns is None:
             return PairingState(None, None, '')
         offset_s = (ts_ns - rs_ns) / 1e9
-        first = samples[0]
-        come = [new - old for new, old in zip(received, first.received)]
         if not min(come):
             return PairingState(None, offset_s, '')
-        share = min(1.0, (paired - first.paired) / min(come))
+        share = min(1.0, paired / min(come))
         far = abs(offset_s) > self._max_wait_s
         # Readings wait for a choice of the method, or for stamps that confirm theirs.
         waiting = any(2 * total.counts.get(LedgerKey.of_pending(stream), 0) >= n
                       for stream, n in zip(('ts', 'rs'), come))
-        settled = now_s - first.now_s >= min(_WINDOW_S, self._max_wait_s + _SETTLING_S)
+        settled = now_s - self._begun_s >= min(_WINDOW_S, self._max_wait_s + _SETTLING_S)
         if share >= _FEW or not settled or waiting and not far:
             return PairingState(share, offset_s, '')
         size = f'{abs(offset_s):.1f}' if abs(offset_s) >= 1.0 else f'{abs(offset_s):.2g}'
         apart = f'the stamps of TS and RS lie {size} s apart'
-        if far and paired == first.paired:
+        if far and not paired:
             return PairingState(share, offset_s, f'{apart}: nothing can be paired')
         return PairingState(share, offset_s, f'only {100.0 * share:.0f} % of the readings of the '
                             f'last minute are paired; {apart}')

@@ -29,11 +29,10 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from heading_intercompare.core.declared_figures import figure
-from heading_intercompare.core.records import Headings
+from heading_intercompare.core.records import Reals
 from heading_intercompare.core.statistics.blocking import student_95
 
 from .clock_search import find_apart
-from .heading_track import Track
 from .realignment import move_pairs
 from .skew_instrument import (
     common_tracks,
@@ -46,7 +45,7 @@ from .skew_instrument import (
 )
 from .skew_search import coarsen, find_skew, has_turned, REACH_S
 
-__all__ = ['estimate_skew', 'regress_skew', 'Regression', 'Skew']
+__all__ = ['estimate_skew', 'regress_on_rate', 'Skew']
 
 _MAX_GAP_S = 3.0
 _STEPS = 20
@@ -55,90 +54,33 @@ _SEARCHED = 8192
 _SAME_S = 0.2
 
 
-@dataclass(frozen=True, slots=True)
-class Regression:
+def regress_on_rate(x_deg: Reals, rate_deg_s: Reals) -> tuple[float, float] | None:
     """
-    Ordinary least squares of the differences on the rate of the RS.
-
-    Attributes
-    ----------
-    n : int
-        Samples used.
-    skew_s : float
-        Minus the slope; the noise of the rate biases it towards zero.
-    u_naive_s : float
-        Standard error as if the residuals were uncorrelated.
-    intercept_deg : float
-        Difference at zero rate.
-    correlation : float
-        Correlation of difference and rate.
-    residual_std_deg : float
-        Root of RSS/(n - 1).
-    rate_std_deg_s, rate_max_deg_s : float
-        Standard deviation and largest absolute value of the RS rate.
-
-    """
-
-    n: int
-    skew_s: float
-    u_naive_s: float
-    intercept_deg: float
-    correlation: float
-    residual_std_deg: float
-    rate_std_deg_s: float
-    rate_max_deg_s: float
-
-
-def regress_skew(stamp_ns: ArrayLike, x_deg: ArrayLike, rs: Headings,
-                 half_span_s: float = HALF_SPAN_S) -> Regression | None:
-    """
-    Regress the differences on the rate of the RS.
+    Regress differences on the rate of the RS by ordinary least squares.
 
     Parameters
     ----------
-    stamp_ns : array_like of int, shape (n,)
-        Stamps of the pairs, nanoseconds.
-    x_deg : array_like, shape (n,)
-        Differences, degrees.
-    rs : Headings
-        Readings of the RS. Only pairs at least `half_span_s` inside them are used.
-    half_span_s : float
-        The rate spans this time before a pair and the same time after it, seconds.
+    x_deg, rate_deg_s : ndarray, shape (n,)
+        Differences, and the rates of the RS at them.
 
     Returns
     -------
-    Regression or None
-        None for fewer than 3 samples, or if rate or differences do not vary.
-
-    References
-    ----------
-    Ordinary least squares on central differences, whose noise is uncorrelated with x.
+    skew_s, u_s : (float, float) or None
+        Minus the slope, which the noise of the rate biases towards zero, and its standard error
+        as if the residuals were uncorrelated. None for fewer than 3 samples, or if rate or
+        differences do not vary.
 
     """
-    stamps, x = np.asarray(stamp_ns), np.asarray(x_deg, dtype=np.float64)
-    if not len(rs) or not x.size:
-        return None
-    track = Track(rs, int(rs.stamp_ns[0]))
-    t = (stamps - int(rs.stamp_ns[0])) / 1e9
-    inside = track.covers(t - half_span_s, t + half_span_s)
-    t, x = t[inside], x[inside]
-    return _regress(x, track.rate(t, half_span_s)) if x.size else None
-
-
-def _regress(x: np.ndarray, rate: np.ndarray) -> Regression | None:
-    n = x.size
+    n = x_deg.size
     if n < 3:
         return None
-    w, e = rate - rate.mean(), x - x.mean()
+    w, e = rate_deg_s - rate_deg_s.mean(), x_deg - x_deg.mean()
     ww, ee, we = float(w @ w), float(e @ e), float(w @ e)
     if min(ww, ee) <= 0.0:
         return None
     b = we / ww
     residual = e - b * w
-    rss = float(residual @ residual)
-    return Regression(n, -b, math.sqrt(rss / (n - 2) / ww), float(x.mean() - b * rate.mean()),
-                      we / math.sqrt(ww * ee), math.sqrt(rss / (n - 1)), math.sqrt(ww / (n - 1)),
-                      float(np.abs(rate).max()))
+    return -b, math.sqrt(float(residual @ residual) / (n - 2) / ww)
 
 
 _KINDS = {'found': 'found', 'unclear': 'found, but poorly determined',
@@ -285,12 +227,13 @@ def estimate_skew(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
     regression = fit(0.0)
     if regression is None:
         return Skew(0)
-    ols = _regress(regression.x, regression.rate)
-    result = Skew(regression.x.size, 'not_turned', float(regression.rate.std(ddof=1)),
-                  regression.rate_std_deg_s, regression.strength, ols.skew_s if ols else None,
-                  ols.u_naive_s if ols else None,
-                  regression.step_s if regression.strength > 0.0 else None, well_determined=False,
-                  std_deg=float(regression.x.std(ddof=1)))
+    ols_s, ols_u_s = regress_on_rate(regression.x, regression.rate) or (None, None)
+    result = Skew(n=regression.x.size, kind='not_turned',
+                  rs_rate_std_deg_s=float(regression.rate.std(ddof=1)),
+                  rate_std_deg_s=regression.rate_std_deg_s, strength=regression.strength,
+                  ols_s=ols_s, ols_u_s=ols_u_s,
+                  iv_s=regression.step_s if regression.strength > 0.0 else None,
+                  well_determined=False, std_deg=float(regression.x.std(ddof=1)))
     coarse = coarsen(ts, _SEARCH_BLOCK_S), coarsen(rs, _SEARCH_BLOCK_S)
     clocks = None
     if clock_range_s > REACH_S:
@@ -339,11 +282,10 @@ def _fill_in(result: Skew, regression: Fit, d: float, range_s: float,
     half = student_95(regression.dof) * regression.u_s
     interval = d - half, d + half
     clear = regression.strength >= LEAST_STRENGTH and regression.u_s <= 0.1 * range_s
-    return Skew(
-        regression.x.size, 'found' if clear else 'unclear', result.rs_rate_std_deg_s,
-        regression.rate_std_deg_s, regression.strength,
-        result.ols_s, result.ols_u_s, result.iv_s, d, regression.u_s, interval,
-        well_determined=clear, searched_s=result.searched_s,
-        significant=not interval[0] <= 0.0 <= interval[1],
-        std_deg=float(x_paired.std(ddof=1)), std_aligned_deg=float(regression.x.std(ddof=1)),
+    return replace(
+        result, n=regression.x.size, kind='found' if clear else 'unclear',
+        rate_std_deg_s=regression.rate_std_deg_s, strength=regression.strength, skew_s=d,
+        u_s=regression.u_s, interval_s=interval, well_determined=clear,
+        significant=not interval[0] <= 0.0 <= interval[1], std_deg=float(x_paired.std(ddof=1)),
+        std_aligned_deg=float(regression.x.std(ddof=1)),
         mean_aligned_deg=float(regression.x.mean()))

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from hypothesis import given, strategies as st
 
-from heading_intercompare.core.alarms.recent_count import RecentCount
+from heading_intercompare.core.statistics.recent_count import RecentCount
 
 
 @given(st.lists(st.integers(0, 5), max_size=50), st.integers(1, 20))
