@@ -269,8 +269,6 @@ class NmeaDecoder:
             self._counts['no_checksum'] += 1
             return
         if name is None:
-            if self._from_file and (prefix or suffix):
-                self._stamps.pass_by(prefix, suffix)
             self._counts[self._note(text, prefix, suffix, received_ns)] += 1
             return
         if self._instrument is not None and not self._instrument.accepts(prefix, suffix):
@@ -308,6 +306,8 @@ class NmeaDecoder:
 
     def _note(self, text: bytes, prefix: bytes, suffix: bytes, received_ns: int | None) -> str:
         """Keep what another sentence says about later headings; return the reason to count it."""
+        if self._from_file and (prefix or suffix):
+            self._stamps.pass_by(prefix, suffix)
         if text[:8] == b'PSXN,20,':
             self._psxn_quality = (text.split(b',') + [b''] * 3)[4].strip()
         elif text[3:6] in _TIME_MARKS and (

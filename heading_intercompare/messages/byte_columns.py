@@ -42,8 +42,8 @@ from .errors import MessageError
 from .stamps import TIME_LIMIT_NS
 
 __all__ = ['align', 'BytesLike', 'check_size', 'decode_readable', 'decode_stamped',
-           'end_of_strings', 'gather', 'join_messages', 'read_sound', 'read_stamps', 'split_rows',
-           'stamped_rows']
+           'end_of_strings', 'gather', 'gather_reals', 'join_messages', 'read_sound',
+           'read_stamps', 'split_rows', 'stamped_rows']
 
 #: Some data that holds messages.
 BytesLike = bytes | bytearray | memoryview
@@ -146,6 +146,37 @@ def stamped_rows(type_name: str, stamp_ns: Integers, frame_id: str, reals: Reals
 def align(position: Integers | int, size: int) -> Integers | int:
     """Return the next multiple of a size, which is a power of two."""
     return (position + (size - 1)) & -size
+
+
+def gather_reals(type_name: str, data: BytesLike, start: Integers, size: Integers,
+                 at: Integers | int, sign: _ByteOrder, n: int) -> np.ndarray:
+    """
+    Return n reals of each message that follow each other, shape (n, messages).
+
+    Parameters
+    ----------
+    type_name : str
+        Type of the messages.
+    data : bytes-like
+        The bytes that hold the messages.
+    start, size : ndarray of int64
+        First byte and length of each message.
+    at : ndarray of int64 or int
+        Offset of the first real in each message.
+    sign : {'<', '>'}
+        Byte order.
+    n : int
+        Number of reals.
+
+    Raises
+    ------
+    MessageError
+        If a message is too short for them.
+
+    """
+    kind = np.dtype((f'{sign}f8', n))
+    check_size(type_name, start, size, at + kind.itemsize)
+    return gather(data, kind, start + at).T
 
 
 def check_size(type_name: str, start: Integers, size: Integers,

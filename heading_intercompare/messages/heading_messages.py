@@ -37,6 +37,7 @@ from .byte_columns import (
     decode_stamped,
     end_of_strings,
     gather,
+    gather_reals,
     read_sound,
     read_stamps,
     split_rows,
@@ -173,10 +174,6 @@ def pair_messages(pairs: Pairs, frame_id: str = '') -> list[bytes]:
     return split_rows(encode_pairs(pairs, frame_id)) if len(pairs) else []
 
 
-#: x, y, z, w; for an Imu also the first covariance, which says whether there is an orientation.
-_QUATERNION, _IMU_ORIENTATION = np.dtype(('<f8', 4)), np.dtype(('<f8', 5))
-#: Linear and angular velocity of a Twist.
-_TWIST = np.dtype(('<f8', 6))
 #: Azimuth, variance; degrees or radians, NED or ENU, and which north.
 _AZIMUTH = np.dtype([('angle', '<f8'), ('variance', '<f8'), ('degrees', 'u1'), ('ned', 'u1'),
                      ('north', 'u1')])
@@ -258,9 +255,8 @@ def _orientations(type_name: str, data: BytesLike, start: Integers, size: Intege
         check_size(type_name, start, size, end + 4)
         end = end + gather(data, f'{sign}u4', start + end)
     at = align(end, 8) + 4 + ORIENTATION_TYPES[type_name]
-    kind = (_IMU_ORIENTATION if type_name == IMU else _QUATERNION).newbyteorder(sign)
-    check_size(type_name, start, size, at + kind.itemsize)
-    columns = gather(data, kind, start + at).T
+    # x, y, z, w; for an Imu also the first covariance, which says if there is an orientation.
+    columns = gather_reals(type_name, data, start, size, at, sign, 5 if type_name == IMU else 4)
     has_orientation = (columns[4] != _UNKNOWN if type_name == IMU
                        else np.ones(start.shape, dtype=bool))
     return columns[:4], has_orientation
@@ -310,10 +306,8 @@ def decode_pairs(data: BytesLike, start: Integers, stop: Integers) -> Pairs:
 def _pairs(data: BytesLike, start: Integers, size: Integers, header: np.ndarray) -> Pairs:
     """Return the pairs in messages of one byte order."""
     sign, end = end_of_strings(header)
-    at = align(end, 8) + 4
-    check_size(PAIRS_TYPE, start, size, at + _TWIST.itemsize)
-    _, rs_deg, ts_deg, lag_s, rs_factor, ts_factor = np.array(
-        gather(data, _TWIST.newbyteorder(sign), start + at).T, np.float64, order='C')
+    _, rs_deg, ts_deg, lag_s, rs_factor, ts_factor = np.array(gather_reals(
+        PAIRS_TYPE, data, start, size, align(end, 8) + 4, sign, 6), np.float64, order='C')
     endless = ~(np.abs(lag_s) < _MOST_LAG_S)
     if endless.any():
         first = int(np.argmax(endless))

@@ -16,12 +16,12 @@
 
 from __future__ import annotations
 
+from functools import partial
 import math
 import time
 from typing import Any, Sequence
 
 from diagnostic_msgs.msg import DiagnosticArray
-from rclpy.node import Node
 from std_srvs.srv import Trigger
 
 from heading_intercompare.core.decision.coverage import least_duration_words
@@ -37,11 +37,12 @@ from heading_intercompare.nodes.judging.reporting import Reporting
 from heading_intercompare.nodes.judging.trial_journal import open_spool, TrialJournal
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.batches import Arrivals
-from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
+from heading_intercompare.nodes.ros.graph_node import GraphNode
+from heading_intercompare.nodes.ros.health import Health
+from heading_intercompare.nodes.ros.parameters import declare
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.figures import Figures
-from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.sole_node import SoleNode
 from heading_intercompare.nodes.sensors.places import called, place_files
 from heading_intercompare.nodes.taking.mark_intake import explain_mark, MarkIntake
@@ -56,13 +57,13 @@ __all__ = ['Compliance', 'main']
 _ALONE_S, _HOLD_OFF_S = 0.3, 0.002
 
 
-class Compliance(Node):
+class Compliance(GraphNode):
     """Publish figures of the run in progress, and the verdict and report at the end of each."""
 
     done, _alone_s, _end_s = False, math.inf, math.inf
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__('compliance', **OVERRIDES, **kwargs)
+        super().__init__('compliance', **kwargs)
         settings, taking, node_settings = declare(
             self, Settings, Taking, ComplianceNode, followed=('window_s', 'stale_s'))
         self._settings, self._own = (settings_of_tested(settings, node_settings.sensor),
@@ -84,20 +85,14 @@ class Compliance(Node):
         self.sole = SoleNode(self, ['compliance/report'], self.health)
         self._marker = self.create_publisher(DiagnosticArray, MARKER_TOPIC, qos.MARKER)
         self._figures = Figures(self, self._compliance, self._own.scalars_hz)
-        for topic, profile, read, act in (
-                (MARKER_TOPIC, qos.MARKER, decode_marks, self._mark),
-                ('pairs/ledger', qos.LEDGER, decode_ledger, self._reporting.book)):
-            subscribe(self, DiagnosticArray, topic, profile, self.health, read, act)
+        subscribe(self, DiagnosticArray, MARKER_TOPIC, qos.MARKER, self.health, decode_marks,
+                  self._mark)
+        subscribe(self, DiagnosticArray, 'pairs/ledger', qos.LEDGER, self.health, decode_ledger,
+                  self._reporting.book)
         for name in ('start', 'stop'):
-            self.create_service(Trigger, f'~/{name}_run',
-                                lambda _, response, kind=name: self._command(kind, response))
+            self.create_service(Trigger, f'~/{name}_run', partial(self._command, name))
         self.create_service(Trigger, '~/acknowledge', self._acknowledge)
         every(self, 1.0, self._beat)
-
-    @property
-    def ended(self) -> bool:
-        """Whether the last report is out."""
-        return self._reporting.closed
 
     @property
     def n_pairs(self) -> int:
@@ -114,7 +109,7 @@ class Compliance(Node):
             return
         pairs = self._pairs.read()
         self._motion.pass_on()  # What was sent before these pairs is there by now.
-        self._journal.add(pairs, self._pairs.numbers)
+        self._journal.add(pairs, self._pairs.numbers_by_name)
         self._compliance.update(pairs)
         self._journal.tick(self.sole.clear)
         self.alarms.take(pairs)
@@ -136,7 +131,8 @@ class Compliance(Node):
                 self.alarms.start_run()
         self._journal.tick(self.sole.clear)
 
-    def _command(self, kind: str, response: Trigger.Response) -> Trigger.Response:
+    def _command(self, kind: str, _: Trigger.Request,
+                 response: Trigger.Response) -> Trigger.Response:
         """Set a mark after the newest pair; pairs up to it belong to the run before."""
         self._drain()
         did = explain_mark(kind, self._compliance.keep().cutter)
@@ -167,6 +163,7 @@ class Compliance(Node):
         if (complete or alone) and not self._pairs.waiting or now_s > self._end_s:
             self._compliance.finish()
             reporting.close(complete)
+            self.ended = True
 
 
 def main(args: Sequence[str] | None = None) -> int:

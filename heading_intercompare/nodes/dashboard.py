@@ -20,14 +20,13 @@ import sys
 import time
 from typing import Any, Sequence
 
-from rclpy.node import Node
-
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.nodes.judging.operator_actions import OperatorActions
-from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
+from heading_intercompare.nodes.ros.graph_node import GraphNode
+from heading_intercompare.nodes.ros.health import Health
+from heading_intercompare.nodes.ros.parameters import declare
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
-from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.taking.bridge_intake import BridgeIntake
 from heading_intercompare.web.bridge.bridge_view import BridgeView
 from heading_intercompare.web.controls import Controls
@@ -40,13 +39,13 @@ __all__ = ['Dashboard', 'main']
 _VIEW_S = 0.2
 
 
-class Dashboard(Node):
+class Dashboard(GraphNode):
     """Show a graph on a page; what a person does there goes to the nodes concerned."""
 
     done = False
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__('dashboard', **OVERRIDES, **kwargs)
+        super().__init__('dashboard', **kwargs)
         settings, taking, node_settings = declare(self, SHOWN, Taking, DashboardNode)
         self.ended = False
         self.health = Health(self)

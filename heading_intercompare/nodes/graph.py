@@ -27,23 +27,25 @@ import os
 from queue import SimpleQueue
 import threading
 import time
-from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence
+from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence, TypeVar
 
 import rclpy
 from rclpy.context import Context
 from rclpy.executors import Executor
-from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from heading_intercompare.core.sensor_table import list_tested, read_sensors
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Verdict
+from heading_intercompare.nodes.ros.graph_node import GraphNode
 from heading_intercompare.nodes.ros.parameters import make_overrides
 from heading_intercompare.nodes.ros.process import end, settle_memory, spin_nodes, Stop
+from heading_intercompare.nodes.ros.quick_executor import QuickExecutor
 from heading_intercompare.nodes.ros.remapping import check_namespace
 from heading_intercompare.nodes.ros.security import check_security, say_security_errors
 from heading_intercompare.nodes.ros.transports import prefer_udp, RANGE, set_variable
+from heading_intercompare.nodes.runtime.source_thread import ReadingNode
 from heading_intercompare.nodes.sensors.places import (
     count_motion_subscribers,
     count_subscribers,
@@ -65,6 +67,7 @@ __all__ = ['intercompare', 'Source']
 _SHOW_S = 0.3
 
 _JUDGES = (Compliance, SensorsWatch)
+_Kind = TypeVar('_Kind')
 #: What those that judge have in common.
 _OF_JUDGES = ('journal', 'resume_within_s', 'bag')
 
@@ -75,7 +78,7 @@ class Source(NamedTuple):
 
     Attributes
     ----------
-    make : type
+    make : callable
         `NmeaDriver`, `MotionDriver`, `SensorSimulator` or `Replayer`.
     name : str
         Name of the node.
@@ -84,7 +87,7 @@ class Source(NamedTuple):
 
     """
 
-    make: type
+    make: Callable[..., GraphNode]
     name: str
     settings: Mapping[str, Any]
 
@@ -92,7 +95,7 @@ class Source(NamedTuple):
 class _Planned(NamedTuple):
     """A node to make: its class, name, own parameters, and its sensor if it has one."""
 
-    make: type
+    make: Callable[..., GraphNode]
     name: str
     parameters: Mapping[str, Any]
     sensor: str = ''
@@ -138,15 +141,17 @@ def _context(private: bool) -> Iterator[Context]:
             context.try_shutdown()
 
 
-def _align_logs(sources: Sequence[Node]) -> None:
+def _align_logs(sources: Sequence[GraphNode]) -> None:
     """Start all logs at the earliest first stamp of any, so that they play in step."""
-    logs = [s for s in sources if getattr(s, 'first_ns', None) is not None]
-    for log in logs:
-        log.play_from(min(other_log.first_ns for other_log in logs))
+    logs = {source: source.first_ns for source in sources if isinstance(source, ReadingNode)}
+    stamps_ns = [first_ns for first_ns in logs.values() if first_ns is not None]
+    for log, first_ns in logs.items():
+        if first_ns is not None:
+            log.play_from(min(stamps_ns))
 
 
 @contextmanager
-def _spin_in_thread(executor: Executor) -> Iterator[Future]:
+def _spin_in_thread(executor: Executor) -> Iterator[Future[None]]:
     """Spin an executor in its own thread; yield its future, which ends early only on an error."""
     over = threading.Event()
 
@@ -163,17 +168,100 @@ def _spin_in_thread(executor: Executor) -> Iterator[Future]:
 
 
 class _Look:
-    """Passes on what to show of a graph, if anybody wants to know, several times per second."""
+    """Passes on what a graph does, if anybody wants to know, several times per second."""
 
-    def __init__(self, watcher: Node, show: Callable[[BridgeView, str], None] | None) -> None:
-        self._watcher, self._show, self._next_s = watcher, show, 0.0
+    def __init__(self, graph: '_Graph', show: Callable[[BridgeView, str], None] | None,
+                 tell: Callable[[str], None] | None, progress: Callable[[int], None]) -> None:
+        self._graph, self._show, self._tell, self._progress = graph, show, tell, progress
+        self._next_s = 0.0
+        self._alarm_lines: SimpleQueue[str] = SimpleQueue()
 
     def pass_on(self, phase: str = '', *, at_once: bool = False) -> None:
         """Show the graph if it is time to."""
         now_s = time.monotonic()
         if self._show is not None and (at_once or now_s >= self._next_s):
             self._next_s = now_s + _SHOW_S
-            self._show(self._watcher.view(), phase)
+            self._show(self._graph.of(Watcher)[-1].view(), phase)
+
+    def hear_alarms(self) -> None:
+        """Let the nodes hand over changes of alarms instead of logging them."""
+        for node in self._graph.nodes if self._tell is not None else ():
+            alarms = getattr(node, 'alarms', None)
+            if alarms is not None:
+                alarms.panel.tell = self._alarm_lines.put
+
+    def count_pairs(self) -> None:
+        """Pass on the number of pairs."""
+        self._progress(sum(node.n_pairs for node in self._graph.of(Compliance)))
+
+    def tell_alarms(self) -> None:
+        """Pass on the changes of alarms: the judge has its own thread, which must not write."""
+        while self._tell is not None and not self._alarm_lines.empty():
+            self._tell(self._alarm_lines.get())
+
+
+def _plan(sources: Sequence[Source], settings: Settings, own: Mapping[str, Mapping[str, Any]],
+          output: str | None, report_dir: str | None, page: Mapping[str, Any] | None,
+          is_shown: bool) -> tuple[list[_Planned], list[_Planned]]:
+    """Return the nodes that hear the others, and those to make then: a recorder, the sources."""
+    sensors, recorded = read_sensors(settings.sensors), output is not None
+    judging_own = {**own.get('compliance', {}), 'report_dir': report_dir}
+    if output is not None:
+        judging_own['bag'] = os.path.abspath(output)
+    hearing = _plan_judging(settings, own, judging_own, recorded)
+    if page is not None:
+        hearing.append(_Planned(Dashboard, 'dashboard', page))
+    if is_shown:
+        hearing.append(_Planned(Watcher, 'watcher', {}))
+    heard, further = count_subscribers(sensors, recorded), further_subscribers(settings)
+    moved = count_motion_subscribers(sensors, recorded)
+    speaking = [_Planned(s.make, s.name, {
+        'subscribers': moved if s.make is MotionDriver else heard + further.get(
+            s.settings.get('topic', ''), 0), **s.settings}) for s in sources]
+    if recorded:
+        speaking.insert(0, _Planned(Recorder, 'recorder',
+                                    {**own.get('recorder', {}), 'output': output}))
+    return hearing, speaking
+
+
+class _Graph:
+    """The nodes of a graph: those that judge in one executor, the others in another one."""
+
+    def __init__(self, context: Context, judging: QuickExecutor, executor: QuickExecutor,
+                 nodes: list[GraphNode]) -> None:
+        self._context, self.judging, self.executor, self.nodes = context, judging, executor, nodes
+
+    def start(self, plan: Sequence[_Planned], settings: Mapping[str, Any], namespace: str,
+              remaps: Mapping[str, str]) -> None:
+        """Make nodes."""
+        for planned in plan:
+            with say_security_errors():
+                node = planned.make(
+                    context=self._context, cli_args=planned.arguments(namespace, remaps),
+                    parameter_overrides=make_overrides({**settings, **planned.parameters}))
+            self.nodes.append(node)
+            (self.judging if isinstance(node, _JUDGES) else self.executor).add_node(node)
+
+    def of(self, kind: type[_Kind]) -> list[_Kind]:
+        """Return the nodes of a class."""
+        return [node for node in self.nodes if isinstance(node, kind)]
+
+    @property
+    def judges(self) -> list[Compliance | SensorsWatch]:
+        """Return the nodes that judge; that of several sensors comes last."""
+        return [*self.of(Compliance), *self.of(SensorsWatch)]
+
+    def is_sole(self) -> bool:
+        """Tell whether no other graph publishes what this one does."""
+        return all(node.sole.clear for node in (*self.judges, *self.of(Synchronizer)))
+
+    def end(self, sources: Sequence[GraphNode]) -> None:
+        """End the sources first, and last those that show and record what the judges say last."""
+        for node in self.judges:
+            self.judging.remove_node(node)
+            self.executor.add_node(node)
+        end(self.executor, [*sources, *self.of(Synchronizer), *self.judges, *self.of(Recorder),
+                            *self.of(Dashboard), *self.of(Watcher)])
 
 
 def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
@@ -232,77 +320,41 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
 
     """
     whole = Settings.from_mapping({k: v for k, v in settings.items() if v is not None})
-    sensors = read_sensors(whole.sensors)
-    heard, further = count_subscribers(sensors, output is not None), further_subscribers(whole)
-    remaps = remap_rules(sensors, namespace, whole.motion)
-    own = own or {}
-    judging_own = {**own.get('compliance', {}), 'report_dir': report_dir}
-    if output is not None:
-        judging_own['bag'] = os.path.abspath(output)
+    remaps = remap_rules(read_sensors(whole.sensors), namespace, whole.motion)
     check_namespace(namespace)
-    first = _plan_judging(whole, own, judging_own, output is not None)
-    n_judging = len(first)
-    if page is not None:
-        first.append(_Planned(Dashboard, 'dashboard', page))
-    if show is not None:
-        first.append(_Planned(Watcher, 'watcher', {}))
-    moved = count_motion_subscribers(sensors, output is not None)
-    then = [_Planned(s.make, s.name, {
-        'subscribers': moved if s.make is MotionDriver else heard + further.get(
-            s.settings.get('topic', ''), 0), **s.settings}) for s in sources]
-    if output is not None:
-        then.insert(0, _Planned(Recorder, 'recorder',
-                                {**own.get('recorder', {}), 'output': output}))
+    hearing, speaking = _plan(sources, whole, own or {}, output, report_dir, page,
+                              show is not None)
     with (_context(private) as context, Stop() as stop,
           spin_nodes(context) as (judging, _), spin_nodes(context) as (executor, nodes)):
-        def start(plan: Sequence[_Planned]) -> None:
-            for planned in plan:
-                with say_security_errors():
-                    nodes.append(planned.make(
-                        context=context, cli_args=planned.arguments(namespace, remaps),
-                        parameter_overrides=make_overrides({**settings, **planned.parameters})))
-                (judging if planned.make in _JUDGES else executor).add_node(nodes[-1])
-        start(first)
-        deciding, pages = nodes[:n_judging], nodes[n_judging:]
-        judges = [node for node in deciding if isinstance(node, _JUDGES)]
-        pairing = [node for node in deciding if node not in judges]
-        compliances = [node for node in judges if isinstance(node, Compliance)]
-        for page_node in pages:
-            if isinstance(page_node, Dashboard):
-                served(page_node.page.url)
-        look = _Look(nodes[-1], show)
+        graph = _Graph(context, judging, executor, nodes)
+        graph.start(hearing, settings, namespace, remaps)
+        for dashboard in graph.of(Dashboard):
+            served(dashboard.page.url)
+        look = _Look(graph, show, tell, progress)
         # Beside another graph no bag is begun.
-        while not (stop.requested or all(node.sole.clear for node in deciding)):
+        while not (stop.requested or graph.is_sole()):
             judging.spin_once(0.01)
             executor.spin_once(0.01)
             look.pass_on('starting: looking for other graphs')
-        start(then)
-        recorders = nodes[len(first):len(nodes) - len(sources)]
+        graph.start(speaking, settings, namespace, remaps)
         running = nodes[len(nodes) - len(sources):]
-        for recorder in recorders:
+        for recorder in graph.of(Recorder):
             recorder.state_sources({source.name: source.settings for source in sources})
-        alarm_lines: SimpleQueue[str] = SimpleQueue()
-        for node in nodes if tell is not None else ():
-            if hasattr(node, 'alarms'):
-                node.alarms.panel.tell = alarm_lines.put
+        look.hear_alarms()
         _align_logs(running)
         settle_memory()
         with _spin_in_thread(judging) as judged:
             while not (stop.requested or judged.done()
                        or (running and all(s.done for s in running))):
                 executor.spin_once(0.2)
-                progress(sum(node.n_pairs for node in compliances))
+                look.count_pairs()
                 look.pass_on()
-                # The judge has its own thread; only this one writes.
-                while tell is not None and not alarm_lines.empty():
-                    tell(alarm_lines.get())
+                look.tell_alarms()
         look.pass_on('ending: taking the last pairs, closing the bag', at_once=True)
-        for node in judges:
-            judging.remove_node(node)
-            executor.add_node(node)
-        # End the sources first, then the synchronizers, then those that judge, then those that
-        # show and record what these say last.
-        end(executor, [*running, *pairing, *judges, *recorders, *pages])
+        graph.end(running)
         # The last pairs come while the nodes end.
-        progress(sum(node.n_pairs for node in compliances))
-        return judges[-1].verdict
+        look.count_pairs()
+        verdict = graph.judges[-1].verdict
+    if verdict is None:
+        raise TimeoutError(None, 'no verdict: the nodes that judge did not end in time')
+    return verdict

@@ -16,11 +16,10 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 import time
 from typing import Any, Mapping, Sequence
-
-from rclpy.node import Node
 
 from heading_intercompare.bags.recording import recorder_losses
 from heading_intercompare.bags.recording.part_states import PartStates, STATES
@@ -36,10 +35,11 @@ from heading_intercompare.bags.rosbag2.provenance import (
 from heading_intercompare.bags.rosbag2.trial_parts import find_place, name_first
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.core.settings import Settings
-from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
+from heading_intercompare.nodes.ros.graph_node import GraphNode
+from heading_intercompare.nodes.ros.health import Health
+from heading_intercompare.nodes.ros.parameters import declare
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
-from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.taking.judged_headings import JudgedHeadings
 from heading_intercompare.nodes.taking.reception import Message
 from heading_intercompare.nodes.taking.recorded_topics import (
@@ -57,13 +57,13 @@ __all__ = ['main', 'Recorder']
 _QUIET_S, _DRAIN_S = 0.3, 0.2
 
 
-class Recorder(Node):
+class Recorder(GraphNode):
     """Record headings, pairs, ledger, marks, verdicts and reports, at most a second late."""
 
     done = ended = False
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__('recorder', **OVERRIDES, **kwargs)
+        super().__init__('recorder', **kwargs)
         self._settings, taking, types, bag_settings, self._own = declare(
             self, Settings, Taking, HeadingTypes, BagSettings, RecorderNode)
         self.health = Health(self)
@@ -84,7 +84,7 @@ class Recorder(Node):
         self._judged = JudgedHeadings(self._topics)
         self._notes = Notes(self._bag.metadata)
         self._notes.add(self._own.note or '', time.time_ns())
-        self._state, self._report, self._quiet_s, self._end_s = '', '', 0.0, None
+        self._state, self._report, self._quiet_s, self._end_s = '', '', 0.0, math.inf
         self.health.add_refresher(self._note)
         every(self, max(taking.drain_period_s, _DRAIN_S), self._drain)
 
@@ -107,7 +107,7 @@ class Recorder(Node):
         for topic, recorded in self._topics.items():
             messages = recorded.intake.take()
             if messages:
-                self._bag.add_topic(recorded.intake.full_name, recorded.intake.type_name,
+                self._bag.add_topic(recorded.intake.full_name, recorded.intake.type_name or '',
                                     recorded.offered)
                 if topic in (REPORT_TOPIC, SENSORS_REPORT_TOPIC):
                     self._report = text_of(messages[-1][0])
@@ -121,7 +121,7 @@ class Recorder(Node):
         if (state := self._bag.fault + self._bag.remark) != self._state:
             self._state = state
             self._note()
-        if self._end_s is not None:
+        if self._end_s < math.inf:
             self._close_if_quiet(self._end_s)
 
     def _write(self, rows: Sequence[tuple[str, Message]]) -> None:

@@ -21,7 +21,6 @@ import time
 from typing import Any, Callable, Collection, Sequence
 
 from diagnostic_msgs.msg import DiagnosticArray
-from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rosgraph_msgs.msg import Clock
 from std_srvs.srv import Trigger
@@ -32,13 +31,14 @@ from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.messages.stamps import encode_clock
 from heading_intercompare.messages.status_messages import MARKER_TOPIC, OK, WARN
 from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.graph_node import GraphNode
+from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.ros.message_types import find_heading_type
-from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
+from heading_intercompare.nodes.ros.parameters import declare
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.remapping import published_names
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime import replayed_beside as beside
-from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.publishing import (
     Allowance,
     Audience,
@@ -56,12 +56,12 @@ _MARK_WAIT_S = 5.0  # For those who judge; then the replay starts without them.
 _PAUSED_BY = {'pause': True, 'resume': False, 'toggle_paused': None}
 
 
-class Replayer(Node):
+class Replayer(GraphNode):
     """Publish the marks of a bag, then its headings as recorded; done at the end of the bag."""
 
     def __init__(self, *, remapped: Collection[str] = (),
                  clock_ns: Callable[[], int] = time.monotonic_ns, **kwargs: Any) -> None:
-        super().__init__('replayer', **OVERRIDES, **kwargs)
+        super().__init__('replayer', **kwargs)
         settings, sending, node_settings = declare(self, REPLAYED, Sending, ReplayerNode)
         if node_settings.bag is None:
             raise SettingsError('bag is required: an .mcap file or a rosbag2 folder')

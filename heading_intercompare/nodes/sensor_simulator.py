@@ -21,7 +21,6 @@ import math
 import time
 from typing import Any, Callable, Sequence
 
-from rclpy.node import Node
 from sensor_msgs.msg import Imu
 from std_srvs.srv import SetBool, Trigger
 
@@ -36,10 +35,11 @@ from heading_intercompare.core.sensor_table import simulated_topics
 from heading_intercompare.messages.heading_messages import imu_messages
 from heading_intercompare.messages.status_messages import LEVELS, OK
 from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES, resolve_topic
+from heading_intercompare.nodes.ros.graph_node import GraphNode
+from heading_intercompare.nodes.ros.health import Health
+from heading_intercompare.nodes.ros.parameters import declare, resolve_topic
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
-from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.motion_sender import MotionSender
 from heading_intercompare.nodes.runtime.publishing import (
     Allowance,
@@ -56,13 +56,13 @@ __all__ = ['main', 'SensorSimulator']
 _TICK_S, _STEP_S = 0.05, 0.5  # the latter: simulated time of a step as fast as possible
 
 
-class SensorSimulator(Node):
+class SensorSimulator(GraphNode):
     """Publish a trial, truth first, once all sensors have subscribers; its end ends the node."""
 
     done, ended, _began_s = False, False, 0.0
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__('sensor_simulator', **OVERRIDES, **kwargs)
+        super().__init__('sensor_simulator', **kwargs)
         settings, self._scenario, sending, self._own = declare(
             self, PUBLISHED, Scenario, Sending, SimulatorNode)
         self.health, named = Health(self), simulated_topics(
@@ -95,7 +95,7 @@ class SensorSimulator(Node):
     def _tell(self) -> None:
         self.health.note('simulation', OK, self._scenario.title or 'simulating',
                          simulated_s=self._trial.now_s if self._trial else 0.0,
-                         duration_s=self._scenario.duration_s, **{
+                         duration_s=self._scenario.duration_s, figures={
                              f'{role}_faults': ' '.join(self._trial.faults(role)) or 'none'
                              for role in self._scenario.sensors if self._trial is not None})
 
@@ -138,7 +138,7 @@ class SensorSimulator(Node):
         """Report mode, progress and built-in tests of an AHRS; log its events."""
         condition = describe_condition(status)
         self.health.note(role, LEVELS[condition.level], condition.words, log=False,
-                         **condition.figures)
+                         figures=condition.figures)
         if status.message:
             self.get_logger().info(f'{role}: {status.message}, {status.t_s:.1f} s of the trial')
 

@@ -16,11 +16,11 @@
 
 from __future__ import annotations
 
+from functools import partial
 import time
 from typing import Any, Sequence
 
 from diagnostic_msgs.msg import DiagnosticArray
-from rclpy.node import Node
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
@@ -36,11 +36,12 @@ from heading_intercompare.messages.status_messages import (
 )
 from heading_intercompare.nodes.alarms.alarm_panel import ACKNOWLEDGE_TOPIC, ALL
 from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
+from heading_intercompare.nodes.ros.graph_node import GraphNode
+from heading_intercompare.nodes.ros.health import Health
+from heading_intercompare.nodes.ros.parameters import declare
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.awake_clock import AwakeClock
-from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.sole_node import SoleNode
 from heading_intercompare.nodes.sensors.now_publisher import NowPublisher
 from heading_intercompare.nodes.sensors.pair_journals import PairJournals
@@ -63,13 +64,13 @@ _AHEAD_NS = 10 ** 9
 _QUIET_S, _HEADINGS_S = 0.3, 1.0
 
 
-class SensorsWatch(Node):
+class SensorsWatch(GraphNode):
     """Publish what all pairs of sensors say, and name the wrong one; judge when a run ends."""
 
     done = ended = _finished = False
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__('sensors_watch', **OVERRIDES, **kwargs)
+        super().__init__('sensors_watch', **kwargs)
         settings, taking, types, node_settings = declare(
             self, Settings, Taking, HeadingTypes, SensorsNode, followed=('stale_s',))
         self.health = Health(self)
@@ -90,8 +91,7 @@ class SensorsWatch(Node):
                   self._mark)
         # The names are those of a graph of two sensors, so the page calls the same ones.
         for name in ('start', 'stop'):
-            self.create_service(Trigger, f'compliance/{name}_run',
-                                lambda _, response, kind=name: self._command(kind, response))
+            self.create_service(Trigger, f'compliance/{name}_run', partial(self._command, name))
         self.create_service(Trigger, 'compliance/acknowledge', self._acknowledge)
         self._awake, self._end_wait_s = AwakeClock(), node_settings.end_wait_s
         self._end_s: float | None = None
@@ -130,7 +130,8 @@ class SensorsWatch(Node):
                 self._comparison.mark(kind, stamp_ns)
         self._journals.tick(self.sole.clear)
 
-    def _command(self, kind: str, response: Trigger.Response) -> Trigger.Response:
+    def _command(self, kind: str, _: Trigger.Request,
+                 response: Trigger.Response) -> Trigger.Response:
         """Set a mark that acts on the runs of all pairs, a second after the newest reading."""
         self._drain()
         newest_ns = self._headings.newest_ns

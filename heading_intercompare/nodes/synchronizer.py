@@ -16,12 +16,12 @@
 
 from __future__ import annotations
 
+import math
 import time
 from typing import Any, Sequence
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
-from rclpy.node import Node
 
 from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.pairing.pairer import Pairer
@@ -33,11 +33,12 @@ from heading_intercompare.nodes.alarms.stream_alarms import StreamAlarms
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.batches import Arrivals
 from heading_intercompare.nodes.ros.endpoints import count_subscribed
-from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
+from heading_intercompare.nodes.ros.graph_node import GraphNode
+from heading_intercompare.nodes.ros.health import Health
+from heading_intercompare.nodes.ros.parameters import declare
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.awake_clock import AwakeClock
-from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.publishing import await_acknowledgement, Backlog
 from heading_intercompare.nodes.runtime.sole_node import SoleNode
 from heading_intercompare.nodes.sensors.places import called, choose_streams
@@ -55,13 +56,13 @@ __all__ = ['main', 'Synchronizer']
 _PATIENCE_S, _LAST_S = 10.0, 0.3
 
 
-class Synchronizer(Node):
+class Synchronizer(GraphNode):
     """Publish pairs and ledger; take headings once pairs have subscribers: none gets lost."""
 
     done = ended = _flushed = _opened = False
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__('synchronizer', **OVERRIDES, **kwargs)
+        super().__init__('synchronizer', **kwargs)
         settings, taking, types, self._own = declare(
             self, PAIRED, Taking, HeadingTypes, SynchronizerNode, followed=('stale_s',))
         settings = choose_streams(settings, self._own.sensor)
@@ -86,7 +87,7 @@ class Synchronizer(Node):
             intake.open = False
         self._predecessor = Predecessor(self, self.health, self._intakes, self._started_ns,
                                         self._pairs.topic_name)
-        self._awake, self._end_s, self._seen_s = AwakeClock(), None, 0.0
+        self._awake, self._end_s, self._seen_s = AwakeClock(), math.inf, 0.0
         self._open_at_s = time.monotonic() + self._own.startup_wait_s
         self._waiting = Backlog(self._pairs, self.health, patience_s=_PATIENCE_S)
         every(self, 1.0, self._beat)
@@ -95,9 +96,10 @@ class Synchronizer(Node):
         if not self._opened:
             self._open_when_wanted()
         if not self._flushed:
-            self._send(self._pairer.update(**self._headings.take(), now_s=self._awake.now_s()))
+            headings = self._headings.take()
+            self._send(self._pairer.update(headings['ts'], headings['rs'], self._awake.now_s()))
         self._waiting.publish()
-        if self._end_s is not None and not self.ended:
+        if self._end_s < math.inf and not self.ended:
             self._finish_if_quiet()
 
     def _send(self, pairs: Pairs) -> None:
@@ -140,7 +142,8 @@ class Synchronizer(Node):
             return
         if not self._flushed:
             self._flushed = True
-            self._send(self._pairer.update(**self._headings.take(last=True))
+            headings = self._headings.take(last=True)
+            self._send(self._pairer.update(headings['ts'], headings['rs'])
                        + self._pairer.flush())
         if not self._waiting:
             self.ended = True

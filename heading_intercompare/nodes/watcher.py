@@ -18,10 +18,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from rclpy.node import Node
-
-from heading_intercompare.nodes.ros.parameters import declare, OVERRIDES
-from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.ros.graph_node import GraphNode
+from heading_intercompare.nodes.ros.health import Health
+from heading_intercompare.nodes.ros.parameters import declare
 from heading_intercompare.nodes.taking.bridge_intake import BridgeIntake
 from heading_intercompare.web.bridge.bridge_view import BridgeView
 
@@ -30,13 +29,13 @@ from .settings import SHOWN, Taking
 __all__ = ['Watcher']
 
 
-class Watcher(Node):
+class Watcher(GraphNode):
     """Hear a graph, and say what to show of it; publish nothing but its own state."""
 
     done = False
 
     def __init__(self, **kwargs: Any) -> None:
-        super().__init__('watcher', **OVERRIDES, **kwargs)
+        super().__init__('watcher', **kwargs)
         settings, taking = declare(self, SHOWN, Taking)
         self.ended = False
         self.health = Health(self)

@@ -16,14 +16,15 @@
 
 from __future__ import annotations
 
+from functools import partial
 import math
 import os
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from heading_intercompare.bags.csv.csv_rows import CsvRows
 from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.rosbag2.readable import read_rows, Readable
 from heading_intercompare.core.records import Attitude, ColumnBuffer
 from heading_intercompare.drivers.motion.motion_log import read_log_attitude
 from heading_intercompare.drivers.settings import DriverSettings
@@ -33,13 +34,9 @@ from .registry import has_one_sensor
 from .stream_recording import ReaderError
 from .tables import find_time_column, read_stamp
 
-if TYPE_CHECKING:
-    from heading_intercompare.bags.rosbag2.readable import Readable
-
 __all__ = ['attitude_of_bag', 'attitude_of_table', 'find_attitude']
 
 _ROLLS, _PITCHES = ('roll_deg', 'roll'), ('pitch_deg', 'pitch')
-_BATCH = 20_000
 
 
 def find_attitude(path: str | os.PathLike[str], driver: DriverSettings) -> Attitude:
@@ -116,14 +113,7 @@ def attitude_of_bag(bag: Readable, topic: str, convention: str) -> Attitude:
     kind = bag.topics[name].type_name
     if kind not in ORIENTATION_TYPES:
         return Attitude.empty()
-    chunks: list[Attitude] = []
-    waiting: list[bytes] = []
-    for message in bag.messages([name]):
-        waiting.append(message.data)
-        if len(waiting) >= _BATCH:
-            chunks.append(read_attitude(kind, convention, waiting)[0])
-            waiting = []
-    chunks.append(read_attitude(kind, convention, waiting)[0])
+    chunks, _ = read_rows(bag, {name: [partial(read_attitude, kind, convention)]})
     rows = Attitude.concatenate(chunks)
     rows = rows[np.isfinite(rows.roll_deg) & np.isfinite(rows.pitch_deg)]
     # A message of a heading alone has a level orientation.

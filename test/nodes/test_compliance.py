@@ -756,7 +756,7 @@ def test_a_mark_survives_a_kill_at_once(ros, rng, tmp_path):
     pairs = some_pairs(rng, 0, 2000)
     trial = Killed(ros, tmp_path)
     trial.send(pairs[:1000])
-    assert trial.node._command('start', Trigger.Response()).success
+    assert trial.node._command('start', Trigger.Request(), Trigger.Response()).success
     kill(ros, trial.node, trial.node._journal)
     trial.start()
     trial.send(pairs[1000:])

@@ -330,7 +330,7 @@ def test_a_mark_that_one_journal_lacks_acts_on_its_pair_too(ros, tmp_path, trial
     trial = Trial(ros, FREE, tmp_path)
     trial.wait(40.0)
     trial.watch._journals._journals['gyro1', 'ins'].mark = lambda *_: None
-    answer = trial.watch._command('start', Trigger.Response())
+    answer = trial.watch._command('start', Trigger.Request(), Trigger.Response())
     assert answer.success
     trial.kill()
     found = trial.end()

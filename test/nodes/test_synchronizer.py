@@ -40,9 +40,9 @@ from heading_intercompare.messages.heading_messages import IMU, imu_messages
 from heading_intercompare.messages.ledger_messages import encode_losses
 from heading_intercompare.messages.status_messages import encode_mark
 from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.ros.message_types import PAIRS_TYPES
 from heading_intercompare.nodes.ros.steady_timer import every
-from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.synchronizer import Synchronizer
 from heading_intercompare.nodes.taking.intake import Intake
 

@@ -16,24 +16,22 @@
 
 from __future__ import annotations
 
-from typing import Mapping, NamedTuple, Sequence, TYPE_CHECKING
+from functools import partial
+from typing import Mapping, NamedTuple, Sequence
 
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.records import Motion
 from heading_intercompare.core.settings import MotionRule
 from heading_intercompare.messages.motion.motion_messages import (
     MOTION_TYPES,
-    read_told,
+    read_motion,
 )
 
+from .readable import read_rows, Readable
 from .topic_names import find_elsewhere
-
-if TYPE_CHECKING:
-    from .readable import Readable
 
 __all__ = ['BagMotion', 'find_motion_topics', 'motion_topics', 'read_bag_motion', 'read_fixes']
 
-_BATCH = 20_000
 _WORDS = {'fix': 'positions', 'velocity': 'velocity over ground', 'rate': 'rate of turn'}
 
 
@@ -155,22 +153,7 @@ def read_fixes(bag: Readable, topic: str) -> tuple[Motion, int]:
 
 def _read(bag: Readable, topics: Mapping[str, Sequence[tuple[str, str]]]) -> tuple[Motion, int]:
     """Return the rows of topics, each with quantities and type; count unreadable messages."""
-    if not topics:
-        return Motion.empty(), 0
-    chunks: list[Motion] = []
-    unreadable = 0
-    waiting: dict[str, list[bytes]] = {name: [] for name in topics}
-
-    def take(name: str) -> int:
-        refused: list[str] = []
-        for what, kind in topics[name]:
-            rows, refused = read_told(kind, what, waiting[name])
-            chunks.append(rows)
-        waiting[name] = []
-        return len(refused)
-    for message in bag.messages(topics):
-        waiting[message.topic].append(message.data)
-        if len(waiting[message.topic]) >= _BATCH:
-            unreadable += take(message.topic)
-    unreadable += sum(take(name) for name in topics)
+    chunks, unreadable = read_rows(bag, {name: [
+        partial(read_motion, kind, what) for what, kind in quantities]
+        for name, quantities in topics.items()})
     return Motion.concatenate(chunks), unreadable

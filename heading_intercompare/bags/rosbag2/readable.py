@@ -17,13 +17,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Callable, Iterable, Iterator, Mapping, Protocol
+from typing import Callable, Iterable, Iterator, Mapping, Protocol, Sequence, TypeVar
 
 from heading_intercompare.core.records import Headings, Losses
 
 from .bag_reader import BagMessage, TopicInfo
 
-__all__ = ['Readable']
+__all__ = ['read_rows', 'Readable']
+
+_BATCH = 20_000
+_Chunk = TypeVar('_Chunk')
 
 
 class Readable(Protocol):
@@ -63,3 +66,42 @@ class Readable(Protocol):
 
     def metadata(self) -> dict[str, dict[str, str]]:
         """Return the metadata records by name."""
+
+
+def read_rows(bag: Readable, readers: Mapping[str, Sequence[
+        Callable[[list[bytes]], tuple[_Chunk, list[str]]]]]) -> tuple[list[_Chunk], int]:
+    """
+    Read the messages of some topics in batches.
+
+    Parameters
+    ----------
+    bag : Readable
+        The recording.
+    readers : mapping of str to sequence of callable
+        By topic, each returns the rows in some messages, and what is wrong with the others.
+
+    Returns
+    -------
+    chunks : list
+        The rows, batch by batch.
+    unreadable : int
+        Messages that could not be read.
+
+    """
+    chunks: list[_Chunk] = []
+    unreadable = 0
+    waiting: dict[str, list[bytes]] = {name: [] for name in readers}
+
+    def take(name: str) -> int:
+        problems: list[str] = []
+        for read in readers[name]:
+            rows, problems = read(waiting[name])
+            chunks.append(rows)
+        waiting[name] = []
+        return len(problems)
+    for message in bag.messages(readers) if readers else ():
+        waiting[message.topic].append(message.data)
+        if len(waiting[message.topic]) >= _BATCH:
+            unreadable += take(message.topic)
+    unreadable += sum(take(name) for name in readers)
+    return chunks, unreadable

@@ -169,10 +169,9 @@ def _of_headings(topic: str, headings: Headings, frame_id: str) -> _Stream:
 
 def _of_motion(motion: Motion, topics: dict[str, str]) -> list[_Stream]:
     """Return the streams of the motion of the ship; none of what no log tells."""
-    parts = {'fix': motion.positions(), 'velocity': motion.velocities(), 'rate': motion.rates()}
     return [_Stream(topics[what], MOTION_TYPES[what][0], rows.stamp_ns, _log_times(rows.stamp_ns),
                     partial(_encode_part, rows, what))
-            for what, rows in parts.items() if len(rows)]
+            for what, rows in motion.split().items() if len(rows)]
 
 
 def _encode_part(rows: Motion, what: str, lo: int, hi: int) -> np.ndarray:

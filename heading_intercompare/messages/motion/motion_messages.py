@@ -34,6 +34,7 @@ from heading_intercompare.messages.byte_columns import (
     decode_stamped,
     end_of_strings,
     gather,
+    gather_reals,
     read_sound,
     read_stamps,
     split_rows,
@@ -42,8 +43,8 @@ from heading_intercompare.messages.byte_columns import (
 from heading_intercompare.messages.stamps import fits_message
 
 __all__ = ['decode_motion', 'encode_motion', 'FIX', 'FIX_TYPES', 'MOTION_TYPES',
-           'PUBLISHED_TYPES', 'RATE_TYPES', 'read_motion_messages', 'read_told', 'split_motion',
-           'VELOCITY', 'VELOCITY_TYPES']
+           'PUBLISHED_TYPES', 'RATE_TYPES', 'read_motion', 'split_motion', 'VELOCITY',
+           'VELOCITY_TYPES']
 
 FIX = 'sensor_msgs/msg/NavSatFix'
 VELOCITY = 'geometry_msgs/msg/TwistStamped'
@@ -65,9 +66,6 @@ _UNKNOWN = -1.0
 _FIX_REALS, _FIX_REST = 12, 1
 #: Orientation with covariance before the angular velocity of an Imu, and one covariance after it.
 _IMU_BEFORE = 8 * 13
-_TWIST = np.dtype(('<f8', 6))
-_IMU_RATE = np.dtype(('<f8', 4))
-_POSITION = np.dtype(('<f8', 2))
 
 
 def encode_motion(motion: Motion, what: str, frame_id: str) -> np.ndarray:
@@ -155,41 +153,31 @@ def _motion(type_name: str, what: str, data: BytesLike, start: Integers, size: I
     """Return the motion in messages of one byte order."""
     sign, end = end_of_strings(header)
     stamps = read_stamps(header)
+
+    def columns(at: Integers | int, n: int) -> np.ndarray:
+        return np.array(gather_reals(type_name, data, start, size, at, sign, n), np.float64,
+                        order='C')
     if what == 'fix':
         # Fields are aligned from the end of the first four bytes.
         check_size(type_name, start, size, end + 5)
         status = gather(data, 'i1', start + end + 4)
         at = align(align(end + 1, 2) + 2, 8) + 4
-        kind = _POSITION.newbyteorder(sign)
-        check_size(type_name, start, size, at + kind.itemsize)
-        latitude, longitude = np.array(gather(data, kind, start + at).T, np.float64, order='C')
+        latitude, longitude = columns(at, 2)
         latitude[status < 0] = np.nan
         return Motion.of_positions(stamps, latitude, longitude)
     at = align(end, 8) + 4
     if type_name == _IMU:
-        at = at + _IMU_BEFORE
-        kind = _IMU_RATE.newbyteorder(sign)
-        check_size(type_name, start, size, at + kind.itemsize)
-        _, _, about_up, covariance = np.array(gather(data, kind, start + at).T, np.float64,
-                                              order='C')
+        _, _, about_up, covariance = columns(at + _IMU_BEFORE, 4)
         about_up[covariance == _UNKNOWN] = np.nan
-        return Motion.of_rates(stamps, -np.degrees(about_up))
-    kind = _TWIST.newbyteorder(sign)
-    check_size(type_name, start, size, at + kind.itemsize)
-    east, north, _, _, _, about_up = np.array(gather(data, kind, start + at).T, np.float64,
-                                              order='C')
-    if what == 'velocity':
-        return Motion.of_velocities(stamps, east, north)
+    else:
+        east, north, _, _, _, about_up = columns(at, 6)
+        if what == 'velocity':
+            return Motion.of_velocities(stamps, east, north)
     return Motion.of_rates(stamps, -np.degrees(about_up))
 
 
-def read_motion_messages(type_name: str, what: str,
-                         messages: Sequence[bytes]) -> tuple[Motion, list[str]]:
-    """Return the motion in single messages, and what is wrong with each unreadable one."""
-    return read_sound(partial(decode_motion, type_name, what), messages, Motion)
-
-
-def read_told(type_name: str, what: str, messages: Sequence[bytes]) -> tuple[Motion, list[str]]:
+def read_motion(type_name: str, what: str,
+                messages: Sequence[bytes]) -> tuple[Motion, list[str]]:
     """Return the rows of single messages that tell one thing, and what is wrong with others."""
-    rows, refused = read_motion_messages(type_name, what, messages)
-    return rows.split()[what], refused
+    rows, refused = read_sound(partial(decode_motion, type_name, what), messages, Motion)
+    return rows.select(what), refused

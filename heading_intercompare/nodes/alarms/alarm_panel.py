@@ -33,7 +33,7 @@ from heading_intercompare.messages.status_messages import (
     WARN,
 )
 from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.taking.raw_subscription import subscribe
 from heading_intercompare.nodes.taking.recorded_topics import ALARMS_TOPIC
 
@@ -148,7 +148,7 @@ class AlarmPanel:
         self._health.note(
             'alarms', max((status.level for status in statuses), default=OK),
             '; '.join(f'{a.rule.name}: {a.words} ({_in_words(a)})' for a in raised) or 'no alarm',
-            log=False, **{a.rule.name: a.state for a in self._table.alarms})
+            log=False, figures={a.rule.name: a.state for a in self._table.alarms})
 
     def _describe(self, alarm: Alarm) -> Status:
         values = {'state': alarm.state, 'priority': alarm.rule.priority, 'times': alarm.times,

@@ -25,8 +25,8 @@ from heading_intercompare.core.records import Motion, Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.status_messages import encode_text
 from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.ros.parameters import follow
-from heading_intercompare.nodes.runtime.health import Health
 
 from .alarm_panel import ACKNOWLEDGE_TOPIC, AlarmPanel, ALL
 

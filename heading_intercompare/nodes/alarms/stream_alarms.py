@@ -21,14 +21,14 @@ from typing import Sequence
 
 from rclpy.node import Node
 
-from heading_intercompare.core.alarms.recent_count import RecentCount
 from heading_intercompare.core.alarms.stream_watch import STREAM_RULES, StreamWatch
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.pairing.pairing_watch import PairingWatch
 from heading_intercompare.core.settings import Pairing
+from heading_intercompare.core.statistics.recent_count import RecentCount
 from heading_intercompare.messages.status_messages import OK, WARN
+from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.ros.parameters import follow
-from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.settings import Taking
 from heading_intercompare.nodes.taking.intake import Intake
 
@@ -76,7 +76,7 @@ class StreamAlarms:
                     if words]
         self._health.note('pairing', WARN if troubles else OK, '; '.join(troubles) or 'pairing',
                           paired_share=state.paired_share, offset_s=state.offset_s,
-                          **ledger.total.counts)
+                          figures=dict(ledger.total.counts.items()))
         total = ledger.rejected
         recent = self._rejected.take(total, now_s)
         self._health.note('rejected', WARN if recent else OK,

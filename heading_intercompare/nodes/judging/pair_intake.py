@@ -33,8 +33,8 @@ from heading_intercompare.messages.ledger_messages import LedgerMessage
 from heading_intercompare.messages.stamps import header_frame, header_stamp_ns
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.batches import Unwatched
+from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.ros.message_types import PAIRS_TYPES
-from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.settings import Taking
 from heading_intercompare.nodes.taking.intake import Intake
 
@@ -170,12 +170,12 @@ class PairIntake(Intake):
         return fresh
 
     @property
-    def numbers(self) -> dict[str, tuple[int, int, int]]:
+    def numbers_by_name(self) -> dict[str, tuple[int, int, int]]:
         """First, newest and number of missing ones among the numbers, by synchronizer."""
         return {name: numbering.summary for name, numbering in self._numbers.items()}
 
     def go_on(self, numbers: Mapping[str, tuple[int, int, int]], newest_ns: int | None) -> None:
-        """Go on after the pairs that an earlier process has taken, given its `numbers`."""
+        """Go on after the pairs that an earlier process has taken, given its `numbers_by_name`."""
         for name, summary in numbers.items():
             self._numbers[name] = Numbering.go_on(*summary)
             self._resuming[name] = self.last_sequence = summary[1]

@@ -46,7 +46,7 @@ from heading_intercompare.messages.verdict_messages import (
     verdict_level,
 )
 from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.settings import ComplianceNode
 from heading_intercompare.nodes.taking.predecessor import LEDGER_TAKEN_TOPIC
 from heading_intercompare.report.json import render
@@ -81,8 +81,6 @@ class Reporting:
     ----------
     verdict : Verdict or None
         The verdict of the last report; None before the first.
-    closed : bool
-        The last report is out.
 
     """
 
@@ -107,7 +105,6 @@ class Reporting:
         self._report = node.create_publisher(String, 'compliance/report', qos.REPORT)
         self._seen: tuple[int, LookVerdict | None] = (0, None)
         self._due: tuple[int, float] | None = None
-        self.closed = False
         self.verdict: Verdict | None = None
         self._said = ''
         self._intermediate = node.create_publisher(String, 'compliance/intermediate_report',
@@ -195,7 +192,6 @@ class Reporting:
         for publisher in (self._verdict, self._report):
             publisher.wait_for_all_acked(Duration(seconds=1.0))
         self._journal.close()
-        self.closed = True
 
     def _conclude(self, complete: bool) -> None:
         """Publish and write the report, unless it is unchanged."""

@@ -23,7 +23,7 @@ from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdi
 from heading_intercompare.logbook.logbook_file import Logbook, LogbookBusy, LogbookError
 from heading_intercompare.logbook.run_row import make_rows, RunKey, RunRow
 from heading_intercompare.messages.status_messages import OK, WARN
-from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.settings import ComplianceNode
 
 __all__ = ['RunLog']

@@ -31,7 +31,7 @@ from heading_intercompare.core.records import Motion, Pairs
 from heading_intercompare.core.runs.growing_columns import Keep
 from heading_intercompare.messages.ledger_messages import LedgerMessage
 from heading_intercompare.messages.status_messages import OK, WARN
-from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.settings import ComplianceNode, SensorsNode
 
 __all__ = ['open_spool', 'TrialJournal']

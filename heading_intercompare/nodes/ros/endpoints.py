@@ -30,7 +30,7 @@ _UNKNOWN = '_NODE_NAME_UNKNOWN_'
 
 def is_named(info: TopicEndpointInfo) -> bool:
     """Tell whether the node of a publisher or subscription is known."""
-    return info.node_name != _UNKNOWN
+    return str(info.node_name) != _UNKNOWN
 
 
 def name_node(info: TopicEndpointInfo) -> str:
@@ -47,4 +47,5 @@ def count_subscribed(node: Node, publisher: Publisher) -> int:
     """
     counts = Counter(name_node(info) for info in
                      node.get_subscriptions_info_by_topic(publisher.topic_name) if is_named(info))
-    return publisher.get_subscription_count() - sum(n - 1 for n in counts.values())
+    n_subscriptions: int = publisher.get_subscription_count()
+    return n_subscriptions - sum(n - 1 for n in counts.values())

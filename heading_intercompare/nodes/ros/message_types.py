@@ -51,7 +51,7 @@ def find_azimuth_types() -> dict[str, type]:
     return azimuth_types
 
 
-HEADING_TYPES = {
+HEADING_TYPES: dict[str, type] = {
     **TRUTH_TYPES,
     'geometry_msgs/msg/QuaternionStamped': QuaternionStamped,
     'geometry_msgs/msg/PoseWithCovarianceStamped': PoseWithCovarianceStamped,

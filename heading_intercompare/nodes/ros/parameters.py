@@ -40,10 +40,7 @@ from heading_intercompare.core.settings import (
     Used,
 )
 
-__all__ = ['declare', 'follow', 'make_overrides', 'OF_ROS', 'OVERRIDES', 'resolve_topic']
-
-OVERRIDES = {'automatically_declare_parameters_from_overrides': True}
-"""Arguments that `Node.__init__` needs so that `declare` sees all parameters given to a node."""
+__all__ = ['declare', 'follow', 'make_overrides', 'OF_ROS', 'resolve_topic']
 
 #: Parameters hold integers of 64 bits.
 _MOST = 2**63 - 1
@@ -62,7 +59,7 @@ def declare(node: Node, *classes: type | Used,
     Parameters
     ----------
     node : Node
-        A node made with `OVERRIDES`.
+        A `GraphNode`.
     *classes : type or Used
         Settings classes without a setting name in common.
     followed : sequence of str
@@ -79,8 +76,9 @@ def declare(node: Node, *classes: type | Used,
         For a name that no class declares, or a value that is not allowed.
 
     """
-    values = {name: parameter.value
-              for name, parameter in node.get_parameters_by_prefix('').items()
+    # The declared type of the parameters is that of their values.
+    parameters: Mapping[str, Any] = node.get_parameters_by_prefix('')
+    values = {name: parameter.value for name, parameter in parameters.items()
               if name not in OF_ROS}
     rules = {used: {rule.name: rule for rule in list_settings(used.settings_class)}
              for used in (settings_class if isinstance(settings_class, Used)

@@ -24,22 +24,21 @@ from __future__ import annotations
 from contextlib import contextmanager
 from functools import partial
 import gc
-from operator import methodcaller
 import os
 import signal
 import sys
 import time
-from typing import Any, Callable, Iterator, Protocol, Sequence
+from typing import Any, Callable, Iterator, Sequence
 
 import rclpy
 from rclpy.context import Context
-from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.drivers.settings import DriverError
 
+from .graph_node import GraphNode
 from .leaving import leave_if_hung
 from .quick_executor import QuickExecutor
 from .security import check_security, say_security_errors
@@ -58,22 +57,6 @@ _HUNG_S = 30.0
 
 # Best-effort messages still under way are lost when the process that sent them ends.
 _LINGER_S = 0.5
-
-
-class _Ending(Protocol):
-    """
-    What every node here offers in addition to a Node.
-
-    `done`: its work is finished. After `end`, the node is spun until `ended`: everything is
-    published and written. `health`: its state, which `end` mutes.
-    """
-
-    done: bool
-    ended: bool
-    health: Any
-
-    def end(self) -> None:
-        """Begin to shut down."""
 
 
 class Stop:
@@ -103,9 +86,10 @@ class Stop:
 
 
 @contextmanager
-def spin_nodes(context: Context) -> Iterator[tuple[QuickExecutor, list[Node]]]:
+def spin_nodes(context: Context) -> Iterator[tuple[QuickExecutor, list[GraphNode]]]:
     """Yield an executor and a list; destroy the nodes in the list at the end, in any case."""
-    executor, nodes = QuickExecutor(context=context), []
+    executor = QuickExecutor(context=context)
+    nodes: list[GraphNode] = []
     try:
         yield executor, nodes
     finally:
@@ -114,8 +98,8 @@ def spin_nodes(context: Context) -> Iterator[tuple[QuickExecutor, list[Node]]]:
             node.destroy_node()
 
 
-def end(executor: QuickExecutor, nodes: Sequence[Node], linger_s: float = 0.0,
-        destroy: Callable[[Node], None] = methodcaller('destroy_node')) -> None:
+def end(executor: QuickExecutor, nodes: Sequence[GraphNode], linger_s: float = 0.0,
+        destroy: Callable[[GraphNode], None] = GraphNode.destroy_node) -> None:
     """End and destroy nodes in the given order; spin each for `linger_s` after its end."""
     executor.eager = True
     for node in nodes:
@@ -133,7 +117,7 @@ def end(executor: QuickExecutor, nodes: Sequence[Node], linger_s: float = 0.0,
         destroy(node)
 
 
-def _destroy(node: Node, nodes: Sequence[Node], code: int) -> None:
+def _destroy(node: GraphNode, nodes: Sequence[GraphNode], code: int) -> None:
     """Destroy a node; if that never returns, end with `code`, or with 1 if any has not ended."""
     with leave_if_hung(_HUNG_S, code if all(member.ended for member in nodes) else 1):
         node.destroy_node()
@@ -153,8 +137,8 @@ def error_words(error: Exception) -> str:
     return ' '.join(str(error).split())
 
 
-def run(name: str, make: Callable[..., Node], args: Sequence[str] | None = None, *,
-        beside: Callable[..., Node] | None = None, more: bool = False) -> int:
+def run(name: str, make: Callable[..., GraphNode], args: Sequence[str] | None = None, *,
+        beside: Callable[..., GraphNode] | None = None, more: bool = False) -> int:
     """
     Run a node until its work is over or a signal comes.
 
@@ -184,7 +168,7 @@ def run(name: str, make: Callable[..., Node], args: Sequence[str] | None = None,
         with Stop() as stop:
             check_security()
             try:
-                rclpy.init(args=args, context=context,
+                rclpy.init(args=None if args is None else [*args], context=context,
                            signal_handler_options=SignalHandlerOptions.NO)
             except RuntimeError as error:
                 raise SettingsError(str(error).partition(', at ')[0]) from error

@@ -28,9 +28,9 @@ from heading_intercompare.drivers.motion.motion_decoder import MotionDecoder
 from heading_intercompare.drivers.motion.motion_sentences import MOTION_WORDS
 from heading_intercompare.drivers.settings import DriverError, DriverSettings
 from heading_intercompare.messages.status_messages import OK
+from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.settings import DriverNode
 
-from .health import Health
 from .motion_sender import MotionSender
 
 __all__ = ['DriverMotion']
@@ -123,4 +123,4 @@ class DriverMotion:
         chosen = ', '.join(f'{MOTION_WORDS[what]} of {name}'
                            for what, name in self._decoder.chosen.items())
         self._health.note('motion', OK, chosen or 'no motion of the ship heard', log=False,
-                          **self._sender.describe(), **self._decoder.counts)
+                          figures={**self._sender.describe(), **self._decoder.counts})

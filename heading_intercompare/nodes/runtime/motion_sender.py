@@ -27,10 +27,10 @@ from heading_intercompare.core.records import Motion
 from heading_intercompare.core.settings import MotionRule
 from heading_intercompare.messages.motion.motion_messages import PUBLISHED_TYPES, split_motion
 from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.ros.message_types import MOTION_TYPES
 from heading_intercompare.nodes.ros.parameters import resolve_topic
 
-from .health import Health
 from .publishing import Backlog
 
 __all__ = ['MotionSender']

@@ -20,13 +20,13 @@ import time
 
 import rclpy
 from rclpy.context import Context
-from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 from std_msgs.msg import String
 
 from heading_intercompare.bags.rosbag2.provenance import NOTE_TOPIC
 from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.messages.status_messages import encode_text
+from heading_intercompare.nodes.ros.graph_node import GraphNode
 from heading_intercompare.nodes.ros.process import spin_nodes
 from heading_intercompare.nodes.ros.qos import NOTE
 from heading_intercompare.nodes.ros.remapping import check_namespace
@@ -66,7 +66,7 @@ def publish_note(text: str, namespace: str = '/', patience_s: float = _PATIENCE_
     try:
         with spin_nodes(context) as (executor, nodes):
             with say_security_errors():
-                nodes.append(Node('operator_note', namespace=namespace, context=context))
+                nodes.append(GraphNode('operator_note', namespace=namespace, context=context))
             publisher = nodes[0].create_publisher(String, NOTE_TOPIC, NOTE)
             executor.add_node(nodes[0])
             deadline_s = time.monotonic() + patience_s

@@ -28,8 +28,8 @@ from rclpy.publisher import Publisher
 from heading_intercompare.core.records import Headings
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 from heading_intercompare.nodes.ros.endpoints import count_subscribed, name_node
+from heading_intercompare.nodes.ros.health import Health
 
-from .health import Health
 from .sole_node import SoleNode
 
 __all__ = ['Allowance', 'Audience', 'await_acknowledgement', 'Backlog', 'FlowControl',

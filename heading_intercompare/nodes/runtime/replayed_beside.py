@@ -30,9 +30,9 @@ from heading_intercompare.messages.ledger_messages import encode_losses, lost_to
 from heading_intercompare.messages.stamps import header_stamp_ns
 from heading_intercompare.messages.status_messages import MARKER_TOPIC
 from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.ros.message_types import MOTION_TYPES
 
-from .health import Health
 from .loss_publisher import LossPublisher
 
 __all__ = ['publish_marks', 'ReplayedLosses', 'ReplayedMotion']

@@ -28,12 +28,11 @@ from heading_intercompare.core.utc_text import utc
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.status_messages import decode_statuses, ERROR, OK
 from heading_intercompare.nodes.ros.endpoints import name_node
+from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.ros.parameters import resolve_topic
 from heading_intercompare.nodes.ros.qos import DIAGNOSTICS_IN
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.ros.transports import DISCOVERY_S, is_alone
-
-from .health import Health
 
 __all__ = ['SoleNode']
 

@@ -38,9 +38,9 @@ from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.status_messages import decode_statuses
 from heading_intercompare.nodes.alarms.alarm_panel import AlarmPanel
 from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.ros.message_types import STATUS_TYPES
 from heading_intercompare.nodes.ros.parameters import follow
-from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.taking.intake import Intake
 from heading_intercompare.web.figures.stream_watch import SensorView
 

@@ -32,7 +32,7 @@ from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.judge import RunResult
 from heading_intercompare.messages.ledger_messages import LedgerMessage
 from heading_intercompare.nodes.judging.trial_journal import TrialJournal
-from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.settings import SensorsNode
 from heading_intercompare.nodes.taking.headings_intake import HeadingsIntake
 

@@ -23,8 +23,8 @@ from rclpy.node import Node
 from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.core.sensors.comparison import SensorsComparison
+from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.ros.parameters import follow
-from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.settings import HeadingTypes, Taking
 from heading_intercompare.nodes.taking.headings_intake import HeadingsIntake
 from heading_intercompare.web.figures.stream_watch import SensorView, StreamWatch

@@ -44,7 +44,7 @@ from heading_intercompare.messages.verdict_messages import (
     verdict_level,
 )
 from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.runtime.publishing import await_acknowledgement
 from heading_intercompare.nodes.settings import SensorsNode
 from heading_intercompare.nodes.taking.raw_subscription import subscribe

@@ -16,23 +16,27 @@
 
 from __future__ import annotations
 
+from functools import partial
 import time
+from typing import Callable, Sequence
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
+from rclpy.qos import QoSProfile
 
 from heading_intercompare.bags.recording.part_states import DIAGNOSTICS_TOPIC
 from heading_intercompare.core.settings import Settings
-from heading_intercompare.messages.heading_messages import read_headings, read_pairs
+from heading_intercompare.messages.heading_messages import read_pairs
 from heading_intercompare.messages.ledger_messages import decode_ledger, LedgerMessage
-from heading_intercompare.messages.status_messages import decode_statuses
+from heading_intercompare.messages.status_messages import decode_statuses, Status
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.batches import Arrivals
+from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.ros.message_types import HEADING_TYPES, PAIRS_TYPES
-from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.settings import Taking
 from heading_intercompare.web.bridge.bridge_view import Bridge, BridgeView
 
+from .headings_intake import read_headings_as
 from .intake import Intake
 from .raw_subscription import subscribe
 from .recorded_topics import ALARMS_TOPIC
@@ -41,6 +45,18 @@ __all__ = ['BridgeIntake']
 
 # With several sensors one node hears the headings, and says what to show of them.
 _OF_SENSORS = (('figures', qos.STATUS), ('vote', qos.STATUS), ('verdict', qos.VERDICT))
+
+
+#: Takes the stamp of a message, its statuses, and the time of its receipt.
+_Stamped = Callable[[int, Sequence[Status], float], None]
+
+
+def _without_stamp(act: Callable[[Sequence[Status], float], None]) -> _Stamped:
+    return lambda stamp_ns, statuses, now_s: act(statuses, now_s)
+
+
+def _pass_on(act: _Stamped, message: tuple[int, Sequence[Status]]) -> None:
+    act(*message, time.monotonic())
 
 
 class BridgeIntake:
@@ -91,21 +107,18 @@ class BridgeIntake:
     def _listen(self, node: Node, health: Health, several: bool) -> None:
         """Subscribe to the statuses of the graph."""
         bridge = self._bridge
-        for name, profile in _OF_SENSORS if several else ():
-            subscribe(node, DiagnosticArray, f'sensors/{name}', profile, health, decode_statuses,
-                      lambda message, name=name: bridge.take_sensors(
-                          name, *message, time.monotonic()))
-        for topic, profile, act in () if several else (
+        stamped: list[tuple[str, QoSProfile, _Stamped]] = [
+            (f'sensors/{name}', profile, partial(bridge.take_sensors, name))
+            for name, profile in _OF_SENSORS] if several else [
                 ('compliance/rolling', qos.STATUS, bridge.take_rolling),
                 ('compliance/run', qos.STATUS, bridge.take_run),
-                ('compliance/verdict', qos.VERDICT, bridge.take_verdict)):
+                ('compliance/verdict', qos.VERDICT, bridge.take_verdict)]
+        stamped += [
+            (ALARMS_TOPIC, qos.ALARMS, _without_stamp(bridge.take_alarms)),
+            (DIAGNOSTICS_TOPIC, qos.HEADINGS_UNRELIABLE, _without_stamp(bridge.take_health))]
+        for topic, profile, act in stamped:
             subscribe(node, DiagnosticArray, topic, profile, health, decode_statuses,
-                      lambda message, take=act: take(*message, time.monotonic()))
-        for topic, profile, act in (
-                (ALARMS_TOPIC, qos.ALARMS, bridge.take_alarms),
-                (DIAGNOSTICS_TOPIC, qos.HEADINGS_UNRELIABLE, bridge.take_health)):
-            subscribe(node, DiagnosticArray, topic, profile, health, decode_statuses,
-                      lambda message, take=act: take(message[1], time.monotonic()))
+                      partial(_pass_on, act))
         if not several:
             subscribe(node, DiagnosticArray, 'pairs/ledger', qos.LEDGER, health, decode_ledger,
                       self._book)
@@ -123,18 +136,12 @@ class BridgeIntake:
     def _drain(self) -> None:
         now_s = time.monotonic()
         for stream, intake in self._intakes.items():
-            messages = intake.take()
-            headings, refused = read_headings(intake.type_name, self._conventions[stream],
-                                              [message for message, _ in messages])
-            intake.refuse(refused)
-            if messages:
-                self._bridge.take_headings(stream, headings, messages[-1][1]['received_timestamp'],
-                                           now_s)
-        if self._pairs is None:
-            return
-        pairs, refused = read_pairs([message for message, _ in self._pairs.take()])
-        self._pairs.refuse(refused)
-        self._bridge.take_pairs(pairs, now_s)
+            headings = intake.read_rows(partial(read_headings_as, self._conventions[stream]))
+            if intake.received_ns is not None:
+                self._bridge.take_headings(stream, headings, intake.received_ns, now_s)
+        if self._pairs is not None:
+            self._bridge.take_pairs(self._pairs.read_rows(
+                lambda _, messages: read_pairs(messages)), now_s)
 
     def view(self) -> BridgeView:
         """Return what to show now."""

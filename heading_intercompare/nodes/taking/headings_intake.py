@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Callable, Mapping
+from typing import Callable, Mapping, Sequence
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
@@ -28,14 +28,14 @@ from heading_intercompare.messages.heading_messages import read_headings
 from heading_intercompare.messages.ledger_messages import decode_losses, lost_topic
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.batches import Unwatched
+from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.ros.message_types import HEADING_TYPES
-from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.settings import Taking
 
 from .intake import Intake
 from .raw_subscription import subscribe
 
-__all__ = ['HeadingsIntake']
+__all__ = ['HeadingsIntake', 'read_headings_as']
 
 
 class HeadingsIntake:
@@ -58,8 +58,6 @@ class HeadingsIntake:
     ----------
     intakes : dict of str to Intake
         The input of each stream.
-    received_ns : dict of str to int
-        When the newest message of each stream arrived, UTC ns; without those never heard.
 
     """
 
@@ -78,30 +76,27 @@ class HeadingsIntake:
         for name, intake in self.intakes.items():
             subscribe(node, DiagnosticArray, lost_topic(intake.full_name), qos.LOST, health,
                       decode_losses, partial(self._lose, name))
-        self.received_ns: dict[str, int] = {}
 
     def take(self, *, last: bool = False) -> dict[str, Headings]:
         """Return the readings since the last call, by stream; `last` says that none follow."""
         for intake in self.intakes.values() if last else ():
             intake.bring_back()
-        headings = {name: self._take(name, intake) for name, intake in self.intakes.items()}
+        headings = {name: intake.read_rows(partial(read_headings_as, self._conventions[name]))
+                    for name, intake in self.intakes.items()}
         for name, intake in self.intakes.items():
             self._lose(name, {'lost.on_the_way': intake.take_losses(),
                               'lost.before_start': intake.take_before()})
         return headings
 
-    def _take(self, name: str, intake: Intake) -> Headings:
-        messages = intake.take()
-        if messages:
-            self.received_ns[name] = messages[-1][1]['received_timestamp']
-        headings, refused = read_headings(intake.type_name, self._conventions[name],
-                                          [message for message, _ in messages])
-        intake.refuse(refused)
-        return headings
-
     def _lose(self, name: str, found: Mapping[str, Losses]) -> None:
         for lost_as, losses in found.items():
             self._lose_some(name, lost_as, losses)
+
+    @property
+    def received_ns(self) -> dict[str, int]:
+        """When the newest message of each stream arrived, UTC ns; without those never heard."""
+        return {name: intake.received_ns for name, intake in self.intakes.items()
+                if intake.received_ns is not None}
 
     @property
     def numbers(self) -> dict[str, StreamNumbers]:
@@ -113,3 +108,9 @@ class HeadingsIntake:
         for intake in self.intakes.values():
             intake.look()
         return sum(intake.publishers for intake in self.intakes.values())
+
+
+def read_headings_as(convention: str, type_name: str,
+                     messages: Sequence[bytes]) -> tuple[Headings, list[str]]:
+    """Return the headings in messages, for `Intake.read_rows`."""
+    return read_headings(type_name, convention, messages)

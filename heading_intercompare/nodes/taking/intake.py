@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from functools import partial
 import time
-from typing import Mapping, Sequence
+from typing import Callable, Mapping, Sequence, TypeVar
 
 from rclpy.node import Node
 from rclpy.qos import (
@@ -31,21 +31,23 @@ from rclpy.qos import (
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
-from heading_intercompare.core.alarms.recent_count import RecentCount
 from heading_intercompare.core.pairing.incarnations import StreamNumbers
 from heading_intercompare.core.records import Losses
+from heading_intercompare.core.statistics.recent_count import RecentCount
 from heading_intercompare.messages.stamps import header_stamp_ns
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 from heading_intercompare.nodes.ros.batches import Unwatched
+from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.ros.message_types import find_heading_type
 from heading_intercompare.nodes.ros.parameters import follow, resolve_topic
 from heading_intercompare.nodes.ros.transports import DISCOVERY_S
-from heading_intercompare.nodes.runtime.health import Health
 
 from .reception import Message, number_of, Reception
 from .renewal import Renewal
 
 __all__ = ['Intake']
+
+_Chunk = TypeVar('_Chunk')
 
 #: A publisher that was killed stays visible for its lease of 20 s.
 _LEASE_S = 30.0
@@ -104,6 +106,8 @@ class Intake:
         Type of the subscription; None while there is none.
     received, last_sequence : int
         Number of messages taken; number that the publisher gave the newest.
+    received_ns : int or None
+        When the newest message arrived, UTC ns; None before the first.
     refused : int
         Messages that could not be read.
     publishers : int
@@ -161,6 +165,7 @@ class Intake:
         self.open = True
         self.received = self.last_sequence = self.refused = self.publishers = 0
         self.resubscribed = 0
+        self.received_ns: int | None = None
         self._why_refused = ''
         self._numbering, self._stamped, self.counted = Numbering(), stamped, counted
         self._losses: list[Losses] = []
@@ -194,9 +199,25 @@ class Intake:
             self.last_sequence = numbers[-1]
             self.received += len(messages)
             info = messages[-1][1]
-            self._newest_s = time.monotonic()
+            self._newest_s, self.received_ns = time.monotonic(), info['received_timestamp']
             self._latency_s = (info['received_timestamp'] - info['source_timestamp']) / 1e9
         return messages
+
+    def read_rows(self, read: Callable[[str, Sequence[bytes]], tuple[_Chunk, Sequence[str]]]
+                  ) -> _Chunk:
+        """
+        Return the rows in the messages since the last call, and count the unreadable messages.
+
+        Parameters
+        ----------
+        read : callable
+            Returns the rows, and what is wrong with others, of messages of a type.
+
+        """
+        messages = self.take()
+        rows, problems = read(self.type_name or '', [data for data, _ in messages])
+        self.refuse(problems)
+        return rows
 
     def resume_after(self, publisher: str, number: int) -> None:
         """Begin after a number that this publisher gave, if it keeps its newest messages."""
@@ -257,16 +278,9 @@ class Intake:
             self._await_publisher()
             return ''
         infos = self._node.get_publishers_info_by_topic(self.full_name)
-        gids = [bytes(info.endpoint_gid).hex() for info in infos]
-        newest = gids[0] if len(gids) == 1 else ''
-        self._publishers = self._publishers[0] or newest, newest
-        # Later publishers came when this node already looked for them.
-        if time.monotonic() < self._begun_s + DISCOVERY_S:
-            self._there_before.update(gids)
         offered_types = {info.topic_type for info in infos}
         good = [name for name in self._types if name in offered_types]
-        came = not self._there_before.intersection(gids)
-        self._change_qos(infos, came)
+        self._change_qos(infos, self._have_come(infos))
         suitable = [name for name in good if self.type_name in (None, name)]
         if self.open and suitable and not self._reception.there:
             self.type_name = suitable[0]
@@ -278,12 +292,24 @@ class Intake:
         if strange:
             return (f'{self._topic} has the type {", ".join(strange)}; must be '
                     f'{self.type_name or " or ".join(self._types)}')
+        return self._describe_mismatch(infos) or (
+            self._describe_rivals(infos) if self._sole and len(infos) > 1 else '')
+
+    def _have_come(self, infos: Sequence[TopicEndpointInfo]) -> bool:
+        """Note who publishes; tell whether all came when this node already looked for them."""
+        gids = [bytes(info.endpoint_gid).hex() for info in infos]
+        newest = gids[0] if len(gids) == 1 else ''
+        self._publishers = self._publishers[0] or newest, newest
+        if time.monotonic() < self._begun_s + DISCOVERY_S:
+            self._there_before.update(gids)
+        return not self._there_before.intersection(gids)
+
+    def _describe_mismatch(self, infos: Sequence[TopicEndpointInfo]) -> str:
+        """Say which publisher offers less than the subscription needs; '' if none does."""
         for info in infos:
             verdict, reason = qos_check_compatible(info.qos_profile, self._qos)
             if verdict == QoSCompatibility.ERROR:
                 return f'QoS mismatch on {self._topic} with {info.node_name}: {reason}'
-        if self._sole and len(infos) > 1:
-            return self._describe_rivals(infos)
         return ''
 
     def _describe_rivals(self, infos: Sequence[TopicEndpointInfo]) -> str:
@@ -335,16 +361,9 @@ class Intake:
     def _change_qos(self, infos: Sequence[TopicEndpointInfo], came: bool) -> None:
         """Subscribe with what hears all publishers and loses least; `came`: all are new here."""
         waited, self._waits = self._waits, False
-        if self._unreliable is not None and (self._qos is self._unreliable and not waited or any(
-                info.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT for info in infos)):
-            best = self._unreliable
-        elif self._kept is not None and (self._may_look_back or came) and all(
-                info.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for info in infos):
-            best = self._kept
-            if came and (waited or self._since_ns):
-                self._since_ns = _EVER_NS
-        else:
-            best = self._reliable
+        best = self._choose_qos(infos, came, waited)
+        if best is self._kept and came and (waited or self._since_ns):
+            self._since_ns = _EVER_NS
         if best is self._qos:
             return
         self._qos = best
@@ -357,6 +376,28 @@ class Intake:
             self.resubscribed += self._reception.there
             self._reception.close()
 
+    def _choose_qos(self, infos: Sequence[TopicEndpointInfo], came: bool,
+                    waited: bool) -> QoSProfile:
+        if self._unreliable is not None and (self._qos is self._unreliable and not waited or any(
+                info.qos_profile.reliability == ReliabilityPolicy.BEST_EFFORT for info in infos)):
+            return self._unreliable
+        if self._kept is not None and (self._may_look_back or came) and all(
+                info.qos_profile.durability == DurabilityPolicy.TRANSIENT_LOCAL for info in infos):
+            return self._kept
+        return self._reliable
+
+    def _describe(self, wrong: str, now_s: float) -> tuple[int, str]:
+        """Return level and words for the state of this input."""
+        if wrong:
+            return WARN if self._ghost else ERROR, wrong
+        if not self.received and now_s < self._begun_s + self._first_wait_s:
+            return OK, f'waiting for the first message of {self._topic}'
+        if not self.publishers:
+            return WARN if self._needed else OK, f'no publisher on {self._topic}'
+        if self._stale_s is not None and now_s - self._newest_s > self._stale_s:
+            return WARN, f'silent for more than {self._stale_s:g} s'
+        return OK, 'receiving'
+
     def _note(self) -> None:
         """Report the state of this input."""
         now_s = time.monotonic()
@@ -365,13 +406,7 @@ class Intake:
         wrong, age_s = self.look(), now_s - self._newest_s
         if self._renewal.is_due(now_s, self.received, self._fetchable) and self._reception.there:
             self._reception.hand_over(self._qos)
-        level, words = (WARN if self._ghost else ERROR, wrong) if wrong else (OK, 'receiving')
-        if not wrong and not self.received and now_s < self._begun_s + self._first_wait_s:
-            words = f'waiting for the first message of {self._topic}'
-        elif not wrong and not self.publishers:
-            level, words = WARN if self._needed else OK, f'no publisher on {self._topic}'
-        elif not wrong and self._stale_s is not None and age_s > self._stale_s:
-            level, words = WARN, f'silent for more than {self._stale_s:g} s'
+        level, words = self._describe(wrong, now_s)
         rate_hz = (self.received - self._beat_n) / max(now_s - self._beat_s, 1e-3)
         self._beat_s, self._beat_n = now_s, self.received
         self._health.note(self._topic, level, words, type=self.type_name,
@@ -381,8 +416,8 @@ class Intake:
                           latency_s=self._latency_s)
         lost, refused = (count.take(total, now_s) for count, total in zip(
             self._recent, (self.lost, self.refused)))
-        troubles = [lost and f'{lost} messages lost on the way',
-                    refused and f'{refused} messages refused: {self._why_refused}']
-        self._health.note(f'{self._topic} lost', WARN if any(troubles) else OK,
-                          '; '.join(filter(None, troubles)) or 'nothing lost lately',
+        troubles = [f'{lost} messages lost on the way'] * bool(lost) + [
+            f'{refused} messages refused: {self._why_refused}'] * bool(refused)
+        self._health.note(f'{self._topic} lost', WARN if troubles else OK,
+                          '; '.join(troubles) or 'nothing lost lately',
                           lost=self.lost, refused=self.refused or None)

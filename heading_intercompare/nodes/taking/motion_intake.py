@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from functools import partial
 import time
 from typing import Mapping, Protocol, Sequence
 
@@ -25,10 +26,10 @@ from heading_intercompare.bags.rosbag2.motion_topics import motion_topics
 from heading_intercompare.core.motion.motion_record import leave_out_known
 from heading_intercompare.core.records import Motion
 from heading_intercompare.core.settings import MotionRule
-from heading_intercompare.messages.motion.motion_messages import read_told
+from heading_intercompare.messages.motion.motion_messages import read_motion
 from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.ros.message_types import MOTION_TYPES
-from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.settings import Taking
 
 from .intake import Intake
@@ -101,17 +102,13 @@ class MotionIntake:
         look = now_s >= self._due_s
         if look:
             self._due_s = now_s + _LOOK_S
-        chunks = [self._take(what, intake) for what, intake in self._intakes.items()
+        chunks = [intake.read_rows(partial(_read, what)) for what, intake in self._intakes.items()
                   if look or intake.type_name is not None]
         if any(map(len, chunks)):
             rows = leave_out_known(Motion.concatenate(chunks), self._known_ns)
             for taker in self._takers:
                 taker.take_motion(rows)
 
-    def _take(self, what: str, intake: Intake) -> Motion:
-        messages = intake.take()
-        if not messages:
-            return Motion.empty()
-        rows, refused = read_told(intake.type_name or '', what, [data for data, _ in messages])
-        intake.refuse(refused)
-        return rows
+
+def _read(what: str, type_name: str, messages: Sequence[bytes]) -> tuple[Motion, list[str]]:
+    return read_motion(type_name, what, messages)

@@ -27,8 +27,8 @@ from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.messages.ledger_messages import decode_ledger, LedgerMessage
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.endpoints import is_named
+from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.ros.transports import DISCOVERY_S, is_alone
-from heading_intercompare.nodes.runtime.health import Health
 
 from .intake import Intake
 from .raw_subscription import subscribe

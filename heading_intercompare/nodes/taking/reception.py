@@ -79,6 +79,7 @@ class Reception:
 
     def __init__(self, node: Node, topic: str, group: Unwatched, *, whole: bool = False) -> None:
         self._node, self._topic, self._group, self._whole = node, topic, group, whole
+        self._kind: type | None = None
         self._current: Subscription | None = None
         self._successor: Subscription | None = None
         self._left: list[Message] = []
@@ -111,6 +112,7 @@ class Reception:
             subscription that was set aside held, too.
 
         """
+        self._kind = kind
         self._current, self._skip_until = self._subscribe(kind, profile), after
         self._since_ns, self._kept_until_ns = since_ns, time.time_ns() + _KEPT_NS
         if not since_ns:
@@ -140,10 +142,10 @@ class Reception:
             Keep the first one until it has brought all that was sent before the other one began.
 
         """
-        assert self._current is not None
+        assert self._kind is not None
         if self._successor is not None:
             self._node.destroy_subscription(self._successor)
-        self._successor = self._subscribe(self._current.msg_type, profile)
+        self._successor = self._subscribe(self._kind, profile)
         self._seamless, self._joint = seamless, 0
         self._kept_until_ns = time.time_ns() + _KEPT_NS
 
@@ -161,7 +163,8 @@ class Reception:
             messages += self._once(again)
             if caught_up:
                 # What the first subscription still holds comes to the second one, too.
-                self._node.destroy_subscription(self._current)
+                if self._current is not None:
+                    self._node.destroy_subscription(self._current)
                 self._current, self._successor = self._successor, None
         return messages
 

@@ -40,6 +40,7 @@ from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.ledger_messages import lost_topic
 from heading_intercompare.messages.status_messages import decode_text, MARKER_TOPIC
 from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.ros.message_types import (
     HEADING_TYPES,
     PAIRS_TYPES,
@@ -49,7 +50,6 @@ from heading_intercompare.nodes.ros.message_types import (
 )
 from heading_intercompare.nodes.ros.parameters import resolve_topic
 from heading_intercompare.nodes.ros.transports import DISCOVERY_S, is_alone
-from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.settings import HeadingTypes, Taking
 
 from .intake import Intake
@@ -125,13 +125,6 @@ def _offer(profile: QoSProfile) -> Qos:
     return Qos(depth=profile.depth, durability='transient_local' if stored else 'volatile')
 
 
-def _keep(taken: QoSProfile) -> dict[str, QoSProfile]:
-    """Return what a subscription becomes whose messages must not be missing."""
-    if taken is qos.HEADINGS_IN:
-        return {'unreliable': qos.HEADINGS_UNRELIABLE, 'kept': qos.HEADINGS_KEPT}
-    return {'kept': qos.PAIRS} if taken is qos.PAIRS_TAKEN else {}
-
-
 class _Alarms(Intake):
     """The alarms of several nodes, whose numbers say nothing about losses."""
 
@@ -171,7 +164,7 @@ class _Pairs(Intake):
     def __init__(self, node: Node, topic: str, health: Health, first_wait_s: float,
                  headings: Sequence[Intake]) -> None:
         super().__init__(node, topic, PAIRS_TYPES, qos.PAIRS_TAKEN, health, sole=False,
-                         first_wait_s=first_wait_s, **_keep(qos.PAIRS_TAKEN))
+                         first_wait_s=first_wait_s, kept=qos.PAIRS)
         self._headings = headings
         # Within one process, nodes know each other at once.
         self._known_s, found_s = (0.0, 0.0) if is_alone() else (_KNOWN_S, DISCOVERY_S)
@@ -214,6 +207,36 @@ class _Ledgers(Intake):
         return messages
 
 
+class _Row(NamedTuple):
+    """A topic to record: its types, how it is taken and offered, and whether it must be there."""
+
+    topic: str
+    types: Mapping[str, type]
+    taken: QoSProfile
+    offered: QoSProfile
+    expected: bool
+
+
+def _list_rows(node: Node, settings: Settings, places: Sequence[str],
+               headings: Sequence[str]) -> list[_Row]:
+    """Return the topics whose messages are recorded as they come, in the order to subscribe."""
+    rows = [*(_Row(topic, HEADING_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, True)
+              for topic in headings),
+            _Row(MARKER_TOPIC, STATUS_TYPES, qos.MARKER, qos.MARKER, True),
+            _Row(NOTE_TOPIC, TEXT_TYPES, qos.NOTE, qos.NOTE, False)]
+    judged = [(f'{place}compliance/verdict', f'{place}{REPORT_TOPIC}') for place in places]
+    if settings.sensors:
+        judged.append(('sensors/verdict', SENSORS_REPORT_TOPIC))
+    for verdict, report in judged:
+        rows += [_Row(verdict, STATUS_TYPES, qos.VERDICT, qos.VERDICT, True),
+                 _Row(report, TEXT_TYPES, qos.REPORT, qos.REPORT, True)]
+    if resolve_topic(node, TRUTH_TOPIC) not in [resolve_topic(node, topic) for topic in headings]:
+        # First: nobody waits for the truth, but its subscription must precede the headings.
+        rows.insert(0, _Row(TRUTH_TOPIC, TRUTH_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, False))
+    return rows + [_Row(lost_topic(resolve_topic(node, topic)), STATUS_TYPES, qos.LOST, qos.LOST,
+                        False) for topic in headings]
+
+
 def make_intakes(node: Node, settings: Settings, taking: Taking, types: HeadingTypes,
                  health: Health, states: PartStates) -> dict[str, Recorded]:
     """
@@ -224,44 +247,31 @@ def make_intakes(node: Node, settings: Settings, taking: Taking, types: HeadingT
     sensors = read_sensors(settings.sensors)
     headings = [sensor.heading_topic for sensor in sensors] or [settings.ts_topic,
                                                                 settings.rs_topic]
+    tested, reference = list_tested(sensors), find_reference(sensors)
     # The place of the nodes of two sensors, or the places of those of each tested sensor.
-    places = [f'{sensor.name}/' for sensor in list_tested(sensors)] if sensors else ['']
-    rows = [
-        *((topic, HEADING_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, True) for topic in headings),
-        (MARKER_TOPIC, STATUS_TYPES, qos.MARKER, qos.MARKER, True),
-        (NOTE_TOPIC, TEXT_TYPES, qos.NOTE, qos.NOTE, False)]
-    for place in places:
-        rows += [
-            (f'{place}compliance/verdict', STATUS_TYPES, qos.VERDICT, qos.VERDICT, True),
-            (f'{place}{REPORT_TOPIC}', TEXT_TYPES, qos.REPORT, qos.REPORT, True)]
-    if sensors:
-        rows += [('sensors/verdict', STATUS_TYPES, qos.VERDICT, qos.VERDICT, True),
-                 (SENSORS_REPORT_TOPIC, TEXT_TYPES, qos.REPORT, qos.REPORT, True)]
-    if resolve_topic(node, TRUTH_TOPIC) not in [resolve_topic(node, topic) for topic in headings]:
-        # First: nobody waits for the truth, but its subscription must precede the headings.
-        rows.insert(0, (TRUTH_TOPIC, TRUTH_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, False))
-    rows += [(lost_topic(resolve_topic(node, topic)), STATUS_TYPES, qos.LOST, qos.LOST, False)
-             for topic in headings]
-    reference = find_reference(sensors)
+    places = [f'{sensor.name}/' for sensor in tested] or ['']
     known_types = {**dict.fromkeys(headings, types.ts_message_type), (
         reference.heading_topic if reference else settings.rs_topic): types.rs_message_type}
-    motion = motion_topics(settings.motion) if settings.motion.compare else {}
-    recorded = {topic: Recorded(_offer(qos.HEADINGS_OUT), make_motion_intake(
-        node, health, what, topic, taking), False) for what, topic in motion.items()}
-    topics = recorded | {topic: Recorded(_offer(offered), Intake(
-        node, topic, types, profile, health, first_wait_s=taking.first_wait_s, sole=False,
-        needed=expected, known_type=known_types.get(topic), **_keep(profile)), expected,
-        is_heading=topic in headings)
-        for topic, types, profile, offered, expected in rows}
+    topics = {topic: Recorded(_offer(qos.HEADINGS_OUT), make_motion_intake(
+        node, health, what, topic, taking), False)
+        for what, topic in motion_topics(settings.motion).items() if settings.motion.compare}
+    for row in _list_rows(node, settings, places, headings):
+        is_heading = row.taken is qos.HEADINGS_IN
+        topics[row.topic] = Recorded(_offer(row.offered), Intake(
+            node, row.topic, row.types, row.taken, health,
+            unreliable=qos.HEADINGS_UNRELIABLE if is_heading else None,
+            kept=qos.HEADINGS_KEPT if is_heading else None, first_wait_s=taking.first_wait_s,
+            sole=False, needed=row.expected, known_type=known_types.get(row.topic)),
+            row.expected, is_heading=row.topic in headings)
     heard = [topics[topic].intake for topic in headings]
-    tested = [sensor.heading_topic for sensor in list_tested(sensors)]
     for at, place in enumerate(places):
         topics[f'{place}pairs'] = Recorded(_offer(qos.PAIRS_TAKEN), _Pairs(
             node, f'{place}pairs', health, taking.first_wait_s, heard), True)
         ledgers = _Ledgers(node, health, taking.first_wait_s, f'{place}pairs/ledger')
         topics[f'{place}pairs/ledger'] = Recorded(_offer(qos.LEDGER), ledgers, True,
                                                   is_ledger=True)
-        counted = [tested[at], reference.heading_topic] if reference is not None else headings
+        counted = ([tested[at].heading_topic, reference.heading_topic]
+                   if reference is not None else headings)
         for stream, topic in zip(('ts', 'rs'), counted):
             topics[topic] = topics[topic]._replace(
                 count_published=partial(ledgers.headings.count, stream),

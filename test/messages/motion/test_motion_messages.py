@@ -30,7 +30,7 @@ from heading_intercompare.messages.motion.motion_messages import (
     encode_motion,
     FIX,
     MOTION_TYPES,
-    read_motion_messages,
+    read_motion,
 )
 
 TWIST = 'geometry_msgs/msg/TwistStamped'
@@ -128,9 +128,9 @@ def test_a_message_that_is_too_short_is_refused(what):
     kind = MOTION_TYPES[what][0]
     with pytest.raises(MessageError, match='too short'):
         decode_motion(kind, what, *join_messages([whole[0][:30]]))
-    found, refused = read_motion_messages(kind, what, [whole[0], whole[1][:40], whole[2]])
+    found, refused = read_motion(kind, what, [whole[0], whole[1][:40], whole[2]])
     assert len(found) == 2 and len(refused) == 1
 
 
 def test_no_message_is_no_motion():
-    assert read_motion_messages(FIX, 'fix', []) == (Motion.empty(), [])
+    assert read_motion(FIX, 'fix', []) == (Motion.empty(), [])

@@ -27,7 +27,7 @@ from heading_intercompare.core.alarms.alarm import Priority, Rule, Sign
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 from heading_intercompare.nodes.alarms.alarm_panel import AlarmPanel
 from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.ros.health import Health
 
 S_NS = 10 ** 9
 RULES = Rule('jump', clear_s=0.0), Rule('burst', Priority.CAUTION, 0.0)

@@ -17,18 +17,18 @@
 from __future__ import annotations
 
 import pytest
-from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.core.settings import list_settings, Settings, SettingsError, to_mapping
-from heading_intercompare.nodes.ros.parameters import declare, follow, make_overrides, OVERRIDES
+from heading_intercompare.nodes.ros.graph_node import GraphNode
+from heading_intercompare.nodes.ros.parameters import declare, follow, make_overrides
 from heading_intercompare.nodes.settings import PAIRED, PUBLISHED, REPLAYED, SHOWN
 
 
 def node_with(ros, values):
     """Return a node that was given values."""
-    return ros.add(Node, 'settings_node', **OVERRIDES, parameter_overrides=make_overrides(values))
+    return ros.add(GraphNode, 'settings_node', parameter_overrides=make_overrides(values))
 
 
 def test_without_values_all_take_their_defaults(ros):

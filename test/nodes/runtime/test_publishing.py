@@ -27,8 +27,8 @@ from sensor_msgs.msg import Imu
 from heading_intercompare.core.records import Headings
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.batches import take_all, Unwatched
+from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.runtime import publishing
-from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.runtime.publishing import Audience, FlowControl, HeadingQueue
 
 

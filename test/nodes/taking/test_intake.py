@@ -32,8 +32,8 @@ from heading_intercompare.messages.heading_messages import IMU, imu_messages, re
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.batches import take_all
+from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.ros.message_types import HEADING_TYPES
-from heading_intercompare.nodes.runtime.health import Health
 from heading_intercompare.nodes.taking import reception
 from heading_intercompare.nodes.taking.intake import Intake
 

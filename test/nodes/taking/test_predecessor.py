@@ -26,7 +26,7 @@ from heading_intercompare.core.pairing.incarnations import StreamNumbers
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
 from heading_intercompare.messages.ledger_messages import encode_ledger
 from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.runtime.health import Health
+from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.taking import predecessor
 from heading_intercompare.nodes.taking.predecessor import LEDGER_TAKEN_TOPIC, Predecessor
 

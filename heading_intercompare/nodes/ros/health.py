@@ -18,7 +18,8 @@ from __future__ import annotations
 
 import re
 import time
-from typing import Any, Callable
+from types import MappingProxyType
+from typing import Any, Callable, Mapping
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
@@ -32,8 +33,9 @@ from heading_intercompare.messages.status_messages import (
     Status,
     WARN,
 )
-from heading_intercompare.nodes.ros.qos import STATUS
-from heading_intercompare.nodes.ros.steady_timer import every
+
+from .qos import STATUS
+from .steady_timer import every
 
 __all__ = ['Health']
 
@@ -95,7 +97,8 @@ class Health:
         self._refreshers.append(refresh)
 
     def note(self, part: str, level: int, message: str, *, latch: bool = False,
-             log: bool = True, **values: Any) -> None:
+             log: bool = True, figures: Mapping[str, object] = MappingProxyType({}),
+             **values: object) -> None:
         """
         Set the state of a part; publish at once if it is worse than before.
 
@@ -112,12 +115,14 @@ class Health:
             latched already.
         log : bool
             Log a change.
+        figures : mapping of str to object
+            Figures to show with it, by names that are not known here.
         **values : object
-            Figures to show with it.
+            More of them, shown before those.
 
         """
         before = self._parts.get(part)
-        now = Status(f'{self._full_name}: {part}', level, message, values)
+        now = Status(f'{self._full_name}: {part}', level, message, {**values, **figures})
         self._parts[part] = now
         latched = self._latched.get(part)
         if latch and level != OK and (latched is None or level >= latched.level):

@@ -24,8 +24,8 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from std_msgs.msg import String
 
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
+from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.ros.qos import STATUS
-from heading_intercompare.nodes.runtime.health import Health
 
 
 def health_of(ros):
