@@ -23,7 +23,7 @@ rng = np.random.default_rng(2)
 NAMES, SIGMA_DEG, RATE_HZ = ('gyro', 'seapath', 'gnss'), (0.20, 0.05, 0.10), (10.0, 1.0, 5.0)
 
 
-def sensor(sigma_deg, rate_hz):
+def sensor(sigma_deg: float, rate_hz: float) -> Headings:
     """Return an hour of headings with white errors."""
     t_s = np.arange(0.0, 3600.0, 1.0 / rate_hz)
     heading_deg = 100.0 + 10.0 * np.sin(t_s / 300.0) + sigma_deg * rng.standard_normal(t_s.size)
@@ -32,6 +32,6 @@ def sensor(sigma_deg, rate_hz):
 
 stamp_ns, heading_deg = at_common_stamps([sensor(s, r) for s, r in zip(SIGMA_DEG, RATE_HZ)])
 hats = three_cornered_hat(heading_deg, stamp_ns)
-for name, sigma_deg, (low, high) in zip(NAMES, hats.std_deg, hats.interval_deg2):
+for name, sigma_deg, (low, high) in zip(NAMES, hats.std_deg, hats.interval_deg2 or ()):
     print(f'{name}: {sigma_deg:.3f} deg, variance {low:.5f} .. {high:.5f} deg2')
 print('interpolation reduces the noise of all sensors but the first')

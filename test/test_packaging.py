@@ -209,6 +209,35 @@ def test_type_checkers_are_told_that_the_package_has_types():
     assert "package_data={NAME: ['py.typed'," in (ROOT / 'setup.py').read_text('utf-8')
 
 
+USER_CODE = """
+from heading_intercompare import analyze, BagReader, Headings, judge_bags, Outcome, Settings
+
+
+def judge(ts: Headings, rs: Headings) -> Outcome:
+    settings = Settings.from_mapping({'norms.sigma_max_deg': 0.3})
+    for chunk in BagReader('bag').headings({'/ts': 'enu'}):
+        print(chunk['/ts'].heading_deg.mean())
+    print(judge_bags(['bag'], settings).verdict)
+    return analyze(ts, rs, settings).outcome
+"""
+
+
+@pytest.mark.slow
+@pytest.mark.process
+def test_code_of_a_user_and_the_examples_pass_a_strict_type_checker(tmp_path):
+    """Within the package types are checked with `mypy.ini`; here it counts as installed."""
+    pytest.importorskip('mypy')
+    (tmp_path / 'good.py').write_text(USER_CODE)
+    (tmp_path / 'bad.py').write_text(USER_CODE.replace('-> Outcome', '-> Headings'))
+    (tmp_path / 'mypy.ini').write_text(
+        f'[mypy]\nstrict = True\nmypy_path = {ROOT}\n'
+        f'[mypy-{NAME}.*]\nfollow_imports = silent\n')
+    good, bad = (run(sys.executable, '-m', 'mypy', *files, cwd=tmp_path) for files in (
+        ['good.py', *map(str, (ROOT / 'examples').glob('*.py'))], ['bad.py']))
+    assert good.returncode == 0, good.stdout
+    assert 'expected "Headings"' in bad.stdout
+
+
 def test_the_templates_are_data_of_the_package_and_of_its_source_archive():
     templates = {p.relative_to(ROOT / NAME).as_posix()
                  for p in (ROOT / NAME / 'report' / 'templates').rglob('*') if p.is_file()}

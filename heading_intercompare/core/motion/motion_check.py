@@ -158,9 +158,11 @@ def check_motion(motion: Motion, stamp_ns: Integers, ts_deg: Reals, rs_deg: Real
     duration = np.asarray(legs.duration_s, np.float64)
     longest = np.sort(np.argsort(-duration, kind='stable')[:MOST_LEGS])
     check = MotionCheck(
-        'not_testable', '', len(rows.positions()), len(rows.velocities()),
-        len(rows.rates()), len(legs), float(duration.sum()), float(duration[astern].sum()),
-        min(legs.bound_deg, default=None), ts, rs, legs.pick(longest.tolist()))
+        kind='not_testable', whose='', n_positions=len(rows.positions()),
+        n_velocities=len(rows.velocities()), n_rates=len(rows.rates()), n_legs=len(legs),
+        legs_s=float(duration.sum()), astern_s=float(duration[astern].sum()),
+        least_bound_deg=min(legs.bound_deg, default=None), ts=ts, rs=rs,
+        legs=legs.pick(longest.tolist()))
     return _conclude(check, _tested_s(legs, astern), largest_arc_deg(legs.course_deg), is_unsure)
 
 

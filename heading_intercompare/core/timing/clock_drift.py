@@ -360,6 +360,7 @@ def _line(parts: list[SkewOfPart], middle_s: float) -> ClockDrift:
     half = student_95(dof) * u_slope
     drifting = abs(slope) > -float(scipy.special.stdtrit(dof, 0.5 * _RISK)) * u_slope
     rate2 = float(np.mean([part.rate_std_deg_s ** 2 for part in parts]))
-    return ClockDrift('drifting' if drifting else 'steady', tuple(parts),
-                      level + slope * (middle_s / 3600.0 - t0), slope, u_slope,
-                      (slope - half, slope + half), slope ** 2 * float(np.var(t)) * rate2)
+    return ClockDrift(kind='drifting' if drifting else 'steady', parts=tuple(parts),
+                      skew_s=level + slope * (middle_s / 3600.0 - t0), slope_s_per_h=slope,
+                      u_s_per_h=u_slope, interval_s_per_h=(slope - half, slope + half),
+                      variance_deg2=slope ** 2 * float(np.var(t)) * rate2)

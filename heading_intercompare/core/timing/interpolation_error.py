@@ -117,13 +117,15 @@ def estimate_interpolation_error(counts: Mapping[LedgerKey, int], norm_deg: floa
     readings = {n: counts[key] for n, key in _BRIDGED.items() if counts.get(key)}
     n_bridged, paired = sum(readings.values()), counts.get(LedgerKey.PAIRED, 0)
     if not n_bridged or not paired:
-        return InterpolationError('none', 0.0, True, readings=readings)
+        return InterpolationError(kind='none', variance_deg2=0.0, is_resolved=True,
+                                  readings=readings)
     step_s = counts.get(LedgerKey.STEP, 0) / 1e6 / n_bridged
     compared = counts.get(LedgerKey.COMPARED, 0)
     if not compared:
         # A fast sensor needs no comparison.
         is_fast = step_s <= _ALWAYS_S
-        return InterpolationError('estimated', 0.0 if is_fast else None, is_fast, step_s, readings,
+        return InterpolationError(kind='estimated', variance_deg2=0.0 if is_fast else None,
+                                  is_resolved=is_fast, step_s=step_s, readings=readings,
                                   is_line=is_line)
     six, four, two = (counts.get(key, 0) * APART_DEG2 / compared for key in
                       (LedgerKey.APART_6, LedgerKey.APART_4, LedgerKey.APART_2))
@@ -132,5 +134,6 @@ def estimate_interpolation_error(counts: Mapping[LedgerKey, int], norm_deg: floa
     is_resolved = step_s <= _ALWAYS_S or (step_s <= _NEVER_S and (
         six <= _SIX_TO_FOUR * four or four <= _FOUR_TO_TWO * two
         or six <= _SHARE_OF_NORM * norm_deg ** 2))
-    return InterpolationError('estimated', added, is_resolved, step_s, readings,
-                              two * n_bridged / paired, is_line)
+    return InterpolationError(kind='estimated', variance_deg2=added, is_resolved=is_resolved,
+                              step_s=step_s, readings=readings,
+                              line_deg2=two * n_bridged / paired, is_line=is_line)

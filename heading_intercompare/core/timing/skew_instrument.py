@@ -156,10 +156,11 @@ class Instrument:
         u_total = math.sqrt(float(sum_covariance(common)[0]))
         strength = (total / u_total) ** 2 if u_total > 0.0 and total > 0.0 else 0.0
         if strength == 0.0:
-            return Fit(t, x, rate, 0.0, math.inf, 0, 0.0, 0.0)
+            return Fit(t_s=t, x=x, rate=rate, step_s=0.0, u_s=math.inf, dof=0, strength=0.0,
+                       rate_std_deg_s=0.0)
         e = x - x.mean()
         step = -float(ts_rate @ e) / total
         e += step * (rate - rate.mean())
         covariance, dof = sum_covariance(ts_rate * e)
-        return Fit(t, x, rate, step, math.sqrt(float(covariance)) / total, dof, strength,
-                    math.sqrt(total / (t.size - 1)))
+        return Fit(t_s=t, x=x, rate=rate, step_s=step, u_s=math.sqrt(float(covariance)) / total,
+                   dof=dof, strength=strength, rate_std_deg_s=math.sqrt(total / (t.size - 1)))

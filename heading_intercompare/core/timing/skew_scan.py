@@ -175,18 +175,20 @@ def scan_skew(ts: Headings, rs: Headings, range_s: float = 2.0, step_s: float = 
     variance = cache(lambda k: difference.variance(k * step_s))
     best = _descend(variance, last, int(grid[np.argmin(searched)]))
     skew_s = _find_lowest(variance, best, last, step_s)
-    zero = _spread(difference.at(0.0))
+    std_zero_deg, mean_zero_deg = _spread(difference.at(0.0))
     x = difference.at(skew_s)
-    best_spread = _spread(x)
+    std_deg, mean_deg = _spread(x)
     u_s, bias_s = _uncertainty(difference, skew_s, step_s, x)
     at_edge = abs(best) == last
     thin = max(1, -(-last // _CURVE))
     shown = slice(last % thin, None, thin)
-    return Scan(n, last * step_s, step_s, skew_s, u_s, bias_s, at_edge,
-                not at_edge and u_s is not None and bias_s is not None
+    return Scan(n=n, range_s=last * step_s, step_s=step_s, skew_s=skew_s, u_s=u_s, bias_s=bias_s,
+                at_edge=at_edge,
+                well_determined=not at_edge and u_s is not None and bias_s is not None
                 and u_s + bias_s <= 0.1 * last * step_s,
-                *best_spread, *zero, tuple(skews_s[shown].tolist()),
-                tuple(np.sqrt(searched[shown]).tolist()))
+                std_deg=std_deg, mean_deg=mean_deg, std_zero_deg=std_zero_deg,
+                mean_zero_deg=mean_zero_deg, curve_s=tuple(skews_s[shown].tolist()),
+                curve_std_deg=tuple(np.sqrt(searched[shown]).tolist()))
 
 
 def _spread(x: Reals) -> tuple[float, float]:

@@ -20,7 +20,7 @@ import argparse
 import os
 from pathlib import Path
 import time
-from typing import Any, Mapping
+from typing import Any, Mapping, Sequence
 
 from heading_intercompare.app.config import choose_pair, load_config, settings_for
 from heading_intercompare.bags.recording.journal import name_journal
@@ -68,17 +68,8 @@ def run(arguments: argparse.Namespace) -> int:
     settings = choose_pair(settings_for(config, arguments.set, ts_topic=arguments.ts,
                                         rs_topic=arguments.rs), arguments.ts, arguments.rs)
     check_norms(settings)
-    sensors = read_sensors(settings.sensors)
     usual = _describe_drivers(settings)
-    drivers = {name: {**defaults, **config.sections[name]}
-               for name, defaults in usual.items() if name in config.sections}
-    for name, driver in drivers.items():
-        _check_source(driver, arguments.config, name, f'{driver["topic"]} is heard as a topic')
-    moved = config.sections.get('motion_driver')
-    if moved is not None:
-        _check_source(moved, arguments.config, 'motion_driver', 'the drivers of the sensors tell '
-                      'the motion of the ship')
-        drivers = {name: {**driver, 'motion': False} for name, driver in drivers.items()}
+    drivers, moved = _plan_drivers(usual, config.sections, arguments.config)
     recorder = {**config.sections.get('recorder', {}), **(
         {'parameter_file': arguments.config} if arguments.config else {})}
     if notes := read_notes(arguments):
@@ -104,10 +95,8 @@ def run(arguments: argparse.Namespace) -> int:
     if before is not None:
         tell(f'goes on with the trial of {before}; records {output}')
     if not arguments.quiet:
-        if not sensors:
-            tell(least_duration_words(settings.risk))
-        if heard := [defaults['topic'] for name, defaults in usual.items() if name not in drivers]:
-            tell(f'listening to {" and ".join(heard)}; Ctrl-C ends the trial')
+        _tell_start(settings, [defaults['topic'] for name, defaults in usual.items()
+                               if name not in drivers])
     with LiveView(f'heading-intercompare live: {output}', 'Ctrl-C ends the trial',
                   arguments.quiet) as shown:
         verdict = intercompare(
@@ -120,6 +109,30 @@ def run(arguments: argparse.Namespace) -> int:
             show=None if arguments.quiet else shown.show,
             tell=None if arguments.quiet else shown.tell)
     return conclude(verdict, arguments)
+
+
+def _plan_drivers(usual: Mapping[str, Mapping[str, Any]],
+                  sections: Mapping[str, Mapping[str, Any]], config: str,
+                  ) -> tuple[dict[str, dict[str, Any]], Mapping[str, Any] | None]:
+    """Return the settings of the drivers to run, by name, and of that of the motion, if any."""
+    drivers = {name: {**defaults, **sections[name]}
+               for name, defaults in usual.items() if name in sections}
+    for name, driver in drivers.items():
+        _check_source(driver, config, name, f'{driver["topic"]} is heard as a topic')
+    moved = sections.get('motion_driver')
+    if moved is not None:
+        _check_source(moved, config, 'motion_driver', 'the drivers of the sensors tell the motion '
+                      'of the ship')
+        drivers = {name: {**driver, 'motion': False} for name, driver in drivers.items()}
+    return drivers, moved
+
+
+def _tell_start(settings: Settings, heard: Sequence[str]) -> None:
+    """Print how long a trial lasts, and on which topics its sensors are heard."""
+    if not settings.sensors:
+        tell(least_duration_words(settings.risk))
+    if heard:
+        tell(f'listening to {" and ".join(heard)}; Ctrl-C ends the trial')
 
 
 def _check_source(driver: Mapping[str, Any], config: str, name: str, otherwise: str) -> None:
