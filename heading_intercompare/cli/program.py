@@ -60,10 +60,10 @@ COMMANDS = {
              "note 'course change to 270'"),
     'report': ('report', 'write the protocol of recorded runs, with plots',
                'report trial_bag -o protocol.html --config heading_intercompare.yaml'),
-    'plan': ('planning.plan', 'say before a trial how long to measure, with the chances of a '
+    'plan': ('plan', 'say before a trial how long to measure, with the chances of a '
              'decision', 'plan --set norms.sigma_max_deg=0.2 --set norms.sigma_ref_max_deg=0.1 '
              '--set risk.sensor_class=gnss_compass'),
-    'norms': ('planning.norms', 'list the norm presets with their sources', 'norms'),
+    'norms': ('norms', 'list the norm presets with their sources', 'norms'),
     'info': ('info', 'show what a bag holds: topics, rates, settings, runs, verdict',
              'info trial_bag'),
     'recover': ('recover', 'copy everything readable of a cut or damaged bag to a new one',

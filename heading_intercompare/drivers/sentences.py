@@ -49,8 +49,6 @@ class Name(NamedTuple):
         return f'{self.talker}{self.kind}'
 
 
-_TALKED = ('THS', 'HDT', 'HDG')
-_PROPRIETARY = {b'PSXN,23,': Name('PSXN,23', ''), b'PUHAW,UVH,': Name('PUHAW,UVH', '')}
 is_number = re.compile(rb' *[+-]?(?:\d+\.?\d*|\.\d+) *\Z').match
 """Tells whether a field is a number, perhaps padded with blanks."""
 
@@ -83,7 +81,7 @@ def identify(text: bytes) -> Name | None:
 @lru_cache(maxsize=256)
 def _parse_name(start: bytes) -> Name | None:
     kind = start[2:5].decode('latin-1')
-    if kind in _TALKED and start[5:] == b',' and start[:2].isalnum():
+    if kind in PARSERS and start[5:] == b',' and start[:2].isalnum():
         return Name(kind, start[:2].decode('latin-1'))
     return None
 
@@ -180,6 +178,7 @@ def _parse_hdg(fields: list[bytes]) -> float:
 
 
 #: Kind of sentence -> its parser, from fields with the address to heading [deg]; raises Rejected.
+#: A kind with a comma is the start of a proprietary sentence.
 PARSERS: dict[str, Callable[[list[bytes]], float]] = {
     'THS': _parse_ths,
     'HDT': _parse_hdt,
@@ -188,6 +187,9 @@ PARSERS: dict[str, Callable[[list[bytes]], float]] = {
     'PUHAW,UVH': _parse_uvh,
     'HDG': _parse_hdg,
 }
+
+
+_PROPRIETARY = {f'{kind},'.encode(): Name(kind, '') for kind in PARSERS if ',' in kind}
 
 
 @lru_cache(maxsize=1 << 16)
