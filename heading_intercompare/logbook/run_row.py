@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 import math
 from typing import Callable, Iterable, NamedTuple
 
@@ -39,7 +39,7 @@ class RunKey(NamedTuple):
 @dataclass(frozen=True, slots=True)
 class RunRow:
     """
-    One run; the fields are the columns of the table `runs`.
+    One run; the fields are the columns of the table `runs`, most with the key of their figure.
 
     A run is known by its ship, first and last pair, and settings: `key`.
 
@@ -81,31 +81,31 @@ class RunRow:
     """
 
     ship: str
-    start_ns: int
-    end_ns: int
-    n: int
-    outcome: str
-    reason: str
-    headline: str
-    validity_effect: str
-    conditions: str
-    mean_deg: float | None
+    start_ns: int = field(metadata={'key': 'start_ns'})
+    end_ns: int = field(metadata={'key': 'end_ns'})
+    n: int = field(metadata={'key': 'n'})
+    outcome: str = field(metadata={'key': 'outcome'})
+    reason: str = field(metadata={'key': 'reason'})
+    headline: str = field(metadata={'key': 'headline'})
+    validity_effect: str = field(metadata={'key': 'validity_effect'})
+    conditions: str = field(metadata={'key': 'conditions_in_doubt'})
+    mean_deg: float | None = field(metadata={'key': 'mean_deg'})
     mean_u_deg: float | None
-    sd_deg: float | None
-    nu: float | None
-    lower_bound_deg2: float | None
-    upper_bound_deg2: float | None
-    acceptance_limit_deg2: float
-    rejection_limit_deg2: float
-    skew_s: float | None
-    paired: int
-    ts_received: int
-    ts_unpaired: int
+    sd_deg: float | None = field(metadata={'key': 'std_deg'})
+    nu: float | None = field(metadata={'key': 'guarded.nu'})
+    lower_bound_deg2: float | None = field(metadata={'key': 'guarded.lower_bound_deg2'})
+    upper_bound_deg2: float | None = field(metadata={'key': 'guarded.upper_bound_deg2'})
+    acceptance_limit_deg2: float = field(metadata={'key': 'guarded.acceptance_limit_deg2'})
+    rejection_limit_deg2: float = field(metadata={'key': 'guarded.rejection_limit_deg2'})
+    skew_s: float | None = field(metadata={'key': 'skew.estimate.skew_s'})
+    paired: int = field(metadata={'key': 'pairing.paired'})
+    ts_received: int = field(metadata={'key': 'pairing.ts_received'})
+    ts_unpaired: int = field(metadata={'key': 'pairing.ts_unpaired'})
     ts_rejected: int
-    rs_received: int
-    rs_unused: int
+    rs_received: int = field(metadata={'key': 'pairing.rs_received'})
+    rs_unused: int = field(metadata={'key': 'pairing.rs_unused'})
     rs_rejected: int
-    source: str
+    source: str = field(metadata={'key': 'source'})
     bag: str | None
     settings_sha256: str
     rule_version: int
@@ -120,20 +120,6 @@ class RunRow:
     def columns(cls) -> tuple[str, ...]:
         """Return the names of the columns."""
         return tuple(f.name for f in fields(cls))
-
-
-#: Column and the key of its figure.
-_FIGURES = {
-    'start_ns': 'start_ns', 'end_ns': 'end_ns', 'n': 'n', 'outcome': 'outcome', 'reason': 'reason',
-    'headline': 'headline', 'validity_effect': 'validity_effect',
-    'conditions': 'conditions_in_doubt', 'mean_deg': 'mean_deg', 'sd_deg': 'std_deg',
-    'nu': 'guarded.nu', 'lower_bound_deg2': 'guarded.lower_bound_deg2',
-    'upper_bound_deg2': 'guarded.upper_bound_deg2',
-    'acceptance_limit_deg2': 'guarded.acceptance_limit_deg2',
-    'rejection_limit_deg2': 'guarded.rejection_limit_deg2', 'skew_s': 'skew.estimate.skew_s',
-    'paired': 'pairing.paired', 'ts_received': 'pairing.ts_received',
-    'ts_unpaired': 'pairing.ts_unpaired', 'rs_received': 'pairing.rs_received',
-    'rs_unused': 'pairing.rs_unused', 'source': 'source'}
 
 
 def make_rows(verdict: Verdict, *, ship: str = '', earlier: Iterable[RunVerdict] = (),
@@ -162,7 +148,8 @@ def make_rows(verdict: Verdict, *, ship: str = '', earlier: Iterable[RunVerdict]
             u_deg = math.sqrt(run.variance_deg2 / n_effective)
         rejected = run.pairing.rejected
         rows.append(RunRow(
-            **{name: make_plain(find_figure(run, key)) for name, key in _FIGURES.items()},
+            **{column.name: make_plain(find_figure(run, column.metadata['key']))
+               for column in fields(RunRow) if 'key' in column.metadata},
             ship=ship, mean_u_deg=make_plain(u_deg), ts_rejected=sum(rejected.ts.values()),
             rs_rejected=sum(rejected.rs.values()), bag=find_bag(run.source),
             settings_sha256=digest, rule_version=verdict.rule_version,

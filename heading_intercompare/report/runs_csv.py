@@ -31,18 +31,15 @@ __all__ = ['COLUMNS', 'write_runs']
 Cell = str | int | float | None
 
 
-#: Column and the key of its figure; docs/howto/judge_many.md explains them.
-_COLUMNS = {
-    'recording': 'source', 'run': 'run', 'start_utc': 'start_ns', 'end_utc': 'end_ns',
-    'start_ns': 'start_ns', 'end_ns': 'end_ns', 'duration_s': 'duration_s',
-    'pairs': 'pairing.paired', 'n': 'n', 'nu': 'guarded.nu', 'mean_deg': 'mean_deg',
-    'max_abs_deg': 'max_abs_deg', 'sd_deg': 'std_deg', 'variance_deg2': 'variance_deg2',
-    'lower_bound_deg2': 'guarded.lower_bound_deg2', 'upper_bound_deg2': 'guarded.upper_bound_deg2',
-    'acceptance_limit_deg2': 'guarded.acceptance_limit_deg2',
-    'rejection_limit_deg2': 'guarded.rejection_limit_deg2', 'n_plus': 'count_criterion.n_plus',
-    'n_plus_plus': 'count_criterion.n_plus_plus', 'outcome': 'outcome',
-    'validity': 'validity_effect', 'conditions': 'conditions_in_doubt', 'reason': 'reason',
-    'outcome_as_printed': 'paper_outcome', 'headline': 'headline'}
+#: Columns, and the key of the figure if it differs; docs/howto/judge_many.md explains them.
+_COLUMNS = dict((column.split('=') * 2)[:2] for column in """
+    recording=source run start_utc=start_ns end_utc=end_ns start_ns end_ns duration_s
+    pairs=pairing.paired n nu=guarded.nu mean_deg max_abs_deg sd_deg=std_deg variance_deg2
+    lower_bound_deg2=guarded.lower_bound_deg2 upper_bound_deg2=guarded.upper_bound_deg2
+    acceptance_limit_deg2=guarded.acceptance_limit_deg2
+    rejection_limit_deg2=guarded.rejection_limit_deg2 n_plus=count_criterion.n_plus
+    n_plus_plus=count_criterion.n_plus_plus outcome validity=validity_effect
+    conditions=conditions_in_doubt reason outcome_as_printed=paper_outcome headline""".split())
 COLUMNS = tuple(_COLUMNS)
 """Names of the columns."""
 

@@ -140,8 +140,7 @@ class PairsAccount:
     segments: tuple[LedgerSegment, ...]
     set_backs: tuple[SetBack, ...]
     software_version: str = VERSION
-    motion: Mapping[str, str] | None = figure('motion of the ship, `motion_text`',
-                                              absent='if unknown')
+    motion: Mapping[str, str] | None = figure('motion of the ship', absent='if unknown')
 
     @property
     def ledger(self) -> Ledger:

@@ -79,27 +79,24 @@ class Together:
     runs: int = figure('runs with 128 differences or more')
     n: int = figure('their differences')
     span_s: float = figure('their total duration')
-    apart_s: float = figure(
-        'shortest time between two of them', 'negative if they overlap, null for one run')
+    apart_s: float = figure('shortest time between two of them', 'null for one run')
     d_hat_deg2: float = figure('mean variance, weighted', 'by the number of differences, S.12')
     nu: float = figure('effective degrees of freedom of the variance', 'S.12')
     f: float = figure('degrees of freedom of the slow part', 'S.12')
-    slow_allowance_deg2: float = figure(
-        'allowance for a visible slow part', 'in the bound from within the runs')
+    slow_allowance_deg2: float = figure('allowance for a visible slow part')
     pooled_upper_bound_deg2: float = figure('upper bound from within the runs', 'S.12, S.18')
     between_upper_bound_deg2: float | None = figure(
         'upper bound from the means of the runs', 'S.13; null in variants A and C, for fewer than '
-        'five runs, and for runs no further apart than the slowest error stated, or than 600 s')
-    upper_bound_deg2: float = figure(
-        'upper bound U in force', 'under the rule `sensor`: the larger of those from the means '
-        'and from the scatter, if there are such')
+        'five runs, and for runs too close to each other')
+    upper_bound_deg2: float = figure('upper bound U in force', 'of the rule `sensor`: the larger '
+                                     'of those from means and scatter')
     lower_bound_deg2: float = figure('lower bound L')
     acceptance_limit_deg2: float = figure('acceptance limit A')
     rejection_limit_deg2: float = figure('rejection limit R')
     rate_plus_lower: float = figure('lower bound of the rate beyond the limit', 'S.14')
     scatter_upper_bound_deg2: float | None = figure('upper bound from the scatter of the runs',
-                                                    'S.19', absent='where the bound from the '
-                                                    'means is null')
+                                                    'S.19', absent='where that from the means is '
+                                                    'null')
     stated_times: float | None = figure(
         'shortest run in slowest errors stated, if U rests on them', 'S.18', absent='otherwise')
 

@@ -41,10 +41,8 @@ class Scope:
         'starts of the sectors of ten degrees in which the ship headed, by the RS', default=())
     latitude_deg: tuple[float, float] | None = figure('latitudes of the trial as stated',
                                                       'null if not stated', default=None)
-    mean_is_judged: bool = figure(
-        'the mean difference has a norm', '`norms.total_error_max_deg` is set', default=False)
-    alpha_consumer: float = figure('risk of a certificate for a TS at its norm',
-                                   default=_USUAL_RISK)
+    mean_is_judged: bool = figure('the mean difference has a norm', default=False)
+    alpha_consumer: float = figure('risk of certifying a TS at its norm', default=_USUAL_RISK)
 
     @classmethod
     def of(cls, stamp_ns: Integers, heading_deg: Reals, settings: Settings) -> 'Scope':

@@ -302,8 +302,8 @@ class VarianceCriterion:
     limit_deg2: float = figure('GK (5): variance limit')
     tightened_limit_deg2: float = figure("GK (5'): tightened variance limit")
     ratio: float | None = figure(
-        "GK (5''): ratio", 'the RS standard deviation in norms of the RS at which the TS would '
-        'just meet its own; null if the variance is below sigma_max², or without a norm of the RS')
+        "GK (5''): ratio", 'the RS standard deviation in its norms at which the TS would just '
+        'meet its own; null for a variance below sigma_max²')
     dead_zone_width: float = figure('GK (5): width of the dead zone', '1 − M')
     outcome: Outcome = figure('GK (5): outcome', row='GK (5) variance')
 
@@ -352,8 +352,7 @@ class CountCriterion:
     n_plus: int = figure('GK (6): n+ beyond the limit')
     n_plus_plus: int = figure('GK (6): n++ beyond the tightened limit')
     allowed: float = figure('GK (6): allowed, n (1 - P)')
-    dead_zone_width: float | None = figure(
-        'GK (6): width of the dead zone', '(n⁺⁺ − n⁺) / [n (1 − P)]; null for n = 0')
+    dead_zone_width: float | None = figure('GK (6): width of the dead zone', 'null for n = 0')
     outcome: Outcome = figure('GK (6): outcome', row='GK (6) counts')
 
 
@@ -403,22 +402,17 @@ def apply_count_criterion(n: int, n_plus: int, n_plus_plus: int, limits: Limits)
 class TotalError:
     """Confidence limits of the total TS error of one run, GK (7)."""
 
-    k: float | None = figure('GK (7): coverage factor', 'of the rule `composition` that of the '
-                             'wide limits', default=None)
-    sigma_ts_low_deg: float | None = figure(
-        'GK (7): TS standard deviation, RS at its upper .. lower bound', 'the lower end',
-        default=None, up='sigma_ts_up_deg')
+    k: float | None = figure('GK (7): coverage factor', default=None)
+    sigma_ts_low_deg: float | None = figure('GK (7): TS standard deviation, RS at its upper .. '
+                                            'lower bound', default=None, up='sigma_ts_up_deg')
     sigma_ts_up_deg: float | None = figure('its upper end', default=None)
-    low_deg: float | None = figure(
-        'GK (7): total TS error, wide', 'the lower limit, with the RS at its lower bound',
-        default=None, up='up_deg', row='total TS error')
+    low_deg: float | None = figure('GK (7): total TS error, wide', default=None, up='up_deg',
+                                   row='total TS error')
     up_deg: float | None = figure('its upper limit', default=None)
-    low_narrow_deg: float | None = figure(
-        'GK (7): total TS error, narrow', 'the lower limit, with the RS at its upper bound',
-        default=None, up='up_narrow_deg')
+    low_narrow_deg: float | None = figure('GK (7): total TS error, narrow', default=None,
+                                          up='up_narrow_deg')
     up_narrow_deg: float | None = figure('its upper limit', default=None)
-    outcome: Outcome | None = figure('GK (7): outcome', 'null without a norm of the total error',
-                                     default=None)
+    outcome: Outcome | None = figure('GK (7): outcome', 'null without its norm', default=None)
 
 
 def estimate_total_error(mean_deg: float | None, variance_deg2: float | None, limits: Limits,

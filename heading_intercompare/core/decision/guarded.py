@@ -114,15 +114,12 @@ class Guarded:
     nu: float | None = figure('effective degrees of freedom of the variance', 'S.4, S.6',
                               default=None, row='effective size nu')
     f: float | None = figure('degrees of freedom of the slow part, f', 'S.4, S.6', default=None)
-    corner_j: float | None = figure('corner of the spectrum of the squares, half-periods',
-                                    'where their power falls off, in half-periods of the record, '
-                                    'S.5', default=None)
+    corner_j: float | None = figure('corner of the spectrum of the squares, half-periods', 'S.5',
+                                    default=None)
     r_slow: float | None = figure('ratio of the lowest half-periods to the middle ones',
                                   'of the power of the squares, S.8', default=None)
-    slow_variance_deg2: float | None = figure('variance of the visible slow part', 'S.8',
-                                              default=None)
-    slow_allowance_deg2: float | None = figure('allowance for the slow part in U', 'S.9',
-                                               default=None)
+    slow_variance_deg2: float | None = figure('variance of the visible slow part', default=None)
+    slow_allowance_deg2: float | None = figure('allowance for the slow part in U', default=None)
     stated_times: float | None = figure('length in slowest errors stated, if U rests on them',
                                         'S.17', absent='otherwise')
     upper_bound_deg2: float | None = figure("its upper bound U, at the consumer's risk",
@@ -131,9 +128,8 @@ class Guarded:
                                             'the bound of the variance, S.11', default=None)
     acceptance_limit_deg2: float = figure('acceptance limit A', row='  acceptance limit')
     rejection_limit_deg2: float = figure('rejection limit R', row='  rejection limit')
-    sigma_ts_lower_deg: float | None = figure(
-        'TS standard deviation, bounds', 'the lower one, with the RS at its upper value',
-        default=None, up='sigma_ts_upper_deg', row='sigma of the TS')
+    sigma_ts_lower_deg: float | None = figure('TS standard deviation, bounds', default=None,
+                                              up='sigma_ts_upper_deg', row='sigma of the TS')
     sigma_ts_upper_deg: float | None = figure('its upper bound', 'with the RS at its lower value; '
                                               'allows for interpolating the TS', default=None)
     confidence_compliant: float | None = figure('confidence that the variance is at most A',
@@ -141,11 +137,10 @@ class Guarded:
     confidence_non_compliant: float | None = figure('confidence that the variance is above R',
                                                     default=None)
     conformance_probability: float | None = figure(
-        'conformance probability', 'that the TS meets its norm, with the RS uniform between its '
-        'bounds, E.10', default=None)
-    duration_factor: float | None = figure(
-        'length with which the run alone decides, times this one', 'if everything stayed as it '
-        'is; null if no length does', default=None)
+        'conformance probability', 'of the TS, with the RS uniform between its bounds',
+        default=None)
+    duration_factor: float | None = figure('length with which the run alone decides, times this '
+                                           'one', 'null if no length does', default=None)
     hours_needed: float | None = figure('length with which the run alone decides', default=None,
                                         unit='h')
     m_low_needed: float | None = figure(
@@ -154,14 +149,12 @@ class Guarded:
     bias_u_deg: float | None = figure('mean difference: standard uncertainty', default=None)
     bias_interval_deg: tuple[float, float] | None = figure('mean difference: 95 % interval',
                                                            default=None)
-    bias_significant: bool | None = figure(
-        'mean difference significant', 'its interval excludes 0', default=None)
+    bias_significant: bool | None = figure('mean difference significant', default=None)
     rate_plus: float | None = figure('rate beyond the limit, n+ / n', default=None)
     rate_plus_plus: float | None = figure('rate beyond the tightened limit, n++ / n', default=None)
-    rate_plus_lower: float | None = figure('its lower bound', 'of the rate beyond the limit, S.14',
-                                           default=None)
-    rate_plus_plus_upper: float | None = figure(
-        'its upper bound', 'of the rate beyond the tightened limit, S.14', default=None)
+    rate_plus_lower: float | None = figure('its lower bound', 'of `rate_plus`', default=None)
+    rate_plus_plus_upper: float | None = figure('its upper bound', 'of `rate_plus_plus`',
+                                                default=None)
     count_outcome: Outcome = figure('outcome on the counts')
     outcome: Outcome = figure('outcome on the variance')
     reason: str = figure('why the outcome on the variance is as it is', 'see risk.md')

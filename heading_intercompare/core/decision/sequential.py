@@ -59,8 +59,7 @@ class LookVerdict:
     looks: int = figure('looks planned')
     span_s: float = figure('time since the first difference')
     outcome: Outcome = figure('outcome at the look')
-    reason: str = figure(
-        'why, as for a run', '`not_confirmed` if an earlier look accepted and this one does not')
+    reason: str = figure('why, as for a run', '`not_confirmed` if only an earlier look accepted')
     validity_effect: str = figure('gravest effect of a finding at that time', '`holds`, '
                                   '`doubtful` or `void`', default='holds')
     headline: str = figure('look in one line', default='')

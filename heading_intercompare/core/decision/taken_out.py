@@ -42,8 +42,7 @@ class AsRecorded:
     """The judgement with nothing taken out; keys of the JSON."""
 
     outcome: Outcome = figure('outcome with nothing left out')
-    validity_effect: str = figure(
-        '`holds`', 'nothing but the variance decides on a record as recorded')
+    validity_effect: str = figure('`holds`: nothing but the variance decides')
     headline: str = figure('outcome in words')
     n: int = figure('differences analysed')
     variance_deg2: float | None = figure('variance of one run', 'null for several')
@@ -53,10 +52,8 @@ class AsRecorded:
 class TakenOut:
     """What is left out of a run, or of all runs; keys of the JSON."""
 
-    n: int = figure(
-        'pairs left out', 'of a run, those taken out by hand that would have been analysed')
-    share: float = figure(
-        'their share', 'of all pairs; of a run, of those that would have been analysed')
+    n: int = figure('pairs left out', 'of a run, those taken out by hand')
+    share: float = figure('their share', 'of all pairs; of a run, of those to be analysed')
     stretches: Sequence[Stretch] = figure('stretches left out, each with its reason')
     as_recorded: AsRecorded | None = figure('decision on the variance with nothing left out',
                                             absent='of a run, and where it is unknown')

@@ -59,16 +59,13 @@ class HeadingDependence:
 
     n: int = figure('differences')
     reason: str = figure('why it could not be fitted', 'empty if it could', choices=_REASONS)
-    empty_arc_deg: float | None = figure(
-        'largest arc without a heading', 'of the RS; null for n = 0')
+    empty_arc_deg: float | None = figure('largest arc without a heading', 'of the RS')
     condition: float | None = figure('condition number of the fit', 'above 10⁴ it is rejected; '
                                      'null for fewer than 64 differences')
     coefficients_deg: tuple[float, ...] | None = figure(
-        'A to E, with their standard uncertainties', 'B and C are semicircular, an uncorrected '
-        'speed error is in C, D and E are quadrantal; null with a `reason`, as all that follow',
-        default=None, u='u_deg')
-    u_deg: tuple[float, ...] | None = figure('standard uncertainties of A to E',
-                                             'allow for correlation', default=None)
+        'A to E, with their standard uncertainties', 'B and C are semicircular, D and E '
+        'quadrantal; null with a `reason`, as all that follow', default=None, u='u_deg')
+    u_deg: tuple[float, ...] | None = figure('standard uncertainties of A to E', default=None)
     covariance_deg2: tuple[tuple[float, ...], ...] | None = figure(
         'covariance of the coefficients, five rows', default=None)
     amplitude_deg: float | None = figure('largest departure from A', default=None)

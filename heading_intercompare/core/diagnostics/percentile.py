@@ -42,8 +42,7 @@ class Percentile:
                               'in variant A about zero')
     lower_deg: float = figure('its lower .. upper bound at 95 % confidence', 'the lower one, by '
                               'order statistics and the effective number', up='upper_deg')
-    upper_deg: float | None = figure(
-        'its upper bound at 95 % confidence', 'null beyond the record')
+    upper_deg: float | None = figure('upper bound at 95 % confidence', 'null beyond the record')
 
 
 def estimate_percentile(x_deg: ArrayLike, center_deg: float,

@@ -46,13 +46,10 @@ class ReferenceNoise:
 
     octaves: tuple[int, ...] = figure('readings averaged', 'in the octaves in which the ship is '
                                       'quiet enough to tell the sensors apart', default=())
-    ts_variance_deg2: tuple[float, ...] = figure('variance of the TS', 'together with that of the '
-                                                 'RS the octave variance of the differences',
-                                                 default=())
+    ts_variance_deg2: tuple[float, ...] = figure('variance of the TS', default=())
     rs_variance_deg2: tuple[float, ...] = figure(
         'variance of the RS, with its standard uncertainty', default=(), u='u_deg2')
-    u_deg2: tuple[float, ...] = figure('standard uncertainty of the variance of the RS',
-                                       default=())
+    u_deg2: tuple[float, ...] = figure('standard uncertainty of that of the RS', default=())
     sigma_ref_lower_deg: float | None = figure('standard deviation of the RS, lower 95 % bound',
                                                'minus a possible skew; null without octaves, 0 if '
                                                'the bound is below zero', default=None)

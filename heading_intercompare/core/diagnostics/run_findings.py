@@ -70,12 +70,10 @@ class Drift:
     coefficients_deg: tuple[float, ...] | None = figure('Legendre coefficients of that polynomial')
     left_deg2: float | None = figure('variance of the drift if it is left in, upper 95 % bound',
                                      'of a drift of that order, at least a slope')
-    residual_std_deg: float | None = figure('standard deviation about the polynomial',
-                                            'the root of RSS/(n − 1 − order)')
+    residual_std_deg: float | None = figure('standard deviation about the polynomial')
     span_h: float = figure('length of the run')
     line: Slope | None = figure('straight line through the differences', 'null for fewer than two')
-    warm_up: WarmUp | None = figure(
-        'exponential, as after switching on', 'null for fewer than 64 differences')
+    warm_up: WarmUp | None = figure('exponential after switching on', 'null below 64 differences')
     mser_s: float | None = figure('time until the start no longer disturbs the mean',
                                   'MSER-5, after the first difference; null for fewer than 20')
 
@@ -93,8 +91,7 @@ class Correlation:
     tau_2_s: float | None = figure('correlation time for the variance', default=None)
     n_effective_mean: float = figure('effective number for the mean', 'of independent differences '
                                      'that would give as good a mean')
-    n_effective_variance: float = figure(
-        'effective number for the variance', 'of those that would give as good a variance')
+    n_effective_variance: float = figure('effective number for the variance')
     closed: bool = figure('the run is long enough for these times', 'the sum ended before a '
                           'quarter of it; if not, they are too short')
 

@@ -72,9 +72,8 @@ class SensorMotion:
     """One heading against the motion of the ship; keys of the JSON."""
 
     kind: str = figure('against the course', choices=_COURSE_KINDS, default='not_testable')
-    off_deg: float | None = figure('mean angle off the course', 'heading − course over the legs, '
-                                   'weighted by their time; of heading + course if mirrored',
-                                   default=None)
+    off_deg: float | None = figure('mean angle off the course', 'heading − course over the legs; '
+                                   'heading + course if mirrored', default=None)
     largest_deg: float | None = figure('largest angle off the course of a leg', default=None)
     against_s: float = figure('time of the legs with an angle beyond the bound', default=0.0)
     turns: TurnRate | None = figure('heading against the rate of turn', absent='if there is none')
@@ -85,17 +84,14 @@ class MotionCheck:
     """The headings of a run against the motion of the ship; keys of the JSON."""
 
     kind: str = figure('conclusion', choices=_KINDS)
-    whose: str = figure('sensor that is wrong', 'empty if none contradicts the motion',
-                        choices=_SENSORS)
+    whose: str = figure('sensor that is wrong', 'empty for none', choices=_SENSORS)
     n_positions: int = figure('positions in the run')
     n_velocities: int = figure('velocities in the run')
     n_rates: int = figure('rates of turn in the run')
     n_legs: int = figure('straight legs')
     legs_s: float = figure('their time')
-    astern_s: float = figure('part of it on which the ship seems to go astern',
-                             'these legs say nothing')
-    least_bound_deg: float | None = figure('least angle off the course that shows',
-                                           'null without a leg')
+    astern_s: float = figure('part of it on which the ship seems to go astern')
+    least_bound_deg: float | None = figure('least angle off the course that shows')
     ts: SensorMotion = figure('heading of the TS against the motion', prefix='TS: ')
     rs: SensorMotion = figure('heading of the RS against the motion', prefix='RS: ')
     legs: CourseLegs = figure('longest 64 legs in order of time', 'lists of equal length')

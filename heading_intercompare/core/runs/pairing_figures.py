@@ -66,11 +66,11 @@ class PairingFigures:
                                               'if the RS is not interpolated')
     ts_variance_factor: float | None = figure('factor of the TS noise variance by interpolation',
                                               '1 if the TS is not interpolated')
-    lost: LostReadings = figure(
-        'readings that were sent and never came, by sensor and by where', '`on_the_way`: gaps in '
-        'the numbers of the publisher; `at_source`: datagrams that the kernel dropped before the '
-        'driver read them, whatever they held; `before_start`: published before the first reading '
-        'that was taken, in the first run')
+    lost: LostReadings = figure('readings that were sent and never came, by sensor and by where',
+                                '`on_the_way`: gaps in the numbers of the publisher; `at_source`: '
+                                'datagrams that the kernel dropped before the driver read them; '
+                                '`before_start`: published before the first reading taken, in the '
+                                'first run')
     ts_unbridged: int = figure('of these beside a gap of the RS', 'TS readings')
     rs_unbridged: int = figure('of these beside a gap of the TS', 'RS readings')
     ts_held: int = figure('of these repeating a held value', 'TS readings, E.26')

@@ -51,30 +51,23 @@ class PairFigures:
                                 'judged; otherwise two pairs a second')
     runs: int = figure('runs')
     n: int = figure('differences analysed in them')
-    mean_deg: float | None = figure(
-        'mean difference', 'over all runs, installation angles removed')
+    mean_deg: float | None = figure('mean difference', 'of all runs, installation angles removed')
     std_deg: float | None = figure('standard deviation about the mean of each run')
     variance_deg2: float | None = figure('common variance of the runs', u='u_deg2')
     u_deg2: float | None = figure('standard uncertainty of the variance')
-    lower_bound_deg2: float | None = figure(
-        'lower bound of the variance', 'at the risk of the vote')
+    lower_bound_deg2: float | None = figure('lower bound of the variance', "at the vote's risk")
     upper_bound_deg2: float | None = figure(
         'upper bound of the variance', "at the consumer's risk")
     limit_deg2: float = figure('largest variance that the norms of both explain')
-    differs: bool | None = figure(
-        'a run shows more than that', 'null if no run has enough differences')
-    gross: str = figure(
-        'what no norm explains, in words', 'such as another convention; empty if there is nothing')
+    differs: bool | None = figure('a run shows more than that', 'null if no run can tell')
+    gross: str = figure('what no norm explains, in words', 'such as another convention')
     skew_s: float | None = figure('time skew: by how much the data of the first are older',
                                   'of the run that determines it best', u='skew_u_s')
     skew_u_s: float | None = figure('standard uncertainty of the skew')
-    first_factor: float | None = figure(
-        'factor of the noise variance of the first by interpolation')
-    second_factor: float | None = figure(
-        'factor of the noise variance of the second by interpolation')
+    first_factor: float | None = figure('factor of interpolation in the noise of the first')
+    second_factor: float | None = figure('factor of interpolation in the noise of the second')
     one_source: bool = figure('a run shows that both come from one source')
-    validity_effect: str = figure(
-        'gravest effect of a finding in any run', '`holds`, `doubtful` or `void`')
+    validity_effect: str = figure('gravest effect in any run', '`holds`, `doubtful` or `void`')
     findings: tuple[str, ...] = figure('findings that are doubtful or void, in words')
 
     @property

@@ -32,6 +32,7 @@ from heading_intercompare.core.typed_reader import (
 from heading_intercompare.core.verdict.compare_verdicts import compare_plain, drop_sources
 from heading_intercompare.core.verdict.verdict_document import (
     Input,
+    make_document,
     read_settings,
     Software,
     Verdict,
@@ -160,12 +161,10 @@ class SensorResult:
     role: str = figure('role of the sensor', '`ts` or `rs`')
     topic: str = figure('its topic')
     sigma_max_deg: float = figure('its norm')
-    outcome: Outcome | None = figure(
-        'outcome of the sensor', 'null for the reference, which is not tested')
+    outcome: Outcome | None = figure('outcome of the sensor', 'null for the reference')
     headline: str = figure('outcome in one line')
     validity_effect: str = figure('gravest effect of a finding', '`holds`, `doubtful` or `void`')
-    variance: SensorVariance | None = figure('its share in the variances of all pairs',
-                                             'null for fewer than three sensors')
+    variance: SensorVariance | None = figure('its share in all variances', 'null for two sensors')
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -175,18 +174,16 @@ class SensorsVerdict:
     outcome: Outcome = figure('worst outcome of the tested sensors')
     headline: str = figure('all outcomes and the vote in one line')
     validity_effect: str = figure('gravest effect on any outcome', '`holds`, `doubtful` or `void`')
+    software: Software = figure('the program that judged', default=Software())
+    rule_version: int = figure('version of the decision rule', default=RULE_VERSION)
     settings: Settings = figure('every setting by its dotted name', 'with the sensors')
     inputs: Sequence[Input] = figure('where the readings came from')
-    sensors: Sequence[SensorResult] = figure(
-        'what the comparison says of each sensor, in the order of the settings')
+    sensors: Sequence[SensorResult] = figure('what the comparison says of each sensor')
     pairs: Sequence[PairFigures] = figure('figures of each pair of sensors')
     vote: Vote = figure('which sensor is wrong')
     risk: float = figure('risk that the vote names a sound sensor while most are sound')
-    verdicts: Mapping[str, Verdict] = figure(
-        'verdict on each tested sensor against the reference, by its name', 'as if these two were '
-        'alone; empty without a reference')
-    software: Software = figure('the program that judged', default=Software())
-    rule_version: int = figure('version of the decision rule', default=RULE_VERSION)
+    verdicts: Mapping[str, Verdict] = figure('verdict on each tested sensor against the '
+                                             'reference, by name', 'empty without a reference')
 
     @property
     def settings_sha256(self) -> str:
@@ -213,17 +210,8 @@ class SensorsVerdict:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the verdict as plain dictionaries and lists, ready for JSON."""
-        return {
-            'schema': SCHEMA, 'schema_version': SCHEMA_VERSION,
-            'outcome': self.outcome.value, 'headline': self.headline,
-            'validity_effect': self.validity_effect,
-            'software': make_plain(self.software), 'rule_version': self.rule_version,
-            'settings_sha256': self.settings_sha256,
-            'settings': make_plain(self.settings.to_mapping()),
-            'inputs': make_plain(self.inputs), 'sensors': make_plain(self.sensors),
-            'pairs': make_plain(self.pairs), 'vote': make_plain(self.vote), 'risk': self.risk,
-            'verdicts': {name: verdict.to_dict() for name, verdict in self.verdicts.items()},
-        }
+        return make_document(replace(self, verdicts={}), SCHEMA, SCHEMA_VERSION) | {
+            'verdicts': {name: verdict.to_dict() for name, verdict in self.verdicts.items()}}
 
     @classmethod
     def from_dict(cls, mapping: Mapping[str, Any]) -> 'SensorsVerdict':
@@ -240,22 +228,17 @@ class SensorsVerdict:
         if not isinstance(mapping, Mapping):
             raise VerdictError(f'a verdict must be an object, not {type(mapping).__name__}')
         check_schema(mapping, _SCHEMA, _MAJOR)
-        for name in ('settings', 'settings_sha256', 'verdicts', *_KINDS):
+        for name in ('settings', 'settings_sha256', 'verdicts'):
             if name not in mapping:
                 raise VerdictError(f'{name} is missing')
         settings = read_settings(mapping['settings'], mapping['settings_sha256'])
         documents = read_plain(Mapping[str, Any], mapping['verdicts'], 'verdicts')
-        read = {name: Verdict.from_dict(document) for name, document in documents.items()}
-        return cls(settings=settings, verdicts=read, **{
-            name: read_plain(kind, mapping[name], name) for name, kind in _KINDS.items()})
+        verdict: SensorsVerdict = read_plain(
+            cls, {**mapping, 'settings': make_plain(settings), 'verdicts': {}})
+        return replace(verdict, verdicts={
+            name: Verdict.from_dict(document) for name, document in documents.items()})
 
 
 def is_of_sensors(mapping: object) -> bool:
     """Tell whether a document is a verdict on several sensors, of any version."""
     return isinstance(mapping, Mapping) and str(mapping.get('schema', '')).startswith(_SCHEMA)
-
-
-_KINDS: dict[str, Any] = {
-    'outcome': Outcome, 'headline': str, 'validity_effect': str, 'inputs': Sequence[Input],
-    'sensors': Sequence[SensorResult], 'pairs': Sequence[PairFigures], 'vote': Vote,
-    'risk': float, 'software': Software, 'rule_version': int}

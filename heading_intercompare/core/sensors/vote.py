@@ -41,11 +41,9 @@ class Vote:
 
     wrong: Names = figure('sensors that differ from all others, while the others agree',
                           'empty if there is none, or if these pairs cannot tell')
-    suspected: Names = figure(
-        'sensors whose fault would explain every pair that differs, though not all their pairs '
-        'differ', 'empty if some are wrong, or if several explanations are equally likely')
-    one_source: tuple[Names, ...] = figure('groups of sensors that show one source',
-                                           'a group has one voice')
+    suspected: Names = figure('sensors whose fault would explain every pair that differs',
+                              'empty if some are wrong, or if it is not the only explanation')
+    one_source: tuple[Names, ...] = figure('groups that show one source', 'a group has one voice')
     words: str = figure('result in a sentence')
 
 

@@ -164,8 +164,7 @@ class Order:
     bic: tuple[float | None, ...] = figure("Schwarz's criterion of orders 0 to 4",
                                            'null if a fit leaves no residual')
     blocks: int = figure('block means that the order is chosen by', '64 to 127')
-    beyond: bool = figure(
-        'a higher order would fit better still', 'order 4: no order up to 3 describes the drift')
+    beyond: bool = figure('a higher order would fit better still', 'order 4')
 
 
 def bic_of(rss: float, blocks: int, parameters: int, floor: float) -> float:
@@ -312,14 +311,11 @@ class Slope:
     intercept_deg: float = figure('value of the line at the first difference')
     u_naive_deg_per_h: float | None = figure(
         'uncertainty of the slope if the errors were uncorrelated', 'null for n < 3')
-    u_deg_per_h: float | None = figure(
-        'standard uncertainty of the slope', 'from the power of the residuals at the lowest '
-        'half-periods; for fewer than 128 differences the naive one times the root of the '
-        'correlation time')
+    u_deg_per_h: float | None = figure('standard uncertainty of the slope', 'from the power of '
+                                       'the residuals at the lowest half-periods')
     interval_deg_per_h: tuple[float, float] | None = figure('95 % interval of the slope')
     tau_samples: float = figure('correlation time about the line', unit='readings')
-    residual_std_deg: float | None = figure('standard deviation about the line',
-                                            'the root of RSS/(n − 1)')
+    residual_std_deg: float | None = figure('standard deviation about the line')
 
 
 def fit_slope(stamp_ns: ArrayLike, x_deg: ArrayLike,

@@ -48,14 +48,12 @@ class Shape:
     skewness: float | None = figure('skewness', '0 for normal values; null, like all below, for '
                                     'fewer than 8 values or equal ones', default=None)
     excess_kurtosis: float | None = figure(
-        'excess kurtosis', '0 for normal values, −1.2 for uniform ones, −0.6 for the difference '
-        'of two equal uniform ones', default=None)
+        'excess kurtosis', '0 for normal values, −1.2 for uniform ones', default=None)
     skewness_z: float | None = figure(
         'skewness, in its standard deviations', 'for `n_effective` normal values', default=None)
     kurtosis_z: float | None = figure('excess kurtosis, in its standard deviations',
                                       'for `n_effective` normal values', default=None)
-    jarque_bera: float | None = figure(
-        'Jarque-Bera statistic', 'the sum of the squares of these two', default=None)
+    jarque_bera: float | None = figure('Jarque-Bera statistic', default=None)
     p: float | None = figure('its probability', default=None)
 
 
@@ -249,8 +247,7 @@ class Normality:
     rs_first_difference: Shape = figure('change of the RS', 'θ(i−1) − θ(i+1)')
     ts_moving_average: Shape = figure('TS about its moving average')
     rs_moving_average: Shape = figure('RS about its moving average')
-    moving_average_width: int = figure('width of the moving average', 'about a second',
-                                       unit='readings')
+    moving_average_width: int = figure('width of the moving average', 'about 1 s', unit='readings')
     ts_step_deg: float | None = figure(
         'resolution of the TS', 'as paired; null if there is none, as for an interpolated sensor')
     rs_step_deg: float | None = figure('resolution of the RS', 'as paired')
@@ -259,8 +256,7 @@ class Normality:
     rounding_variance_deg2: float = figure('variance that rounding adds', 'it is not subtracted')
     ts_step_seen_deg: float = figure('coarsest step of the TS whose rounding would show',
                                      'by the motion that the RS saw, E.28; 0 if none would')
-    rs_step_seen_deg: float = figure('coarsest step of the RS whose rounding would show',
-                                     'by the motion that the TS saw')
+    rs_step_seen_deg: float = figure('coarsest step of the RS whose rounding would show')
 
 
 def examine_normality(x_deg: ArrayLike, ts_deg: ArrayLike, rs_deg: ArrayLike, *,

@@ -79,11 +79,9 @@ class Homogeneity:
                                       default=None)
     means_equal: bool | None = figure('the means agree', 'the probability is at least 0.01; means '
                                       'that differ call for variant C', default=None)
-    variances_equal: bool | None = figure(
-        'the variances agree', 'the probability is at least 0.01', default=None)
-    drift_orders: tuple[int, ...] | None = figure('order of the drift of each run',
-                                                  'GK assumes the same in every run',
-                                                  absent='if one is unknown')
+    variances_equal: bool | None = figure('the variances agree', default=None)
+    drift_orders: tuple[int, ...] | None = figure(
+        'order of the drift of each run', 'GK assumes the same', absent='if one is unknown')
 
 
 def examine_homogeneity(runs: Sequence[RunFigures]) -> Homogeneity:
@@ -284,8 +282,7 @@ class Stationarity:
                          'differences, and then all below are null')
     block_s: float | None = figure('their length', default=None)
     mean_z: float | None = figure('trend of the mean, in its standard deviations',
-                                  'reverse arrangements of the block means; positive if they fall',
-                                  default=None)
+                                  'reverse arrangements of the block means', default=None)
     mean_p: float | None = figure('its probability', default=None)
     square_z: float | None = figure('trend of the variance, in its standard deviations',
                                     'the same for the squared deviations', default=None)

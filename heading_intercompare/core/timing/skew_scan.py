@@ -48,8 +48,7 @@ class Scan:
                            'least variance and its neighbours', u='u_s')
     u_s: float | None = figure('standard uncertainty of the skew', 'allows for correlation; null '
                                'for fewer than 64 readings, or if the RS does not turn')
-    bias_s: float | None = figure(
-        'shift that a noisy RS may cause, at most', 'by its interpolation')
+    bias_s: float | None = figure('shift that a noisy RS may cause, at most')
     at_edge: bool = figure('the least scatter is at an end of the range', 'then no skew was found')
     well_determined: bool = figure('the skew is well determined', 'not at an edge, and `u_s` + '
                                    '`bias_s` at most a tenth of the range')

@@ -49,9 +49,8 @@ class StampSteps:
 
     n: int = figure('stamps')
     typical_s: float | None = figure('median step of the stamps', default=None)
-    nominal_s: float | None = figure('step of the sensor', 'of which the stamps are multiples, '
-                                     'even if readings are missing; null if there is none',
-                                     default=None)
+    nominal_s: float | None = figure('step of the sensor', 'its stamps are multiples of it, even '
+                                     'if readings are missing', default=None)
     lost_share: float | None = figure('share of readings that the stamps show as missing',
                                       'between the first and the last', default=None)
     backward: int = figure('steps back', default=0)

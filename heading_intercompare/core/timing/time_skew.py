@@ -104,17 +104,13 @@ class Skew:
     ols_s: float | None = figure('skew by least squares, too small because of noise', default=None,
                                  u='ols_u_s')
     ols_u_s: float | None = figure('its naive standard error', default=None)
-    iv_s: float | None = figure('skew after one step of the estimate', 'instrumental, E.8',
-                                default=None)
-    skew_s: float | None = figure(
-        'skew, with its standard uncertainty', 'E.8, repeated until no skew remains; null if '
-        'there is none within `alignment.skew_range_s`', default=None, u='u_s')
-    u_s: float | None = figure('standard uncertainty of the skew', 'allows for correlation',
-                               default=None)
+    iv_s: float | None = figure('skew after one step of the estimate', 'E.8', default=None)
+    skew_s: float | None = figure('skew, with its standard uncertainty', 'E.8; null if none is '
+                                  'within `alignment.skew_range_s`', default=None, u='u_s')
+    u_s: float | None = figure('standard uncertainty of the skew', default=None)
     interval_s: tuple[float, float] | None = figure('95 % interval of the skew', default=None)
-    well_determined: bool | None = figure('the skew is well determined', 'the ship turned enough, '
-                                          'and `u_s` is at most a tenth of the range',
-                                          default=None)
+    well_determined: bool | None = figure('the skew is well determined', 'by enough turns, and '
+                                          '`u_s` at most a tenth of the range', default=None)
     significant: bool | None = figure('the interval excludes zero', default=None)
     std_deg: float | None = figure('standard deviation of the differences used', default=None)
     std_aligned_deg: float | None = figure('the same without the skew', default=None)

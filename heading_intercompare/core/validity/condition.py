@@ -37,15 +37,12 @@ _RANK = {HOLDS: 0, NOT_TESTABLE: 0, DOUBTFUL: 1, VOID: 2}
 class Finding:
     """The finding on one condition; keys of the JSON."""
 
-    condition: str = figure(
-        'name of the condition', 'the reason of a void run repeats it as `void.NAME`')
+    condition: str = figure('name of the condition', 'a void run has the reason `void.NAME`')
     effect: str = figure(
         'effect of the finding', '`holds`; `doubtful`: the outcome stands and the headline doubts '
         'it; `void`: the run says nothing about the TS; `not_testable`: these data cannot show it')
     words: str = figure('finding in a few words, for a headline')
-    evidence: str = figure(
-        'figures in a sentence', 'of `same_source` the coherence and its band, or how many '
-        'glitches of the RS the TS follows, how late, and the probability of chance')
+    evidence: str = figure('figures in a sentence')
 
 
 def worst_effect(findings: Iterable[Finding]) -> str:

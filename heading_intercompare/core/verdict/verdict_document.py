@@ -30,7 +30,7 @@ from heading_intercompare.core.decision.criteria import (
 from heading_intercompare.core.decision.guarded import Guarded
 from heading_intercompare.core.decision.sequential import LookVerdict
 from heading_intercompare.core.decision.taken_out import TakenOut
-from heading_intercompare.core.declared_figures import figure, no_key
+from heading_intercompare.core.declared_figures import figure, is_left_out, list_keys, no_key
 from heading_intercompare.core.diagnostics.assumptions import Assumption
 from heading_intercompare.core.diagnostics.deviation import HeadingDependence
 from heading_intercompare.core.diagnostics.percentile import Percentile
@@ -66,8 +66,8 @@ from .headline import compose_headline
 if TYPE_CHECKING:
     import pandas
 
-__all__ = ['Campaign', 'Input', 'OperatorNote', 'read_settings', 'RunVerdict', 'SCHEMA',
-           'SCHEMA_VERSION', 'Software', 'Verdict', 'VerdictError']
+__all__ = ['Campaign', 'Input', 'make_document', 'OperatorNote', 'read_settings', 'RunVerdict',
+           'SCHEMA', 'SCHEMA_VERSION', 'Software', 'Verdict', 'VerdictError']
 
 _SCHEMA = 'heading_intercompare/verdict/'
 SCHEMA_VERSION = '1.0'
@@ -117,13 +117,11 @@ class RunVerdict:
     total_error: TotalError = figure('GK (7)')
     outcome: Outcome = figure('verdict on the run', row='outcome')
     reason: str = figure('why the outcome is as it is', 'see risk.md')
-    headline: str = figure(
-        'outcome in one line', 'with the findings that bind it, and what it covers')
+    headline: str = figure('outcome in one line', 'with the binding findings, and the coverage')
     validity: Sequence[Finding] = figure('what the data say about each condition')
     validity_effect: str = figure('gravest effect of a finding', '`holds`, `doubtful` or `void`')
     coverage: Coverage = figure('errors that the verdict covers')
-    looks: Sequence[LookVerdict] = figure('looks at the run while it was in progress',
-                                          'empty without a plan')
+    looks: Sequence[LookVerdict] = figure('looks at the run in progress', 'empty without a plan')
     paper_outcome: Outcome = figure('verdict as printed in GK', row='GK as printed')
     guarded: Guarded = figure('decision with a stated risk', 'see risk.md')
     skew: RunSkew = figure('time skew between the sensors')
@@ -135,8 +133,7 @@ class RunVerdict:
     allan: Allan = figure('scatter against averaging time')
     assumptions: Sequence[Assumption] = figure('assumptions (a) to (j) of GK')
     warnings: Sequence[str] = figure('sentences of warning', 'the word before the colon is fixed')
-    taken_out: TakenOut | None = figure('what was taken out of the run by hand',
-                                        absent='if nothing was')
+    taken_out: TakenOut | None = figure('what was taken out by hand', absent='if nothing was')
     motion: MotionCheck | None = figure('headings against the motion of the ship',
                                         absent='if it is not known')
     limit_95: Percentile | None = figure('limit that 95 % of the differences keep',
@@ -162,18 +159,15 @@ class Campaign:
     reason: str = figure('why the outcome is as it is', 'see risk.md')
     m: int = figure('runs, m')
     worst_variance_deg2: float | None = figure('largest variance')
-    worst_variance_run: int | None = figure(
-        'in run', 'the number of the run with the largest variance', unit='')
+    worst_variance_run: int | None = figure('in run', 'the run with the largest variance', unit='')
     worst_plus_rate: float | None = figure('largest rate beyond the limit', 'n⁺/n')
     worst_plus_plus_rate: float | None = figure('largest rate beyond the tightened limit', 'n⁺⁺/n')
     a_low_deg: float | None = figure('mean difference, minimum')
     a_up_deg: float | None = figure('mean difference, maximum')
-    low_worst_deg: float | None = figure(
-        'total TS error, minimum', 'the outermost limit of GK (7)')
-    up_worst_deg: float | None = figure('total TS error, maximum', 'the outermost limit of GK (7)')
+    low_worst_deg: float | None = figure('total TS error, minimum', 'outermost limit of GK (7)')
+    up_worst_deg: float | None = figure('total TS error, maximum', 'outermost limit of GK (7)')
     homogeneity: Homogeneity = figure('how the runs compare with each other')
-    runs_by_outcome: Mapping[str, int] = figure(
-        'number of runs with each outcome, each on its own')
+    runs_by_outcome: Mapping[str, int] = figure('number of runs with each outcome, each alone')
     sensor: Together | None = figure('the variance that all runs share, under either rule',
                                      'null if no run has 128 differences')
     validity: Sequence[Finding] = figure('findings on the runs together, as those of a run')
@@ -219,11 +213,9 @@ class Input:
     """The source of readings, and its problems."""
 
     path: str = figure('path as given')
-    sha256: str | None = figure('SHA-256 of the data', 'null if they could not be read',
-                                default=None)
-    ts_topic: str | None = figure(
-        'topic of the TS', 'of the readings that made the pairs of a journal or csv; of the first '
-        'of two logs the sentence, or `csv`; otherwise null', default=None)
+    sha256: str | None = figure('SHA-256 of the data', 'null if not readable', default=None)
+    ts_topic: str | None = figure('topic of the TS', 'of those that made the pairs; of the '
+                                  'first of two logs its sentence, or `csv`', default=None)
     rs_topic: str | None = figure('topic of the RS', 'as for the TS; of the second of two logs '
                                   'the sentence, or `csv`', default=None)
     notes: tuple[OperatorNote, ...] | None = figure(
@@ -232,8 +224,7 @@ class Input:
                                'indeterminate', absent='otherwise')
     no_run: str | None = figure('why it has no run, and an account of its readings',
                                 'then no outcome is better than indeterminate', absent='otherwise')
-    same_as: str | None = figure('path of an earlier input with the same data',
-                                 absent='if there is none')
+    same_as: str | None = figure('path of an earlier input with equal data', absent='without one')
     continues: str | None = figure('path of the input that it was judged together with, as this '
                                    'trial began there', absent='otherwise')
     ledger_problems: tuple[str, ...] | None = figure(
@@ -261,31 +252,25 @@ class Software:
     version: str = figure('its version', default=VERSION)
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Verdict:
     """The verdict of all runs on the TS."""
 
     outcome: Outcome = figure('outcome', 'the guarded decision by `campaign.rule`')
-    headline: str = figure(
-        'outcome in one line', 'with the findings that bind it, and what it covers')
-    validity_effect: str = figure(
-        'gravest effect of a finding in any run', '`holds`, `doubtful` or `void`')
+    headline: str = figure('outcome in one line', 'with the binding findings, and the coverage')
+    validity_effect: str = figure('gravest effect in any run', '`holds`, `doubtful` or `void`')
     paper_outcome: Outcome = figure('GK as printed, worst of the runs')
-    settings: Settings = figure('every setting by its dotted name', 'see settings.md')
-    inputs: Sequence[Input] = figure(
-        'where the readings came from', 'empty for readings given live or by a program')
-    campaign: Campaign = figure('the runs together')
-    runs: Sequence[RunVerdict] = figure('the runs, in the order of the inputs and of time')
     software: Software = figure('the program that judged', default=Software())
     rule_version: int = figure('version of the decision rule', default=RULE_VERSION)
-    ledger_problems: Sequence[str] = figure(
-        'why not every reading is accounted for, in sentences', 'such as a node that was '
-        'restarted, or a recording that is cut; empty if all are', default=())
+    settings: Settings = figure('every setting by its dotted name', 'see settings.md')
+    inputs: Sequence[Input] = figure('where the readings came from', 'empty without files')
+    ledger_problems: Sequence[str] = figure('why not every reading is accounted for, in sentences',
+                                            'empty if all are', default=())
     intermediate: bool | None = figure('whether the last run was still in progress',
-                                       'then its outcome is what a stop would have given, and no '
-                                       'judgement', absent='otherwise')
-    taken_out: TakenOut | None = figure('pairs that the runs leave out',
-                                        absent='if there are none')
+                                       'its outcome is then that of a stop', absent='otherwise')
+    taken_out: TakenOut | None = figure('pairs that the runs leave out', absent='without any')
+    campaign: Campaign = figure('the runs together')
+    runs: Sequence[RunVerdict] = figure('the runs, in the order of the inputs and of time')
     plotter: Any = no_key()
 
     @property
@@ -313,10 +298,11 @@ class Verdict:
             line = compose_headline(outcome, findings, coverage, why)
         problems = tuple(f'{recording.path}: {problem}' for recording in inputs
                          for problem in recording.ledger_problems or ())
-        return cls(outcome, line, gravest(
+        return cls(outcome=outcome, headline=line, validity_effect=gravest(
             [worst_effect(campaign.validity), *(r.validity_effect for r in runs)]),
-                   worst(r.paper_outcome for r in runs), settings, tuple(inputs), campaign,
-                   tuple(runs), ledger_problems=problems)
+                   paper_outcome=worst(r.paper_outcome for r in runs), settings=settings,
+                   inputs=tuple(inputs), ledger_problems=problems, campaign=campaign,
+                   runs=tuple(runs))
 
     def __str__(self) -> str:
         """Return the table that the command line prints."""
@@ -352,26 +338,7 @@ class Verdict:
 
     def to_dict(self) -> dict[str, Any]:
         """Return the verdict as plain dictionaries and lists, ready for JSON."""
-        more = {name: make_plain(value) for name in ('intermediate', 'taken_out')
-                if (value := getattr(self, name)) is not None}
-        return {
-            'schema': SCHEMA,
-            'schema_version': SCHEMA_VERSION,
-            'outcome': self.outcome.value,
-            'headline': self.headline,
-            'validity_effect': self.validity_effect,
-            'paper_outcome': self.paper_outcome.value,
-            'software': make_plain(self.software),
-            'rule_version': self.rule_version,
-            'settings_sha256': self.settings_sha256,
-            'settings': make_plain(self.settings.to_mapping()),
-            'inputs': make_plain(self.inputs),
-            'ledger_complete': self.ledger_complete,
-            'ledger_problems': make_plain(self.ledger_problems),
-            **more,
-            'campaign': make_plain(self.campaign),
-            'runs': make_plain(self.runs),
-        }
+        return make_document(self, SCHEMA, SCHEMA_VERSION)
 
     @classmethod
     def from_dict(cls, mapping: Mapping[str, Any]) -> 'Verdict':
@@ -407,6 +374,20 @@ class Verdict:
             raise VerdictError(f'ledger_complete = {stated!r:.70}: must be '
                                f'{make_plain(complete)!r} by ledger_problems')
         return verdict
+
+
+def make_document(verdict: Any, schema: str, version: str) -> dict[str, Any]:
+    """Return the JSON of a verdict; what follows from a key stands before it."""
+    document: dict[str, Any] = {'schema': schema, 'schema_version': version}
+    for declared in list_keys(verdict):
+        value = getattr(verdict, declared.name)
+        if declared.name == 'settings':
+            document['settings_sha256'], value = verdict.settings_sha256, value.to_mapping()
+        elif declared.name == 'ledger_problems':
+            document['ledger_complete'] = verdict.ledger_complete
+        if not is_left_out(declared, value):
+            document[declared.name] = make_plain(value)
+    return document
 
 
 def read_settings(mapping: Any, sha256: Any) -> Settings:

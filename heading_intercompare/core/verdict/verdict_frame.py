@@ -16,8 +16,9 @@
 
 from __future__ import annotations
 
-from typing import Any, Iterator, Mapping, TYPE_CHECKING
+from typing import TYPE_CHECKING
 
+from heading_intercompare.core.declared_settings import flatten
 from heading_intercompare.core.typed_reader import make_plain
 
 from .verdict_document import Verdict
@@ -35,15 +36,7 @@ def frame_of_runs(verdict: Verdict) -> 'pandas.DataFrame':
     except ModuleNotFoundError as error:
         raise ValueError(f'to_frame needs pandas (no module {error.name}): install it, or use '
                          'the attributes of the runs') from error
-    rows = [dict(_figures(make_plain(run))) for run in verdict.runs]
+    rows = [{name: figure for name, figure in flatten(make_plain(run)).items()
+             if not isinstance(figure, list)} for run in verdict.runs]
     frame = pandas.DataFrame(rows)
     return frame.set_index('run') if rows else frame
-
-
-def _figures(block: Mapping[str, Any], prefix: str = '') -> Iterator[tuple[str, Any]]:
-    """Yield dotted names and values, without lists."""
-    for name, thing in block.items():
-        if isinstance(thing, Mapping):
-            yield from _figures(thing, f'{prefix}{name}.')
-        elif not isinstance(thing, list):
-            yield prefix + name, thing
