@@ -4,6 +4,7 @@
 # make demo       install into .venv and run the whole chain on simulated sensors
 # make quick      form, and the tests that need neither ROS nor other processes: while you work
 # make test       install into .venv and run everything that CI runs
+# make coverage   which lines of the package the quick tests run
 # make release    all checks before a release: hours of fuzz, and the tables of the decision rule
 # make test-pins  the tests with the versions of Ubuntu 24.04 (needs Python 3.12)
 # make docs       write what docs and config repeat from the sources, and build the site: docs/_build
@@ -38,7 +39,7 @@ TESTS := -m pytest --numprocesses $(WORKERS) --dist loadscope --no-loadscope-reo
 SITE := $(BIN)/python -m sphinx --fail-on-warning --keep-going -q -b html docs docs/_build
 TABLES := A B E cells gaps drift rates runs means looks short
 
-.PHONY: demo quick test test-pins release addresses docs format clean help
+.PHONY: demo quick test test-pins coverage release addresses docs format clean help
 
 help:
 	@sed -n 's/^# make/make/p' Makefile
@@ -69,6 +70,11 @@ else
 	@.ci/step '5/5 quick tests with the versions of Ubuntu 24.04' \
 		$(MAKE) --no-print-directory test-pins PINNED='$(OF_VERSIONS)'
 endif
+
+# Apart from the other tests, which it would slow down by more than half.
+coverage: .venv/.test
+	$(BIN)/python $(TESTS) -q -m 'not (slow or ros or process)' --cov=heading_intercompare \
+		--cov-report=term:skip-covered test $(PYTEST)
 
 # What tests say of the sources does not depend on versions.
 test-pins: .venv-pins/.test
@@ -121,4 +127,4 @@ format: .venv/.test
 
 clean:
 	rm -rf docs/_build docs/reference/api docs/reference/commands.md .venv .venv-pins build install log demo_out *.egg-info .pytest_cache .hypothesis \
-		.ruff_cache .mypy_cache
+		.ruff_cache .mypy_cache .coverage

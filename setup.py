@@ -80,7 +80,8 @@ setup(
         'browser': ['nicegui>=3.0', 'playwright>=1.40'],
         'docs': ['sphinx>=7', 'myst-parser>=2', 'numpydoc>=1.6', 'pydata-sphinx-theme>=0.14'],
         'notebook': ['nbclient>=0.6', 'ipykernel>=6', 'matplotlib>=3.5'],
-        'dev': ['ruff', 'mypy>=2.4', 'pydocstyle>=6.3', 'colcon-common-extensions'],
+        'dev': ['ruff', 'mypy>=2.4', 'pydocstyle>=6.3', 'pytest-cov>=4.1',
+                'colcon-common-extensions'],
     },
     entry_points={
         'console_scripts': [
