@@ -53,11 +53,11 @@ class Alarms:
 
     Attributes
     ----------
-    span_s : float
+    span_s
         Length of the voyages together, seconds; there is a look a second.
-    cpu_s : float
+    cpu_s
         CPU time of all looks, seconds.
-    raised : Counter of str
+    raised
         Number of alarms, by rule.
 
     """
@@ -77,11 +77,11 @@ def count_alarms(kind: str, hours: float, seed: int) -> Alarms:
 
     Parameters
     ----------
-    kind : str
+    kind
         One of `KINDS`.
-    hours : float
+    hours
         Hours to simulate, rounded up to whole voyages.
-    seed : int
+    seed
         With the kind it decides all voyages, whatever other kinds are simulated.
 
     """

@@ -58,11 +58,11 @@ def keep(benchmark: str, figures: Mapping[str, float], path: Path = HISTORY) -> 
 
     Parameters
     ----------
-    benchmark : str
+    benchmark
         Name of its module.
-    figures : mapping of str to float
+    figures
         Figures by descriptive name; without figures nothing is written.
-    path : Path
+    path
         The file.
 
     """

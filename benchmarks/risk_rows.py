@@ -61,23 +61,23 @@ class Row:
 
     Attributes
     ----------
-    name : str
+    name
         Unique in its table, because it is the seed.
-    n : int
+    n
         Number of instants at equal steps; all have a sample unless `sampling` says otherwise.
-    errors : Errors
+    errors
         Error process of variance 1.
-    times : float
+    times
         Correlation (coherence) times in the record; infinite without correlation.
-    order : int
+    order
         Order of the polynomial removed; `AUTO` to choose it from the data.
-    drift : int
+    drift
         Order of a drift of three standard deviations that is added first; 0 for none.
-    sampling : Sampling or None
+    sampling
         The instants that have a sample.
-    rate_hz : float
+    rate_hz
         Rate of the instants; 0 for samples without stamps.
-    stated : float
+    stated
         Slowest error stated to the rule, in correlation times; 0: none.
 
     """

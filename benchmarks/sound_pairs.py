@@ -62,11 +62,11 @@ class Judged:
 
     Attributes
     ----------
-    number : int
+    number
         Number of the pair.
-    words : str
+    words
         The pair in words.
-    outcomes : tuple of str
+    outcomes
         Outcome of each run.
     against : tuple of (kind, words)
         What it holds against the pair: 'void', 'doubtful', 'warning', 'rejected', 'no run'.

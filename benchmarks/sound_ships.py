@@ -46,12 +46,12 @@ class Ship:
 
     Attributes
     ----------
-    period_s : float
+    period_s
         Shortest period of the motion that matters, seconds.
-    steer : callable
+    steer
         Called with a generator and the length of the record, seconds; returns the heading as a
         function of the time.
-    speed_kn : float
+    speed_kn
         Speed over ground.
 
     """
@@ -202,17 +202,17 @@ class SoundPair:
 
     Attributes
     ----------
-    words : str
+    words
         Ship, burden, rates, errors and sizes in words.
-    ts, rs : Headings
+    ts, rs
         Readings.
-    settings : Settings
+    settings
         Norms and lower bound of the RS.
-    motion : Motion
+    motion
         The motion of the ship, if the pair has any.
     legs : tuple of (start_ns, stop_ns)
         Legs that are marked.
-    table : bool
+    table
         Whether the legs are those of a table of runs instead of marks.
 
     """
@@ -259,11 +259,11 @@ def draw_pair(number: int, seed: int, *, share: float | None = None) -> SoundPai
 
     Parameters
     ----------
-    number : int
+    number
         Its number, from 0.
-    seed : int
+    seed
         With the number it decides everything.
-    share : float, optional
+    share
         Standard deviation of the TS in units of its norm; with it the errors last for 20 s at
         most, and the RS is at the lower bound of its norm. Drawn from 0.3 to 0.8 by default.
 

@@ -51,10 +51,10 @@ class Sources:
 
     Attributes
     ----------
-    files, code_lines : int
-    above_10, above_20 : int
+    files, code_lines
+    above_10, above_20
         Functions with more than 10 and 20 branches.
-    names : Counter of str
+    names
         Places that bind a name that says nothing, by name.
 
     """

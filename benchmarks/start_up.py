@@ -75,13 +75,13 @@ class Program(NamedTuple):
 
     Attributes
     ----------
-    words : tuple of str
+    words
         Arguments of Python.
-    peer : str or None
+    peer
         The row to compare it with.
-    most : float
+    most
         The promised ratio of CPU times.
-    node : bool
+    node
         It is a node, which does not end by itself.
 
     """

@@ -70,13 +70,13 @@ class Section(NamedTuple):
 
     Attributes
     ----------
-    node : str
-    classes : tuple of type
+    node
+    classes
         Classes of its settings.
-    comment : str
-    given : mapping
+    comment
+    given
         Values that differ from the defaults.
-    examples : mapping or None
+    examples
         Example values of the settings without a default. None: write only the values in `given`.
 
     """

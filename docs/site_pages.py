@@ -99,7 +99,7 @@ def write_pages(into: Path) -> list[Path]:
 
     Parameters
     ----------
-    into : Path
+    into
         The folder ``reference`` of the site. Pages of removed rooms are deleted.
 
     Returns

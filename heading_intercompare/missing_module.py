@@ -31,7 +31,7 @@ def explain_missing(error: ModuleNotFoundError) -> str | None:
 
     Parameters
     ----------
-    error : ModuleNotFoundError
+    error
         As raised by the import.
 
     Returns

@@ -64,7 +64,7 @@ class YamlError(ValueError):
 
     Attributes
     ----------
-    line : int or None
+    line
         The line of the mistake, counted from 1.
 
     """
@@ -163,9 +163,9 @@ def load_yaml(text: str, most_bytes: int = _MOST_BYTES) -> Any:
 
     Parameters
     ----------
-    text : str
+    text
         One document.
-    most_bytes : int
+    most_bytes
         A longer text is rejected.
 
     Raises

@@ -61,7 +61,7 @@ class Faults:
 
     Parameters
     ----------
-    faults : sequence of Fault
+    faults
         In any order; they act in the order in which they start.
 
     """

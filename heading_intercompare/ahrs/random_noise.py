@@ -34,9 +34,9 @@ def open_stream(seed: int, name: str) -> np.random.Generator:
 
     Parameters
     ----------
-    seed : int
+    seed
         Seed of the whole simulation, at least 0.
-    name : str
+    name
         Purpose, such as 'ts.white'. Streams with different names are independent, so a new one
         does not change the numbers of the others.
 
@@ -75,18 +75,18 @@ class Markov:
 
     Parameters
     ----------
-    sigma : float
+    sigma
         Standard deviation, in the unit of the noise.
-    tau_s : float
+    tau_s
         Correlation time, seconds.
-    step_s : float
+    step_s
         Grid step, seconds.
-    rng : numpy.random.Generator
+    rng
         Source of the numbers, for this noise only.
 
     Attributes
     ----------
-    recur : callable
+    recur
         The recursion: a compiled `recur` may take the place of the interpreted one.
 
     References
@@ -126,11 +126,11 @@ class Outages:
 
     Parameters
     ----------
-    every_s : float
+    every_s
         Mean time from the end of an outage to the next, seconds; 0: there are none.
-    length_s : float
+    length_s
         Mean length of an outage, seconds.
-    rng : numpy.random.Generator
+    rng
         Source of the numbers, for this purpose only.
 
     """

@@ -108,9 +108,9 @@ def errors_of(model: str, overrides: Errors) -> ModelErrors:
 
     Parameters
     ----------
-    model : str
+    model
         A name of `ERRORS`.
-    overrides : Errors
+    overrides
         Errors that are not None replace those of the model.
 
     """

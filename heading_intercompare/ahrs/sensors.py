@@ -42,7 +42,7 @@ class Readings:
 
     Attributes
     ----------
-    headings : Headings
+    headings
         Stamps and headings.
     t_s : ndarray, shape (n,)
         True instants of the readings, seconds since the start.
@@ -82,17 +82,17 @@ class SimulatedSensor:
 
     Parameters
     ----------
-    settings : Sensor
+    settings
         Errors and stamps of the sensor.
-    truth : ShipTruth
+    truth
         The ship that carries it.
-    start_ns : int
+    start_ns
         UTC stamp of the start, nanoseconds.
-    seed : int
+    seed
         Seed of the simulation.
-    role : str
+    role
         'ts' or 'rs'; names its random numbers, so that the two never share any.
-    fast : bool
+    fast
         Compile the control loop of an AHRS, and the coloured noise, if numba is installed. That
         gives the same bits.
 

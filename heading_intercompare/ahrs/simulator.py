@@ -54,14 +54,14 @@ class ToldMotion:
 
     Parameters
     ----------
-    ship : ShipTruth
-    start_ns : int
+    ship
+    start_ns
         UTC stamp of the start, nanoseconds.
-    seed : int
+    seed
         Seed of the simulation.
-    rate_hz : float
+    rate_hz
         Rows a second of each kind; 0: none.
-    duration_s : float
+    duration_s
         Length of the trial, seconds.
 
     Notes
@@ -119,19 +119,19 @@ class SimulatedChunk:
 
     Attributes
     ----------
-    end_s : float
+    end_s
         End of the span, seconds since the start; a live sender delivers the chunk then.
-    ts, rs : Headings
+    ts, rs
         Readings of the sensors, as delivered.
-    truth : Headings
+    truth
         True heading at the instants of the TS readings, with stamps of a perfect clock.
-    ts_readings, rs_readings : Readings
+    ts_readings, rs_readings
         The same readings with claimed standard deviation and rate of turn.
-    ts_statuses, rs_statuses : tuple of AhrsStatus
+    ts_statuses, rs_statuses
         Statuses of a gimballed AHRS; empty for other models.
-    others : mapping of str to (Readings, tuple of AhrsStatus)
+    others
         Readings and statuses of the further sensors, by name.
-    motion : Motion
+    motion
         What the ship tells of its motion.
 
     """
@@ -168,12 +168,12 @@ class Simulation:
 
     Parameters
     ----------
-    scenario : Scenario
+    scenario
         What to simulate.
-    start_ns : int, optional
+    start_ns
         UTC stamp of the start, nanoseconds; default that of the track, or of the scenario. A live
         sender passes the time of its clock.
-    track : Track, optional
+    track
         The recorded voyage that the scenario names. The trial ends with it.
 
     Raises
@@ -208,9 +208,9 @@ class Simulation:
 
         Parameters
         ----------
-        chunk_s : float
+        chunk_s
             Length of a span, seconds, greater than 0. The readings do not depend on it.
-        fast : bool
+        fast
             Compile the loop of an AHRS first, if numba is installed and the trial lasts longer
             than `WORTH_COMPILING_S`. The readings do not depend on that either.
 
@@ -240,13 +240,13 @@ class Trial:
 
     Parameters
     ----------
-    scenario : Scenario
+    scenario
         What to simulate.
-    ship : ShipTruth
+    ship
         The ship.
-    start_ns : int
+    start_ns
         UTC stamp of the start, nanoseconds.
-    fast : bool
+    fast
         Compile the loop of an AHRS if numba is installed. That takes seconds, in which a live
         trial would send nothing.
 
@@ -293,11 +293,11 @@ class Trial:
 
         Parameters
         ----------
-        role : str
+        role
             'ts', 'rs', or the name of a further sensor.
-        kind : str
+        kind
             The event.
-        t_s : float, optional
+        t_s
             Time of the event, seconds since the start, not before now; default now.
 
         Returns
@@ -324,13 +324,13 @@ class Trial:
 
         Parameters
         ----------
-        role : str
+        role
             'ts', 'rs', or the name of a further sensor.
-        kind : str
+        kind
             The fault.
-        value : float, optional
+        value
             Value of the fault; default that of its kind.
-        t_s : float, optional
+        t_s
             First instant at which it acts on a reading, not before now; default now.
 
         Returns

@@ -46,11 +46,11 @@ class TrackRecord:
 
     Attributes
     ----------
-    headings : Headings
+    headings
         Of the sensor whose heading counts as the true one.
-    motion : Motion
+    motion
         Positions and velocities; may be empty.
-    attitude : Attitude
+    attitude
         Roll and pitch; may be empty.
 
     """
@@ -67,19 +67,19 @@ class Smoothed:
 
     Attributes
     ----------
-    what, unit : str
+    what, unit
         The quantity.
-    n : int
+    n
         Samples used.
-    repeated, spikes : int
+    repeated, spikes
         Samples left out: with the stamp of another, or far from their neighbours.
-    gaps : int
+    gaps
         Steps that were bridged.
-    longest_gap_s : float
+    longest_gap_s
         The longest of them.
-    period_s : float
+    period_s
         An oscillation of this period was halved, faster ones were removed.
-    removed : float
+    removed
         Standard deviation of the samples about the smooth function.
 
     """
@@ -128,9 +128,9 @@ def fit_track(record: TrackRecord, settings: TrackSettings) -> SmoothTrack:
 
     Parameters
     ----------
-    record : TrackRecord
+    record
         In any order; headings that are nan are left out.
-    settings : TrackSettings
+    settings
         How to smooth, and where to begin.
 
     Raises

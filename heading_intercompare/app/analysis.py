@@ -59,19 +59,19 @@ class Judgement:
 
     Attributes
     ----------
-    verdicts : mapping of str to Verdict
+    verdicts
         The verdict on each sensor against the reference, by its name: `ts` of two. Empty if no
         sensor is the reference.
-    sensors : SensorsVerdict or None
+    sensors
         The verdict on all together; None without the setting `sensors`.
-    notes : tuple of str
+    notes
         What the user should know about the inputs: unfinished bag, no run, not judged again.
-    sketches : mapping of str to tuple of SeriesSketch
+    sketches
         Data for the figures of each tested sensor, one per input that was read; empty unless
         requested.
-    earlier : mapping of str to tuple of RunVerdict
+    earlier
         Runs of each tested sensor that are too old for the verdict (`runs.keep`).
-    accounts : mapping of str to PairsAccount
+    accounts
         What belongs beside a csv of the pairs of each tested sensor; empty of several inputs.
 
     """
@@ -99,23 +99,23 @@ def judge_bags(paths: Sequence[Place], settings: Settings, *,
 
     Parameters
     ----------
-    paths : sequence of path
+    paths
         ``.mcap`` files, rosbag2 directories, ``.csv`` files of pairs or journals, at least one.
-    settings : Settings
+    settings
         Settings with the norms; with `sensors` for more than two.
     runs : path or sequence of (start_ns, stop_ns, source), optional
         Table of runs, or the csv file that holds it; see `read_run_table`. Without one, marks in
         the bag and silences decide.
-    executor : concurrent.futures.Executor, optional
+    executor
         Judges the inputs; see `judge_inputs`.
-    jobs : int, optional
+    jobs
         Processes on this machine, without an executor; by default one per core.
     takers : mapping of str to sequence of callable, optional
         Each is called with the pairs of a tested sensor (`ts` of two), chunk by chunk; for one
         input, and not with an executor.
-    sketched : bool
+    sketched
         Collect the data for the figures of the report and of `Verdict.plot`.
-    progress : callable
+    progress
         Called with the progress in words.
 
     Returns
@@ -214,7 +214,7 @@ def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings]
     ----------
     ts, rs : Headings, or equally long lists of them
         Readings of the two sensors; each element of a list is a separate input.
-    settings : Settings
+    settings
         Must hold the norms; `sensors` is not read.
     motion : Motion, or a list as long as those of the sensors, optional
         The motion of the ship, against which the headings are checked.
@@ -255,11 +255,11 @@ def analyze_sensors(headings: Mapping[str, Headings], settings: Settings,
 
     Parameters
     ----------
-    headings : mapping of str to Headings
+    headings
         The readings of each sensor, by its name.
-    settings : Settings
+    settings
         With `sensors` and the norms.
-    motion : Motion, optional
+    motion
         The motion of the ship, against which the headings are checked.
 
     Returns
@@ -317,7 +317,7 @@ def analyze_bag(path: Place, settings: Settings, *, runs: Place | RunTable | Non
 
     Parameters
     ----------
-    path : path
+    path
         ``.mcap`` file, rosbag2 directory, ``.csv`` file of pairs or journal of a live run.
     settings, runs, jobs, progress
         As for `judge_bags`.

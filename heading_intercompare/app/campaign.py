@@ -74,24 +74,24 @@ def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | Non
 
     Parameters
     ----------
-    paths : sequence of str
+    paths
         The inputs.
-    settings : Settings
+    settings
         By which each input is judged.
     table : sequence of (start_ns, stop_ns, source), optional
         Runs; those with a source apply only to the input of that name.
     takers : mapping of str to sequence of callable, optional
         Each is called with the pairs of a tested sensor (`ts` of two), chunk by chunk; for one
         input, and not with an executor.
-    sketched : bool
+    sketched
         Collect the data for the graphs of a report.
-    jobs : int, optional
+    jobs
         Processes; by default one per core, or none if the inputs are small. A single large bag is
         decoded by several processes but judged by one. Ignored with an executor.
-    executor : concurrent.futures.Executor, optional
+    executor
         Judges instead, in threads, in processes or on other computers, which see the same paths.
         The executor gets the absolute paths of all inputs, however small or few they are.
-    progress : callable
+    progress
         Called with the progress in words.
 
     Returns

@@ -65,7 +65,7 @@ def open_cluster(scheduler: str) -> Iterator[Executor]:
 
     Parameters
     ----------
-    scheduler : str
+    scheduler
         Address of the scheduler, ``tcp://HOST:8786``; or its ``.json`` file, which holds the
         address.
 

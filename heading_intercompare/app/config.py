@@ -44,11 +44,11 @@ class Config:
 
     Attributes
     ----------
-    path : str
+    path
         Path of the file; empty without one.
-    shared : mapping
+    shared
         The section ``/**``: `Settings` by dotted name.
-    sections : mapping of str to mapping
+    sections
         The parameters of single nodes, by dotted name.
 
     """
@@ -152,11 +152,11 @@ def settings_for(config: Config, assignments: Sequence[str] = (),
 
     Parameters
     ----------
-    config : Config
+    config
         The parameter file, as read.
-    assignments : sequence of str
+    assignments
         The ``name=value`` of ``--set``.
-    overrides : object
+    overrides
         Settings that have an option of their own (``ts_topic``), by name; None is skipped.
 
     Raises
@@ -180,9 +180,9 @@ def choose_pair(settings: Settings, ts: str | None, rs: str | None) -> Settings:
 
     Parameters
     ----------
-    settings : Settings
+    settings
         With `ts` and `rs` as topics.
-    ts, rs : str or None
+    ts, rs
         As given: names of sensors, or topics.
 
     Returns

@@ -44,11 +44,11 @@ def write_page(histories: Sequence[History], path: str, since_ns: int | None = N
 
     Parameters
     ----------
-    histories : sequence of History
+    histories
         A chart each, in their order.
-    path : str
+    path
         The file.
-    since_ns : int, optional
+    since_ns
         Draw only the runs that end at or after this stamp.
 
     Raises

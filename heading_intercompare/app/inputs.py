@@ -79,9 +79,9 @@ def load_config_or_journal(path: str | None, inputs: Sequence[str]) -> Config:
 
     Parameters
     ----------
-    path : str or None
+    path
         The parameter file.
-    inputs : sequence of str
+    inputs
         The inputs to judge.
 
     Raises
@@ -121,23 +121,23 @@ def judge_input(path: str, settings: Settings, table: RunTable | None = None,
 
     Parameters
     ----------
-    path : str
+    path
         A recording that `open_recording` reads, a table of pairs or a journal of a live run.
-    settings : Settings
+    settings
         By which it is judged.
     table : sequence of (start_ns, stop_ns, source), optional
         Runs; those with a source apply only to the input of that name, see `assign_runs`.
     takers : mapping of str to sequence of callable, optional
         Each is called with the pairs of a tested sensor, chunk by chunk.
-    progress : callable
+    progress
         Called with the progress in words.
-    name : str, optional
+    name
         Name of the input in results, notes and the table of runs; `path` by default.
-    helpers : int
+    helpers
         Processes that decode a bag in parallel with this one.
-    parts : sequence of str
+    parts
         Bags that go on with the trial of this one, in their order.
-    sketched : bool
+    sketched
         Collect the data for the figures of each tested sensor.
 
     Returns

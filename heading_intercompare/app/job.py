@@ -79,13 +79,13 @@ def judge_there(job: Job, path: str, place: str, libraries: str) -> JudgedInput:
 
     Parameters
     ----------
-    job : Job
+    job
         What to do with the input.
-    path : str
+    path
         Name of the input in the verdict.
-    place : str
+    place
         Absolute path of the input.
-    libraries : str
+    libraries
         `describe_libraries` of the process that asks; if they differ here, a note says so.
 
     """
@@ -128,12 +128,12 @@ class Job:
 
     Attributes
     ----------
-    settings : Settings
+    settings
     table : sequence of (start_ns, stop_ns, source), optional
         Runs.
-    sketched : bool
+    sketched
         Collect the data for the graphs of a report.
-    parts : mapping of str to sequence of str
+    parts
         Absolute paths of the bags that go on with the trial of an input, by its path.
 
     """

@@ -45,15 +45,15 @@ class Outputs:
 
     Attributes
     ----------
-    csv : str or None
+    csv
         One row per pair.
-    ensembles : str or None
+    ensembles
         One row per ensemble of `ensemble_s` seconds.
-    report : str or None
+    report
         The protocol.
-    runs_csv : str or None
+    runs_csv
         One row per run.
-    json : str or None
+    json
         The verdict; '-' is standard output, not a file.
 
     """
@@ -73,11 +73,11 @@ def check_outputs(outputs: Outputs, inputs: Sequence[str], *, config: str | None
 
     Parameters
     ----------
-    outputs : Outputs
+    outputs
         The files that a command will write.
-    inputs : sequence of str
+    inputs
         The inputs to judge.
-    config, runs : str, optional
+    config, runs
         The parameter file and the table of runs.
 
     Raises

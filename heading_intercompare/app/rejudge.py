@@ -51,8 +51,8 @@ class FormerVerdict:
 
     Attributes
     ----------
-    outcome : Outcome
-    headline, validity_effect : str
+    outcome
+    headline, validity_effect
     software_version, rule_version, settings_sha256
         The software, rule and settings of the verdict.
 
@@ -85,18 +85,18 @@ class Rejudged:
 
     Attributes
     ----------
-    path : str
+    path
     status : {'changed', 'not_judged', 'no_report', 'same'}
         'changed' if the outcome differs, or has become doubtful or is no longer doubtful.
-    former : FormerVerdict or None
+    former
         The verdict in the recording's report; None without a report.
     outcome, headline, validity_effect, rule_version, settings_sha256
         Of the new verdict; None if the recording could not be judged.
-    settings_changed : tuple of str
+    settings_changed
         Settings of both verdicts whose values differ.
-    error : str or None
+    error
         Why the recording could not be judged.
-    notes : tuple of str
+    notes
         What else the user should know about it.
 
     """
@@ -142,15 +142,15 @@ def rejudge(paths: Sequence[str], config: Config | None = None, assignments: Seq
 
     Parameters
     ----------
-    paths : sequence of str
+    paths
         ``.mcap`` files and rosbag2 directories.
-    config : Config, optional
+    config
         Settings for all recordings, instead of those that they store.
-    assignments : sequence of str
+    assignments
         ``name=value``; they override the settings of the file or the recording.
-    jobs : int, optional
+    jobs
         Processes that read a recording.
-    progress : callable
+    progress
         Called with the progress in words.
 
     Returns

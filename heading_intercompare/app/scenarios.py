@@ -33,13 +33,13 @@ class ScenarioFile(NamedTuple):
 
     Attributes
     ----------
-    scenario : Scenario
+    scenario
         What to simulate.
-    name : str
+    name
         Name of the file, without its folder.
-    data : bytes
+    data
         The bytes of the file.
-    folder : Path
+    folder
         Where it is; names of files in it begin there.
 
     """
@@ -81,9 +81,9 @@ def read_scenario(path_or_name: str, seed: int | None = None) -> ScenarioFile:
 
     Parameters
     ----------
-    path_or_name : str
+    path_or_name
         Path of a YAML file, or the name of one that comes with the package ('demo').
-    seed : int, optional
+    seed
         Replaces the seed in the file.
 
     Raises

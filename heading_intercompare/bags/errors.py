@@ -42,11 +42,11 @@ class BagError(ValueError):
 
     Parameters
     ----------
-    problem : str
+    problem
         What is wrong, and what is allowed.
-    path : str or path, optional
+    path
         The file.
-    offset : int, optional
+    offset
         Byte of the file at which the problem begins.
 
     """

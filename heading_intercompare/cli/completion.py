@@ -39,7 +39,7 @@ def complete(parser: argparse.ArgumentParser) -> None:
 
     Parameters
     ----------
-    parser : argparse.ArgumentParser
+    parser
         Parser of the whole program; only the commands on the line need their arguments.
 
     """

@@ -48,22 +48,22 @@ def run_node(module: str, node: str, config: str | None, *, namespace: str = '/'
 
     Parameters
     ----------
-    module, node : str
+    module, node
         Module in ``nodes`` and the class in it.
-    config : str or None
+    config
         ROS parameter file.
-    namespace : str
+    namespace
         Namespace of the node and its topics, with a leading slash. The sections of the file hold
         there too.
-    remap : mapping of str to str, optional
+    remap
         Published topics with other names. The node gets them as `remapped` and rejects any that
         it does not publish.
-    watch : callable, optional
+    watch
         Called with the node ten times a second.
-    beside : (str, str, callable), optional
+    beside
         Module and class of a node that runs beside it, and what is called with both nodes three
         times a second.
-    **parameters : object
+    **parameters
         Parameters of the node; those that are None are left out.
 
     Returns

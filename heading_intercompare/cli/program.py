@@ -104,7 +104,7 @@ def main(argv: Sequence[str] | None = None) -> int:
 
     Parameters
     ----------
-    argv : sequence of str, optional
+    argv
         Arguments; those of the process by default.
 
     Returns

@@ -55,7 +55,7 @@ def wrap180(angle_deg: ArrayLike, center_deg: float = 0.0) -> np.ndarray:
     ----------
     angle_deg : array_like, shape (n,) or scalar
         Angles, degrees. nan and infinity give nan.
-    center_deg : float
+    center_deg
         Middle of the range, degrees.
 
     Returns

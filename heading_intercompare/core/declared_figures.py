@@ -37,22 +37,22 @@ class Figure:
 
     Attributes
     ----------
-    words : str
+    words
         What it is, as in a row of the protocol.
-    note : str
+    note
         What the docs and the schema add.
-    unit : str
+    unit
         '1' is the unit of a number without dimension, '' that of anything else.
-    u_key, up_key : str
+    u_key, up_key
         Keys of its standard uncertainty, and of the upper end of the interval that it begins,
         which stand beside it; empty if there is none.
-    row : str
+    row
         What it is in the narrow table of a terminal; empty for the words.
-    prefix : str
+    prefix
         What stands before the words of the figures in it.
-    absent : str
+    absent
         When its key is left out, because it is None; empty if never.
-    choices : mapping of str to str
+    choices
         The words of the JSON that it may be, and what they mean.
 
     """
@@ -85,11 +85,11 @@ def figure(words: str, note: str = '', *, default: Any = MISSING, unit: str | No
 
     Parameters
     ----------
-    words, note : str
+    words, note
         What it is, and what docs and schema add.
-    default : object
+    default
         None if it may be absent.
-    unit : str, optional
+    unit
         Without it the end of the name and the type say the unit.
     u, up, row, prefix, absent, choices
         See `Figure`.

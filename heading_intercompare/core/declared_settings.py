@@ -85,13 +85,13 @@ def setting(default: Any, help: str, lo: float | None = None, hi: float | None =
 
     Parameters
     ----------
-    default : object
+    default
         Value if none is given; None for an optional setting.
-    help : str
+    help
         Meaning, with the unit in square brackets.
-    lo, hi : float, optional
+    lo, hi
         Inclusive range of numbers.
-    choices : tuple of str
+    choices
         The allowed words, if the setting takes text; empty for any text.
 
     """
@@ -181,9 +181,9 @@ class Used(NamedTuple):
 
     Attributes
     ----------
-    settings_class : type
+    settings_class
         The class.
-    names : tuple of str, optional
+    names
         Names of settings, or of groups of settings; none names all of the class.
 
     """
@@ -203,9 +203,9 @@ def from_mapping(settings_class: type, mapping: Mapping[str, Any]) -> Any:
 
     Parameters
     ----------
-    settings_class : type
+    settings_class
         A dataclass whose fields are made by `setting` or are such dataclasses.
-    mapping : mapping
+    mapping
         Nested or with dotted names, in any mixture. Names that are absent take their default.
 
     Raises
@@ -230,9 +230,9 @@ def name_keywords(settings_class: type, keywords: Mapping[str, Any]) -> dict[str
 
     Parameters
     ----------
-    settings_class : type
+    settings_class
         A dataclass whose fields are made by `setting` or are such dataclasses.
-    keywords : mapping
+    keywords
         By the last part of the name, or by the whole name with ``_`` for the dot. A group takes
         an object of its class, or a mapping.
 
@@ -298,7 +298,7 @@ def settings_sha256(mapping: Mapping[str, Any]) -> str:
 
     Parameters
     ----------
-    mapping : mapping
+    mapping
         All settings by their dotted names, as in `to_mapping` and in the JSON of a verdict.
 
     Returns

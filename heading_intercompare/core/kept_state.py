@@ -72,29 +72,29 @@ class KeptState:
 
     Attributes
     ----------
-    cutter : CutterState
+    cutter
         Where runs start and end.
-    newest_ns : int or None
+    newest_ns
         Stamp of the newest pair.
-    in_run : bool
+    in_run
         A run is in progress; its cut is that of the cutter.
-    finished : tuple of KeptRun
+    finished
         Runs judged, but for those that were too old for the verdict and handed out.
-    n_earlier, n_short : int
+    n_earlier, n_short
         Number of runs handed out, and of those that were too short before the newest of them.
-    earlier_ns : int or None
+    earlier_ns
         Cut of the newest run that is too old.
-    n_pairs, first_pair : int
+    n_pairs, first_pair
         Pairs so far, and those before the run in progress.
-    record_ns : int or None
+    record_ns
         Stamp of the first pair.
     record : tuple
         State of `RecordPieces`.
-    outside : str
+    outside
         What pairs outside the runs are called.
-    before : tuple of (int, int)
+    before
         Pairs up to the end of the newest run that is too old, and that end, nanoseconds.
-    short : tuple of Stretch
+    short
         Runs that were too short.
 
     """

@@ -52,18 +52,18 @@ def judge_aligned(ts: Headings, rs: Headings, results: Sequence[RunResult], sett
 
     Parameters
     ----------
-    ts, rs : Headings
+    ts, rs
         All readings of an input.
-    results : sequence of RunResult
+    results
         Its runs as first judged.
-    settings : Settings
+    settings
         The search covers `alignment.skew_range_s` on both sides of `alignment.skew_s`, and
         `alignment.clock_range_s` for clocks that lie apart.
-    source : str
+    source
         Name of the input.
-    lost : sequence of (LedgerKey, Losses)
+    lost
         What is missing from it, and how it was lost.
-    motion : Motion, optional
+    motion
         The motion of the ship.
 
     Returns
@@ -149,11 +149,11 @@ def name_apart(ts: Headings, rs: Headings, results: Sequence[RunResult],
 
     Parameters
     ----------
-    ts, rs : Headings
+    ts, rs
         All readings of an input, with a partner or without.
-    results : sequence of RunResult
+    results
         Its runs as judged; may be empty.
-    settings : Settings
+    settings
         The search covers `alignment.clock_range_s`.
 
     Returns

@@ -44,7 +44,7 @@ def worst(outcomes: Iterable[Outcome]) -> Outcome:
 
     Parameters
     ----------
-    outcomes : iterable of Outcome
+    outcomes
         In any order.
 
     Returns

@@ -57,19 +57,19 @@ class Compliance:
 
     Parameters
     ----------
-    settings : Settings
+    settings
         Must hold the norms.
-    source : str
+    source
         Name of the input, stated with each run.
     table : sequence of (start_ns, stop_ns), optional
         Start and stop of each run. Without a table, marks decide; without marks the first pair
         opens a run.
-    keeper : callable, optional
+    keeper
         Returns the store for the pages of a run (see `Column`), so that memory does not grow
         during the run. Without it all pages stay in memory.
-    progress : callable
+    progress
         Called with the progress in words while a run is judged.
-    thins : bool
+    thins
         The pairs are chosen out of more: gaps between them are not lost.
 
     Attributes
@@ -182,9 +182,9 @@ class Compliance:
 
         Parameters
         ----------
-        state : KeptState
+        state
             Of `keep`.
-        pairs : Pairs
+        pairs
             All pairs that the run in progress had then; none if there was no run.
 
         """
@@ -306,7 +306,7 @@ class Compliance:
 
         Parameters
         ----------
-        ledger : Ledger, optional
+        ledger
             Ledger of the pairer that made the pairs. Without it, the pairs count as all readings
             received.
 
@@ -411,11 +411,11 @@ class Intercomparison:
 
     Parameters
     ----------
-    settings : Settings
+    settings
         Must hold the norms.
     source, table, progress
         As for `Compliance`.
-    sampler : PairSampler, optional
+    sampler
         Chooses the pairs to judge; by default all are judged. Every reading is paired and
         accounted for in either case.
 

@@ -124,7 +124,7 @@ class ColumnBuffer:
 
     Parameters
     ----------
-    width : int
+    width
         Number of columns of reals beside the stamps.
 
     Attributes

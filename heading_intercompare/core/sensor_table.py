@@ -43,12 +43,12 @@ def read_rows(text: str | None, kind: type,
 
     Parameters
     ----------
-    text : str or None
+    text
         Rows separated by line ends or ``;``: a name, then ``setting=value`` in any order. Values
         with spaces stand in quotes; ``#`` begins a comment.
-    kind : type
+    kind
         The settings class of each row.
-    words : mapping of str to (str, object), optional
+    words
         Single words that stand for a setting and its value.
 
     Yields
@@ -171,7 +171,7 @@ def read_sensors(text: str | None) -> tuple[Sensor, ...]:
 
     Parameters
     ----------
-    text : str or None
+    text
         A row per sensor, separated by line ends or ``;``: its name, then ``setting=value`` of
         `Sensor` in any order, and the word ``rs`` for the reference of all others. Values with
         spaces stand in quotes; ``#`` begins a comment.
@@ -250,12 +250,12 @@ def simulated_topics(table: str | None, others: Collection[str], ts_topic: str,
 
     Parameters
     ----------
-    table : str or None
+    table
         The setting `sensors`. If it has two sensors that the trial does not name, these are meant:
         the tested one, and the reference or the second one.
-    others : collection of str
+    others
         Names of the sensors of the trial.
-    ts_topic, rs_topic : str
+    ts_topic, rs_topic
         What to return otherwise.
 
     """

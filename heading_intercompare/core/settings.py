@@ -187,9 +187,9 @@ class RunCutting(Checked):
 
         Parameters
         ----------
-        newest_ns : int or None
+        newest_ns
             Stamp of the newest pair.
-        spans : int
+        spans
             Step back this multiple of `keep`.
 
         Returns
@@ -450,7 +450,7 @@ class Settings(Checked):
 
         Parameters
         ----------
-        keywords : object
+        keywords
             Settings by the last part of their name (``sigma_max_deg=0.5``), or by the whole name
             with ``_`` for the dot (``risk_min_duration_s=1200.0``). A group takes its class, or
             a mapping (``norms={'m_low': 0.9}``).

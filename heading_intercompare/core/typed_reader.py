@@ -79,9 +79,9 @@ def read_plain(kind: Any, value: Any, where: str = '') -> Any:
     ----------
     kind : type or annotation
         A dataclass, an enumeration, a plain type, or a union, tuple, sequence or mapping of such.
-    value : object
+    value
         The plain form, as in JSON. Keys unknown to the dataclass are ignored.
-    where : str
+    where
         Name of the value, such as ``runs[0].guarded``.
 
     Returns
@@ -202,11 +202,11 @@ def check_schema(mapping: Mapping[str, Any], kind: str, newest: int) -> None:
 
     Parameters
     ----------
-    mapping : mapping
+    mapping
         With the keys `schema` and `schema_version`.
-    kind : str
+    kind
         The schema without its major version.
-    newest : int
+    newest
         The major version that can be read.
 
     """

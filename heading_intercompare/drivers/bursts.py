@@ -53,13 +53,13 @@ class BurstFinder:
 
         Parameters
         ----------
-        name : Name
+        name
             Kind and talker of the reading.
-        received_ns : int
+        received_ns
             Time of the read in which its first byte came, nanoseconds.
-        in_read : int
+        in_read
             Readings of this name that began in that read, itself among them.
-        late_s : float
+        late_s
             Longest time for which its bytes may have waited to be read, seconds.
 
         """

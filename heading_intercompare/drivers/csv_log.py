@@ -98,9 +98,9 @@ class CsvDecoder:
 
     Parameters
     ----------
-    path : str
+    path
         The file, or the first of several.
-    settings : DriverSettings
+    settings
         Only `talker` is used.
 
     Raises

@@ -57,15 +57,15 @@ class UdpSource:
 
     Parameters
     ----------
-    settings : DriverSettings
+    settings
         With a source `udp://HOST:PORT`. With the option `from` only datagrams of that sender are
         taken.
-    now_ns : callable
+    now_ns
         Clock that stamps a datagram where the kernel does not, nanoseconds UTC.
 
     Attributes
     ----------
-    counts : Counter of str
+    counts
         Datagrams that were not returned: `kernel_dropped`, because the program did not read in
         time, `other_sender`, and `oversized`: longer than 16 384 bytes.
 

@@ -54,14 +54,14 @@ class Received(NamedTuple):
 
     Attributes
     ----------
-    data : bytes
+    data
         A datagram, a line of a log, or a piece of a stream.
-    stamp_ns : int or None
+    stamp_ns
         Time of receipt, nanoseconds UTC; None for a line of a log without a stamp.
-    late_s : float
+    late_s
         Longest time for which the bytes may have waited to be read, seconds. Datagrams are
         stamped by the kernel and do not wait.
-    file : str or None
+    file
         The file of a log that begins with this line.
 
     """
@@ -92,16 +92,16 @@ class Framer:
 
     Parameters
     ----------
-    datagrams : bool
+    datagrams
         Each `feed` is a complete datagram: its end ends a line. Otherwise the bytes are a stream,
         and a sentence may span many feeds.
-    with_lines : bool
+    with_lines
         A line without a sentence is returned too, as a frame without text: in a log it may be a
         stamp.
 
     Attributes
     ----------
-    counts : Counter
+    counts
         Lines and pieces that gave no sentence, by reason. `no_sentence`: a line without `$` or
         `!` (blank lines do not count). `cut`: a sentence without a checksum, cut off by another
         one or by the end of the stream. `bad_checksum`: the checksum is wrong or not two hex
@@ -122,9 +122,9 @@ class Framer:
 
         Parameters
         ----------
-        data : bytes
+        data
             The bytes received, split anywhere.
-        received_ns : int or None
+        received_ns
             When they were received. A sentence gets the time of its first byte.
 
         """

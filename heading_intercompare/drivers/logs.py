@@ -57,9 +57,9 @@ class LogReader:
     path : path-like
         A log of NMEA sentences, or a csv of headings (`csv_log`): a file, a folder of files, or a
         pattern of names (`LogFiles`).
-    settings : DriverSettings, optional
+    settings
         `source` and `speed` are ignored.
-    block_bytes : int
+    block_bytes
         Bytes read at once; each block gives one chunk.
 
     Attributes
@@ -163,7 +163,7 @@ def read_log(path: str | PathLike[str], settings: DriverSettings | None = None
     ----------
     path : path-like
         A log of NMEA sentences, or a csv of headings.
-    settings : DriverSettings, optional
+    settings
         Sentence, talker, time, form of the stamps; `source` and `speed` are ignored.
 
     Returns

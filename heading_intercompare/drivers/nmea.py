@@ -53,13 +53,13 @@ class NmeaDecoder:
 
     Parameters
     ----------
-    settings : DriverSettings
+    settings
         The scheme of `source` matters: udp delivers complete datagrams; the lines of a file carry
         their own stamps. Without a source the bytes are a live stream.
 
     Attributes
     ----------
-    lines : int
+    lines
         Sentences, and lines without one, seen so far: the headings returned, those held while
         listening, and the sum of `counts`.
 
@@ -198,13 +198,13 @@ class NmeaDecoder:
 
         Parameters
         ----------
-        data : bytes
+        data
             A datagram, or a piece of the stream, split anywhere; may be empty.
-        received_ns : int or None
+        received_ns
             Time of receipt, nanoseconds UTC; not used if the lines carry stamps.
-        late_s : float
+        late_s
             Longest time for which the bytes may have waited to be read, seconds.
-        file : str or None
+        file
             The file of a log that begins with these bytes.
 
         Returns

@@ -70,11 +70,11 @@ def explain_no_heading(path: str, settings: DriverSettings, counts: Mapping[str,
 
     Parameters
     ----------
-    path : str
+    path
         The log: a file, a folder, a pattern.
-    settings : DriverSettings
+    settings
         How it was read.
-    counts : mapping of str to int
+    counts
         Lines that gave no heading, by reason.
 
     Returns

@@ -66,11 +66,11 @@ class Heard:
 
     Attributes
     ----------
-    rows : ColumnBuffer
+    rows
         Its readings.
-    n : int
+    n
         Number of sentences, also without a reading.
-    counts : Counter of str
+    counts
         Sentences without a reading, by reason.
 
     """
@@ -86,24 +86,24 @@ class Listening:
 
     Parameters
     ----------
-    kinds : sequence of str
+    kinds
         The kinds of sentences, the best first.
-    learn_s : float
+    learn_s
         How long to listen after the first sentence, seconds of receipt time.
-    most : float
+    most
         Sentences held at most; a flood does not wait for the end of `learn_s`.
-    chosen : Name, optional
+    chosen
         The sentence to use, if it is chosen already.
-    width : int
+    width
         Columns of a reading.
 
     Attributes
     ----------
-    chosen : Name or None
+    chosen
         The sentence whose readings are used; None while it listens.
     rows : ColumnBuffer
         The readings of that sentence.
-    held : dict of Name to Heard
+    held
         All that was heard of the sentences to choose from.
 
     """
@@ -157,9 +157,9 @@ def find_sentence(blocks: Iterable[bytes], settings: DriverSettings) -> Name | N
 
     Parameters
     ----------
-    blocks : iterable of bytes
+    blocks
         The log, cut anywhere.
-    settings : DriverSettings
+    settings
         Sentence, talker, instrument, checksum.
 
     """

@@ -199,7 +199,7 @@ def heading_of(text: bytes) -> float:
 
     Parameters
     ----------
-    text : bytes
+    text
         The text between `$` and `*` of a sentence that `identify` knows. A gyrocompass repeats
         itself, so the last 65536 texts are cached (16 MB).
 

@@ -52,16 +52,16 @@ class Address:
     ----------
     scheme : {'file', 'udp', 'tcp', 'serial'}
         The transport.
-    path : str
+    path
         Path of a log, or name of a serial device.
     host, port : str, int
         Address and port; for udp the multicast group to join or the local address to listen on,
         empty for all of them.
-    interface : str
+    interface
         Address of the local interface that joins the multicast group; empty for the system's.
-    sender : str
+    sender
         Address of the only host whose datagrams are taken; empty for every host.
-    baud : int
+    baud
         Speed of the serial line.
 
     """
@@ -89,7 +89,7 @@ def parse_address(source: str) -> Address:
 
     Parameters
     ----------
-    source : str
+    source
         `file:PATH` (everything after the colon is the path, unchanged),
         `udp://HOST:PORT` (a multicast group is joined; `udp://:PORT` listens on all addresses),
         `tcp://HOST:PORT`, or `serial:DEVICE?baud=4800`.

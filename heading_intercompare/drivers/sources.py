@@ -43,11 +43,11 @@ class Source(Protocol):
 
     Attributes
     ----------
-    exhausted : bool
+    exhausted
         Nothing more will come.
-    status : str
+    status
         Words for a diagnostic.
-    counts : mapping of str to int
+    counts
         What came and was not returned, by reason.
 
     """
@@ -257,9 +257,9 @@ def open_source(settings: DriverSettings, now_ns: Callable[[], int] = time.time_
 
     Parameters
     ----------
-    settings : DriverSettings
+    settings
         Settings with `source` set.
-    now_ns : callable
+    now_ns
         Clock that stamps the bytes of a live source, nanoseconds UTC.
 
     Raises

@@ -56,9 +56,9 @@ class Design:
 
     Attributes
     ----------
-    factor : float
+    factor
         K: the limits are center ± K sigma.
-    threshold : float
+    threshold
         H: a sum above it means a lasting change.
 
     """
@@ -74,21 +74,21 @@ class Chart:
 
     Attributes
     ----------
-    center : float
+    center
         Median of the baseline.
-    between : float
+    between
         Standard deviation from run to run beyond the uncertainties of the figures.
-    correlation : float
+    correlation
         Correlation from run to run that the chart allows for, 0 to 0.8.
     low, high : ndarray, shape (n,)
         Limits of each run.
     outside : ndarray of bool, shape (n,)
         Runs after the baseline outside their limits.
-    since : int or None
+    since
         Index of the first run of a lasting change; None if there is none.
-    noticed : int or None
+    noticed
         Index of the run that showed it.
-    baseline : int
+    baseline
         Number of runs k of the baseline.
 
     """
@@ -160,13 +160,13 @@ def design_chart(baseline: int, ahead: int, correlation: float, runs_between: fl
 
     Parameters
     ----------
-    baseline : int
+    baseline
         Number of runs k of the baseline.
-    ahead : int
+    ahead
         Number of runs n watched, at least 1.
-    correlation : float
+    correlation
         Correlation rho of adjacent runs.
-    runs_between : float
+    runs_between
         A run that has not changed is outside its limits once in this number of runs, N.
 
     Returns
@@ -218,9 +218,9 @@ def make_chart(x: Reals, u: Reals, *, baseline: int = 20, runs_between: float = 
     ----------
     x, u : ndarray, shape (n,)
         Figures of the runs in the order of time, and their standard uncertainties.
-    baseline : int
+    baseline
         Number of runs k to learn from, at least 8.
-    runs_between : float
+    runs_between
         False alarms: one in this number of runs.
 
     Raises

@@ -39,19 +39,19 @@ class Trend:
     Attributes
     ----------
     figure : {'mean', 'sd'}
-    center_deg : float
+    center_deg
         Center of the baseline, degrees.
-    correlation : float
+    correlation
         Correlation from run to run that the chart allows for.
-    watched : int
+    watched
         Number of runs after the baseline.
-    first_outside_ns, newest_outside_ns : int or None
+    first_outside_ns, newest_outside_ns
         Start of the first and of the newest run outside its limits.
-    outside : int
+    outside
         Number of runs outside their limits.
-    differs_since_ns, noticed_ns : int or None
+    differs_since_ns, noticed_ns
         Start of the first run of a lasting change, and of the run that showed it.
-    false_alarm_probability : float
+    false_alarm_probability
         Probability that an unchanged sensor shows a lasting change by now.
 
     """
@@ -92,10 +92,10 @@ class Point:
 
     Attributes
     ----------
-    row : RunRow
-    mean_low_deg, mean_high_deg, sd_low_deg, sd_high_deg : float or None
+    row
+    mean_low_deg, mean_high_deg, sd_low_deg, sd_high_deg
         Limits of the mean and of the standard deviation, degrees.
-    outside : tuple of str
+    outside
         The figures, 'mean' and 'sd', that are outside.
 
     """
@@ -115,14 +115,14 @@ class History:
 
     Attributes
     ----------
-    ship, settings_sha256 : str
-    points : tuple of Point
+    ship, settings_sha256
+    points
         In the order of time.
-    trends : tuple of Trend
+    trends
         Of the mean and of the standard deviation; empty without charts.
-    baseline : int
+    baseline
         Number of runs of the baseline.
-    why_no_chart : str or None
+    why_no_chart
         Why there are no charts.
 
     """
@@ -151,11 +151,11 @@ def tell_histories(rows: Iterable[RunRow], *, baseline: int = 20,
 
     Parameters
     ----------
-    rows : iterable of RunRow
+    rows
         Rows of any logbooks. Of rows about the same run the last counts.
-    baseline : int
+    baseline
         Number of runs to learn from.
-    runs_between : float
+    runs_between
         False alarms: one in this number of runs.
 
     Notes

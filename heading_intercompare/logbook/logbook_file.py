@@ -78,9 +78,9 @@ class Logbook:
 
     Parameters
     ----------
-    path : path
+    path
         The file; `write` creates it, in a folder that exists.
-    timeout_s : float
+    timeout_s
         How long to wait while another process writes, seconds.
 
     """
@@ -115,9 +115,9 @@ class Logbook:
 
         Parameters
         ----------
-        since_ns : int, optional
+        since_ns
             Only runs that end at or after this stamp.
-        ship : str, optional
+        ship
             Only runs of this ship.
 
         Raises

@@ -45,37 +45,37 @@ class RunRow:
 
     Attributes
     ----------
-    ship : str
+    ship
         Name of the ship or station; may be empty.
-    start_ns, end_ns : int
+    start_ns, end_ns
         Stamps of the first and last pair, UTC nanoseconds.
-    n : int
+    n
         Number of differences analysed.
-    outcome, reason, headline, validity_effect : str
+    outcome, reason, headline, validity_effect
         As in the verdict.
-    conditions : str
+    conditions
         The conditions that do not hold, such as ``losses=doubtful``, with commas between.
-    mean_deg, mean_u_deg : float or None
+    mean_deg, mean_u_deg
         Mean difference and its standard uncertainty, allowing for correlation, degrees.
-    sd_deg, nu : float or None
+    sd_deg, nu
         Standard deviation of the differences, degrees, and its effective degrees of freedom.
-    lower_bound_deg2, upper_bound_deg2 : float or None
+    lower_bound_deg2, upper_bound_deg2
         Bounds of the variance of the guarded decision, square degrees.
-    acceptance_limit_deg2, rejection_limit_deg2 : float
+    acceptance_limit_deg2, rejection_limit_deg2
         The limits that they are compared with.
-    skew_s : float or None
+    skew_s
         Time skew between the sensors, seconds.
-    paired, ts_received, ts_unpaired, ts_rejected, rs_received, rs_unused, rs_rejected : int
+    paired, ts_received, ts_unpaired, ts_rejected, rs_received, rs_unused, rs_rejected
         Counts of the ledger.
-    source : str
+    source
         Name of the input; ``live`` for a run judged live.
-    bag : str or None
+    bag
         Path of the recording, if known.
-    settings_sha256 : str
+    settings_sha256
         Hash of the settings.
-    rule_version : int
+    rule_version
         Version of the decision rule.
-    software_version : str
+    software_version
         Version of the program.
 
     """
@@ -129,13 +129,13 @@ def make_rows(verdict: Verdict, *, ship: str = '', earlier: Iterable[RunVerdict]
 
     Parameters
     ----------
-    verdict : Verdict
+    verdict
         On one run or several.
-    ship : str
+    ship
         Name of the ship or station.
-    earlier : iterable of RunVerdict
+    earlier
         Runs judged with the same settings that the verdict does not cover any more.
-    find_bag : callable
+    find_bag
         Returns the path of the recording of a source.
 
     """

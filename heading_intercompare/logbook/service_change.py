@@ -40,25 +40,25 @@ class ServiceChange:
     Attributes
     ----------
     figure : {'mean', 'sd'}
-    before, after : int
+    before, after
         Number of runs that end before the service, and that start at it or later.
-    left_out : int
+    left_out
         Number of runs over the service, void, or without figures.
-    change : float or None
+    change
         Of the mean: after minus before, degrees. Of the standard deviation: after over before.
         None, like all that follows, if either side has no run.
-    low, high : float or None
+    low, high
         Interval of the change at `confidence`.
-    p : float or None
+    p
         Probability of a change at least this large if nothing changed.
-    differs : bool or None
+    differs
         Whether the interval leaves out no change.
-    confidence : float
+    confidence
         Probability of the interval.
-    correlation : float or None
+    correlation
         Correlation from run to run that is allowed for; None with fewer than 8 runs, which count
         as independent.
-    one_run : bool
+    one_run
         Whether a side has a single run, so that its scatter from run to run is unknown.
 
     """
@@ -106,11 +106,11 @@ def compare_service(rows: Sequence[RunRow], at_ns: int, *,
 
     Parameters
     ----------
-    rows : sequence of RunRow
+    rows
         Runs of one ship with one set of settings, in the order of time.
-    at_ns : int
+    at_ns
         Instant of the service, UTC nanoseconds.
-    confidence : float
+    confidence
         Probability of the intervals.
 
     Returns

@@ -112,13 +112,13 @@ def stamped_rows(type_name: str, stamp_ns: Integers, frame_id: str, reals: Reals
 
     Parameters
     ----------
-    type_name, frame_id : str
+    type_name, frame_id
         Type of the messages, and frame of their headers.
     stamp_ns : ndarray of int64, shape (n,)
         Nanoseconds.
     reals : ndarray of float64, shape (n, k)
         The last k reals of the message; the fields before them are zero.
-    after : int
+    after
         Bytes after them, which are zero.
 
     Raises
@@ -155,7 +155,7 @@ def gather_reals(type_name: str, data: BytesLike, start: Integers, size: Integer
 
     Parameters
     ----------
-    type_name : str
+    type_name
         Type of the messages.
     data : bytes-like
         The bytes that hold the messages.
@@ -165,7 +165,7 @@ def gather_reals(type_name: str, data: BytesLike, start: Integers, size: Integer
         Offset of the first real in each message.
     sign : {'<', '>'}
         Byte order.
-    n : int
+    n
         Number of reals.
 
     Raises
@@ -232,7 +232,7 @@ def decode_readable(decode: Callable[[Integers, Integers], _Chunk], start: Integ
 
     Parameters
     ----------
-    decode : callable
+    decode
         Returns the chunk of the messages between the given first and last bytes. If some are
         unreadable, it raises MessageError with their offsets.
     start, stop : ndarray of int64, shape (n,)

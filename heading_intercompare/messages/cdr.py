@@ -167,9 +167,9 @@ def encode(type_name: str, message: Mapping[str, Any]) -> bytes:
 
     Parameters
     ----------
-    type_name : str
+    type_name
         A key of `schemas.TYPE_HASHES`, such as 'std_msgs/msg/String'.
-    message : mapping
+    message
         Field names to numbers, strings, sequences and nested mappings. Absent fields are zero.
 
     Raises
@@ -194,9 +194,9 @@ def decode(type_name: str, data: bytes) -> dict[str, Any]:
 
     Parameters
     ----------
-    type_name : str
+    type_name
         A key of `schemas.TYPE_HASHES`.
-    data : bytes
+    data
         The message with its four bytes of encapsulation.
 
     Raises

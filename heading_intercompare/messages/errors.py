@@ -27,11 +27,11 @@ class MessageError(ValueError):
 
     Parameters
     ----------
-    problem : str
+    problem
         What is wrong, and what is allowed.
-    offset : int, optional
+    offset
         First byte of the message in the data that holds it.
-    offsets : sequence of int
+    offsets
         The same of all messages with this problem, if there are several.
 
     """

@@ -46,11 +46,11 @@ class Field:
 
     Attributes
     ----------
-    name : str
+    name
         As in the definition.
-    type : str
+    type
         A key of `CODES`, or a message type as package/Type.
-    size : int or None
+    size
         Elements of a fixed array, `SEQUENCE`, or None for a single value.
 
     """
@@ -98,9 +98,9 @@ def definitions_in(type_name: str, text: str) -> Definitions:
 
     Parameters
     ----------
-    type_name : str
+    type_name
         The type that the text begins with.
-    text : str
+    text
         A definition, then the definitions it depends on. Each of these follows a line of equals
         signs and a line 'MSG: package/Type', as in MCAP schemas of encoding ros2msg.
 

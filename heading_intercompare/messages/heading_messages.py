@@ -81,9 +81,9 @@ def encode_imu(headings: Headings, frame_id: str, *, sigma_deg: ArrayLike = 0.0,
 
     Parameters
     ----------
-    headings : Headings
+    headings
         n readings; nan marks those that the sensor reports as invalid.
-    frame_id : str
+    frame_id
         Frame of the header.
     sigma_deg : array_like, scalar or shape (n,)
         Standard deviation of the heading, degrees; 0 when unknown.
@@ -144,9 +144,9 @@ def encode_pairs(pairs: Pairs, frame_id: str = '') -> np.ndarray:
 
     Parameters
     ----------
-    pairs : Pairs
+    pairs
         n pairs.
-    frame_id : str
+    frame_id
         Frame of the header.
 
     Returns
@@ -189,7 +189,7 @@ def decode_headings(type_name: str, convention: str, data: BytesLike, start: Int
 
     Parameters
     ----------
-    type_name : str
+    type_name
         A key of `HEADING_TYPES`.
     convention : {'enu', 'ned'}
         World axes of the orientations; an azimuth says its own.
@@ -326,7 +326,7 @@ def read_headings(type_name: str, convention: str,
     ----------
     type_name, convention
         As for `decode_headings`.
-    messages : sequence of bytes
+    messages
         n >= 0 messages, in order of arrival.
 
     Returns

@@ -49,12 +49,12 @@ class LedgerMessage(NamedTuple):
 
     Attributes
     ----------
-    ledger : Ledger
-    final : bool
+    ledger
+    final
         It is the last one.
-    started_ns : int
+    started_ns
         When the synchronizer was started, UTC ns.
-    numbers : mapping of str to StreamNumbers
+    numbers
         The numbers of the headings that it took, by sensor.
 
     """

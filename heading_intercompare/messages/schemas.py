@@ -124,13 +124,13 @@ class Schema:
 
     Attributes
     ----------
-    type_name : str
+    type_name
         As package/msg/Type.
-    text : str
+    text
         The definition and all definitions it depends on.
-    type_hash : str
+    type_hash
         REP-2016 hash, or empty when unknown.
-    encoding : str
+    encoding
         Encoding of the text: ros2msg, or ros2idl, which other recorders may write.
 
     """
@@ -234,9 +234,9 @@ def layout_problem(type_name: str, encoding: str, text: str) -> str | None:
 
     Parameters
     ----------
-    type_name : str
+    type_name
         One of `TYPE_HASHES`.
-    encoding, text : str
+    encoding, text
         Schema encoding and text in the bag.
 
     """

@@ -89,15 +89,15 @@ class Status:
 
     Attributes
     ----------
-    name : str
+    name
         The thing whose status it is.
-    level : int
+    level
         `OK`, `WARN` or `ERROR`.
-    message : str
+    message
         The state in words.
-    values : mapping of str to object
+    values
         Figures, in display order; None is skipped.
-    owner : str
+    owner
         The node that says so, `hardware_id` in the message; see `nodes/runtime/sole_node`.
 
     """

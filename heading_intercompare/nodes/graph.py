@@ -78,11 +78,11 @@ class Source(NamedTuple):
 
     Attributes
     ----------
-    make : callable
+    make
         `NmeaDriver`, `MotionDriver`, `SensorSimulator` or `Replayer`.
-    name : str
+    name
         Name of the node.
-    settings : mapping
+    settings
         Its own parameters, by dotted name.
 
     """
@@ -282,30 +282,30 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
 
     Parameters
     ----------
-    sources : sequence of Source
+    sources
         The nodes that publish headings and motion; a sensor without one is heard on its topic.
-    settings : mapping
+    settings
         Settings of the analysis, by dotted name.
-    output : str, optional
+    output
         Bag to record.
-    report_dir : str, optional
+    report_dir
         Folder for the reports.
-    own : mapping of str to mapping, optional
+    own
         Further parameters of synchronizer, compliance, sensors_watch and recorder, by node name.
-    private : bool
+    private
         Hide the graph from other processes.
-    namespace : str
+    namespace
         Namespace of all nodes and relative topics.
-    page : mapping, optional
+    page
         Parameters of the node dashboard, which then serves the live page; it prints the address.
-    progress : callable
+    progress
         Called with the number of pairs several times per second, and at the end.
-    show : callable, optional
+    show
         Called several times per second with what to show of the graph, and with what it does if
         it does not just run.
-    tell : callable, optional
+    tell
         Called with a line for each change of an alarm, which is then not logged.
-    served : callable
+    served
         Called with the address of the page once it is served.
 
     Returns

@@ -45,9 +45,9 @@ def find_attitude(path: str | os.PathLike[str], driver: DriverSettings) -> Attit
 
     Parameters
     ----------
-    path : path
+    path
         A log of NMEA sentences, or a csv.
-    driver : DriverSettings
+    driver
         How the lines of a log are stamped.
 
     Raises
@@ -101,9 +101,9 @@ def attitude_of_bag(bag: Readable, topic: str, convention: str) -> Attitude:
 
     Parameters
     ----------
-    bag : Readable
+    bag
         The recording.
-    topic : str
+    topic
         A topic of a heading.
     convention : {'enu', 'ned'}
         World axes of the orientations.

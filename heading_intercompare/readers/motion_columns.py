@@ -48,9 +48,9 @@ class MotionColumn(NamedTuple):
     Attributes
     ----------
     what : {'fix', 'velocity', 'rate'}
-    names : tuple of str
+    names
         Latitude and longitude; course and speed; or the rate of turn.
-    factor : float
+    factor
         Makes m/s of a speed, and degrees per second of a rate.
 
     """
@@ -96,7 +96,7 @@ def make_motion(column: MotionColumn, stamp_ns: Integers,
 
     Parameters
     ----------
-    column : MotionColumn
+    column
         What the values are, and in which units.
     stamp_ns : ndarray of int64, shape (n,)
         Stamps, nanoseconds UTC.

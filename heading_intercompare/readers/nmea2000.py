@@ -167,9 +167,9 @@ def decode_motion_pgn(pgn: int, data: bytes) -> MovedRow | str:
 
     Parameters
     ----------
-    pgn : int
+    pgn
         One of `MOTION_PGNS`.
-    data : bytes
+    data
         Its bytes; those of a fast packet already joined.
 
     Examples
@@ -189,11 +189,11 @@ def decode_motion_fields(pgn: int, fields: Mapping[str, Any], radians: float) ->
 
     Parameters
     ----------
-    pgn : int
+    pgn
         One of `MOTION_PGNS`.
-    fields : mapping
+    fields
         By name.
-    radians : float
+    radians
         Makes radians of their angles.
 
     """
@@ -268,7 +268,7 @@ def decode_vessel_heading(data: bytes) -> tuple[float, float | None, int] | str:
 
     Parameters
     ----------
-    data : bytes
+    data
         The eight bytes of PGN 127250.
 
     Returns

@@ -57,14 +57,14 @@ class Format:
 
     Attributes
     ----------
-    name : str
+    name
         What it is, in words.
-    recognise : callable
+    recognise
         Tells from the path and the first 64 KiB of the file whether it is one; a directory has
         none.
-    read : callable, or None
+    read
         Reads the headings of the file at a path, by stream; None for a bag.
-    extra : str or None
+    extra
         The extra that it needs.
 
     """
@@ -264,11 +264,11 @@ def open_recording(path: str | os.PathLike[str], namespace: str | None = None,
 
     Parameters
     ----------
-    path : str or path
+    path
         A bag of MCAP, or a file of one of `FORMATS`; a folder or a pattern of such files.
-    namespace : str, optional
+    namespace
         Where the topics of a bag without a leading slash are; see `BagReader`.
-    unit_of : callable
+    unit_of
         Returns the unit that is stated for the headings of a stream; see `StreamRecording`.
 
     Raises

@@ -168,10 +168,10 @@ class RosbagRecording:
 
     Parameters
     ----------
-    path : str or path
+    path
         A ``.bag`` of ROS 1, a ``.db3`` file, or the directory of a rosbag2. A directory without
         metadata.yaml is read by its files.
-    namespace : str, optional
+    namespace
         Where topics without a leading slash are; none: in the root.
 
     Attributes

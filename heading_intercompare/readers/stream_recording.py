@@ -46,9 +46,9 @@ class Collected:
 
     Attributes
     ----------
-    kinds : dict of str to str
+    kinds
         What each stream is, in words, by its name.
-    not_taken : Counter of str
+    not_taken
         What gave no heading, by reason.
 
     """
@@ -99,15 +99,15 @@ class Collected:
 
         Parameters
         ----------
-        row : MovedRow or None
+        row
             What it tells; None if no ship moves so.
-        stream : str
+        stream
             Name of the stream.
-        stamp_ns : int
+        stamp_ns
             Nanoseconds UTC.
-        rank : int
+        rank
             Of the streams that tell one thing, those of the lowest rank are preferred.
-        why_none : str
+        why_none
             The reason under which None is counted.
 
         """
@@ -165,7 +165,7 @@ class Collected:
 
         Parameters
         ----------
-        unit_of : callable
+        unit_of
             Returns the unit that is stated for a stream, 'auto' if none. Then that of the file
             counts, and without one degrees.
 
@@ -216,20 +216,20 @@ class StreamRecording:
 
     Parameters
     ----------
-    path : str or path
+    path
         The file.
-    kind : str
+    kind
         What it is, in words.
-    read : callable
+    read
         Reads the file at a path.
-    unit_of : callable
+    unit_of
         Returns the unit that is stated for the angles of a stream, 'auto' if none.
 
     Attributes
     ----------
     streams : dict of str to Headings
         All readings, by stream, in the order of the file.
-    not_taken : mapping of str to int
+    not_taken
         What gave no heading, by reason; of the motion of the ship after its kind.
     motion : dict of str to (dict of str to Motion)
         What the file tells of the motion of the ship, 'fix', 'velocity', 'rate'; then by stream.

@@ -95,13 +95,13 @@ def write(verdict: Verdict, path: str | Path,
 
     Parameters
     ----------
-    verdict : Verdict
+    verdict
         The verdict to write.
-    path : str or Path
+    path
         Must end in a key of `WRITERS`.
-    sketches : sequence of SeriesSketch
+    sketches
         For the figures, in the forms that have figures.
-    progress : callable
+    progress
         Called with the progress in words.
 
     Raises

@@ -61,7 +61,7 @@ def rounded(figure: float | None, u: float | None) -> str:
 
     Parameters
     ----------
-    figure, u : float or None
+    figure, u
         Without an uncertainty above 0 the figure has four significant digits.
 
     Examples

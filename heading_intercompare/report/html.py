@@ -86,11 +86,11 @@ def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = (),
 
     Parameters
     ----------
-    verdict : Verdict
+    verdict
         The verdict to show.
-    sketches : sequence of SeriesSketch
+    sketches
         One sketch per input, for the figures; without sketches there are no figures.
-    progress : callable
+    progress
         Called with the progress in words.
 
     """

@@ -44,13 +44,13 @@ def write(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch] =
 
     Parameters
     ----------
-    verdict : Verdict
+    verdict
         The verdict to show.
-    path : str or Path
+    path
         The file.
-    sketches : sequence of SeriesSketch
+    sketches
         One per input, for the figures; without any there are no figures.
-    progress : callable
+    progress
         Called with the progress in words.
 
     Raises

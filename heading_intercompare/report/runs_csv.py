@@ -50,9 +50,9 @@ def write_runs(verdict: Verdict | SensorsVerdict, path: str | Path) -> None:
 
     Parameters
     ----------
-    verdict : Verdict or SensorsVerdict
+    verdict
         On one recording or several; rows of several sensors have the name of the sensor first.
-    path : path
+    path
         The file, UTF-8; a figure that is missing or not finite is an empty cell.
 
     Raises

@@ -50,13 +50,13 @@ def write_protocols(verdict: Verdict | SensorsVerdict, path: str | Path,
 
     Parameters
     ----------
-    verdict : Verdict or SensorsVerdict
+    verdict
         On two sensors, or on several.
-    path : str or Path
+    path
         F.html or F.pdf. The protocols beside an overview are F-NAME.html or F-NAME.pdf.
-    sketches : mapping of str to sequence of SeriesSketch, optional
+    sketches
         Data for the figures, by sensor; `ts` of two.
-    progress : callable
+    progress
         Called with the progress in words.
 
     Returns

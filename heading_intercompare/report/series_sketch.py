@@ -41,7 +41,7 @@ class SeriesSketch:
 
     Parameters
     ----------
-    source : str
+    source
         Name of the input, as in the runs of the verdict.
 
     Attributes
@@ -58,9 +58,9 @@ class SeriesSketch:
         The differences against the rate of turn.
     track : Track
         At most 4096 positions.
-    shifts : ShiftScan or None
+    shifts
         The scatter at shifts of the RS; None before the first pair.
-    spectra : Spectra or None
+    spectra
         Spectrum and autocorrelation; None before the first pair.
     offset_deg : float
         The installation offset, which is removed from the differences.
@@ -100,9 +100,9 @@ class SeriesSketch:
 
         Parameters
         ----------
-        pairs : Pairs
+        pairs
             n >= 0.
-        settings : Settings
+        settings
             The installation offset and the wrap centre are used, as in the analysis.
 
         Raises

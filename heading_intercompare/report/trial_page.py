@@ -39,11 +39,11 @@ def compose_trial_page(title: str, lines: Iterable[str], traces: Sequence[Trace]
 
     Parameters
     ----------
-    title : str
+    title
         Title of the trial.
-    lines : iterable of str
+    lines
         What the command says of the trial.
-    traces : sequence of Trace
+    traces
         What each sensor showed.
     seeds : mapping of str to array_like of float, optional
         Columns `seed`, `true_mean_deg`, `mean_deg`, `low_deg` and `high_deg` of a repeated trial.

@@ -32,9 +32,9 @@ class Controls:
 
     Attributes
     ----------
-    look : callable
+    look
         Returns the newest view, and its age in seconds.
-    act : callable
+    act
         ``act(what, text)`` begins an action and returns a future with the answer in words.
         `what` is 'start', 'stop', 'acknowledge' (of the alarm `text`, all if empty) or 'note'
         (`text`).

@@ -61,7 +61,7 @@ class Guard:
     ----------
     app : callable
         The application of the page.
-    loopback : bool
+    loopback
         The page is bound to loopback: then a request must name this computer, so that no site
         that resolves to it can speak for it.
 

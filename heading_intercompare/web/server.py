@@ -76,20 +76,20 @@ class PageServer:
 
     Parameters
     ----------
-    controls : Controls
+    controls
         The graph.
-    host : str
+    host
         Address to bind; other than loopback, write actions need a token.
-    port : int
+    port
         TCP port; 0: any free one.
-    token : str, optional
+    token
         The token; see `make_token`.
 
     Attributes
     ----------
     url : str
         Address of the page.
-    token : str or None
+    token
         The token that write actions need.
 
     Raises

@@ -233,9 +233,9 @@ class _Window:
 
         Parameters
         ----------
-        ahrs : Machine
+        ahrs
             The device.
-        more_x, more_y : float
+        more_x, more_y
             Rates to add to the known ones: the drifts of the gyro vertical.
 
         Returns

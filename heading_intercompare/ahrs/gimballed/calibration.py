@@ -34,13 +34,13 @@ class RotationFit(NamedTuple):
 
     Attributes
     ----------
-    bias_x, bias_y : float
+    bias_x, bias_y
         Biases of the meter, in the axes of its case.
-    rate_x, rate_y : float
+    rate_x, rate_y
         Rates along the axes of the platform.
-    residual : float
+    residual
         Weighted root mean square of what the fit leaves.
-    bias_sigma : float
+    bias_sigma
         Standard deviation of a bias, if what the fit leaves is independent from sector to sector.
 
     """
@@ -64,9 +64,9 @@ class WindowedMean:
 
     Parameters
     ----------
-    n : int
+    n
         Number of steps to add.
-    columns : int
+    columns
         Number of quantities per step.
 
     """
@@ -151,7 +151,7 @@ def azimuth_from_rates(rate_x: float, rate_y: float) -> float:
 
     Parameters
     ----------
-    rate_x, rate_y : float
+    rate_x, rate_y
         Horizontal Earth rate along x and y of the platform, in any unit.
 
     Returns
@@ -181,7 +181,7 @@ def course_drift(angle: ArrayLike, step_s: float, method: str = 'lsq') -> tuple[
     ----------
     angle : array_like, shape (n,)
         Readings, at least 3; for 'pairs' an even number.
-    step_s : float
+    step_s
         Interval of the readings, seconds.
     method : {'lsq', 'pairs'}
         Slope of the straight line, or mean of the slopes of successive pairs.
@@ -227,11 +227,11 @@ def course_drift_sigma(reading: float, step_s: float, n: int, method: str = 'lsq
 
     Parameters
     ----------
-    reading : float
+    reading
         Standard deviation of a reading.
-    step_s : float
+    step_s
         Interval of the readings, seconds.
-    n : int
+    n
         Number of readings.
     method : {'lsq', 'pairs'}
         As for `course_drift`.
@@ -253,9 +253,9 @@ def gps_drift(difference_1: float, difference_2: float, step_s: float) -> tuple[
 
     Parameters
     ----------
-    difference_1, difference_2 : float
+    difference_1, difference_2
         Indicated minus satellite heading at the two fixes, wrapped.
-    step_s : float
+    step_s
         Time between them, seconds.
 
     Returns
@@ -317,7 +317,7 @@ def accelerometer_bias(force: ArrayLike, step_s: float) -> float:
     ----------
     force : array_like, shape (n,)
         Readings, each the mean over an interval, n >= 1.
-    step_s : float
+    step_s
         Interval, seconds.
 
     Returns

@@ -39,9 +39,9 @@ def alignment_sigma(residual_deg_h: float, latitude_rad: float) -> float:
 
     Parameters
     ----------
-    residual_deg_h : float
+    residual_deg_h
         Drift left by the calibration, deg/h.
-    latitude_rad : float
+    latitude_rad
         Latitude, radians.
 
     """
@@ -66,15 +66,15 @@ def gyrocompass_sigma(errors: ModelErrors, residual_deg_h: float, sigma_1_s: flo
 
     Parameters
     ----------
-    errors : ModelErrors
+    errors
         Errors of the class.
-    residual_deg_h : float
+    residual_deg_h
         Drift left by the calibration, deg/h.
-    sigma_1_s : float
+    sigma_1_s
         Tuning, 1/s.
-    soak : float
+    soak
         Share of the power-on drift that remained when the gyros were calibrated.
-    latitude_rad : float
+    latitude_rad
         Latitude, radians.
 
     References
@@ -94,9 +94,9 @@ def satellite_sigma(errors: ModelErrors, span_s: float) -> float:
 
     Parameters
     ----------
-    errors : ModelErrors
+    errors
         Size and correlation time of the errors of the satellite heading.
-    span_s : float
+    span_s
         Length of the mean, seconds.
 
     Notes
@@ -116,11 +116,11 @@ class FreeAzimuth:
 
     Attributes
     ----------
-    errors : ModelErrors
+    errors
         Errors of the class.
-    start_rad : float
+    start_rad
         Standard deviation when the azimuth became free, or when the course gyro was calibrated.
-    span_s : float
+    span_s
         Time since then, seconds.
 
     Notes
@@ -145,14 +145,14 @@ class FreeAzimuth:
 
         Parameters
         ----------
-        span_s : float
+        span_s
             Its length, seconds.
-        residual_deg_h : float
+        residual_deg_h
             Drift of the course gyro left by its calibration, deg/h.
-        heat_k, soak : float
+        heat_k, soak
             Change since that calibration of the temperature, kelvin, and of the share that is left
             of the power-on drift.
-        level_rad_s : float
+        level_rad_s
             Rate of the level frame about the vertical that is not known, rad/s.
 
         """

@@ -54,11 +54,11 @@ class Condition:
 
     Attributes
     ----------
-    level : str
+    level
         'ok' in operation with a valid heading; 'error' after a fault; otherwise 'warn'.
-    words : str
+    words
         Mode, validity, flags and faults in words.
-    figures : dict of str to (str, int or float)
+    figures
         Figures by name, which includes the unit; unknown ones are left out.
 
     """
@@ -75,16 +75,16 @@ def progress(mode: Mode, mode_s: float, validity: Validity, away_k: float,
 
     Parameters
     ----------
-    mode : Mode
+    mode
         Gyrocompass is complete when its heading is valid, gyro azimuth at once; but a heading that
         was settling when its azimuth became free settles no more.
-    mode_s : float
+    mode_s
         Time in this mode, seconds.
-    validity : Validity
+    validity
         Quality of the heading.
-    away_k : float
+    away_k
         Temperature of the instruments minus its set point, kelvin.
-    settings : Ahrs
+    settings
         Gives the lengths of the procedures.
 
     Returns
@@ -121,9 +121,9 @@ def self_tests(reached: Mode, faults: Collection[str]) -> dict[str, str]:
 
     Parameters
     ----------
-    reached : Mode
+    reached
         The last mode before a fault, or the current one.
-    faults : collection of str
+    faults
         Causes of the mode FAULT.
 
     Examples

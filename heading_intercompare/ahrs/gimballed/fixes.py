@@ -39,11 +39,11 @@ class Fixes:
 
     Parameters
     ----------
-    computer : Computer
+    computer
         Its estimate of the drift is corrected.
-    platform : Platform
+    platform
         Gives the pick-off angle and the satellite heading.
-    say : callable
+    say
         Reports a correction.
 
     References

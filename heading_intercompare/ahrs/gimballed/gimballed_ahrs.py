@@ -68,7 +68,7 @@ class Track:
 
     Attributes
     ----------
-    start_s : float
+    start_s
         Start of the block, seconds.
     azimuth_rad, error_rad, alpha_rad, beta_rad : ndarray, shape (101,)
         True azimuth of the platform, assumed minus true azimuth in (-pi, pi], and tilts, on the
@@ -77,7 +77,7 @@ class Track:
         Error of the mounting, and claimed standard deviation of the heading, in each step.
     mode, validity : ndarray of int8, shape (100,)
         Mode and validity in each step.
-    statuses : tuple of AhrsStatus
+    statuses
         Status reports of the block.
 
     """
@@ -100,17 +100,17 @@ class GimballedAhrs:
 
     Parameters
     ----------
-    settings : Ahrs
+    settings
         Set-up of the AHRS.
-    errors : ModelErrors
+    errors
         Errors of its instruments; see `sensor_presets.errors_of`.
-    ship : ShipTruth
+    ship
         The ship that carries it.
-    seed : int
+    seed
         Seed of the simulation.
-    role : str
+    role
         'ts' or 'rs'; names the random numbers.
-    fast : bool
+    fast
         Compile the control loop if numba is installed; it gives the same bits.
 
     """

@@ -117,11 +117,11 @@ def find_obstacle_to_failure(kind: str, failures: Collection[str],
 
     Parameters
     ----------
-    kind : str
+    kind
         A key of `FAILURES`, or 'repair'.
-    failures : collection of str
+    failures
         The parts that have failed.
-    waiting : sequence of str
+    waiting
         The events that are about to happen before.
 
     Examples

@@ -52,30 +52,30 @@ class AhrsStatus:
 
     Attributes
     ----------
-    t_s : float
+    t_s
         Instant, seconds since the start.
-    mode, validity : str
+    mode, validity
         Names of `Mode` and `Validity`.
-    mode_s, progress : float
+    mode_s, progress
         Time in this mode, seconds; its share of the least time that the mode takes, at most 1.
-    tests : tuple of (str, str)
+    tests
         Built-in tests and their results, 'pending', 'passed' or 'failed'.
-    message : str
+    message
         The latest event; empty if there is none.
-    flags : tuple of str
+    flags
         Empty, or 'DEGRADED' and its reasons: 'FINE_LIMIT', 'FORCED_ON', 'NOT_CALIBRATED',
         'NO_SPEED'.
-    faults : tuple of str
+    faults
         Causes of the mode FAULT.
-    sigma_deg : float
+    sigma_deg
         Standard deviation claimed for the heading; nan without a heading.
-    temperature_c : float
+    temperature_c
         Temperature of the instruments.
-    drifts_deg_h : tuple of float
+    drifts_deg_h
         Estimates: gyro vertical x and y, course gyro, meter x and y.
-    biases_ug : tuple of float
+    biases_ug
         Estimates: accelerometers x, y and z.
-    currents_a : tuple of float
+    currents_a
         Currents of the torque motors x, y, z.
 
     """

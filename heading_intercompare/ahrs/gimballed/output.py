@@ -56,15 +56,15 @@ class AhrsOutput:
 
     Parameters
     ----------
-    sensor : Sensor
+    sensor
         Settings of the sensor, whose model is an AHRS.
-    ship : ShipTruth
+    ship
         The ship that carries it.
-    seed : int
+    seed
         Seed of the simulation.
-    role : str
+    role
         'ts' or 'rs'.
-    fast : bool
+    fast
         Compile the control loop if numba is installed; it gives the same bits.
 
     """

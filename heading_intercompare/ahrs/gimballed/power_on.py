@@ -49,9 +49,9 @@ def run_self_test(platform: Platform,
 
     Parameters
     ----------
-    platform : Platform
+    platform
         The platform with its instruments. Each yield excites them over one control step.
-    thermostat : Thermostat
+    thermostat
         Gives the temperature.
 
     Returns

@@ -43,11 +43,11 @@ def slew(computer: Computer, platform: Platform, angle_rad: float) -> Slew:
 
     Parameters
     ----------
-    computer : Computer
+    computer
         Knows the azimuth; follows the turn by what the course gyro reads.
-    platform : Platform
+    platform
         Carries motor, gyro and pick-off.
-    angle_rad : float
+    angle_rad
         Angle to turn, clockwise.
 
     Returns

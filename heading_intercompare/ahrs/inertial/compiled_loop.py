@@ -48,8 +48,8 @@ class CompiledLoop:
 
     Parameters
     ----------
-    platform : Platform
-    computer : Computer
+    platform
+    computer
 
     """
 

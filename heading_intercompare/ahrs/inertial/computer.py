@@ -59,13 +59,13 @@ class Computer:
         Accelerometers less their biases, m/s^2.
     vx, vy, old_vx, old_vy : float
         Velocity of the log in platform axes, now and a step before, m/s.
-    latitude_rad, cos, sin : float
+    latitude_rad, cos, sin
         Latitude in use, from `prepare` on, with its cosine and sine.
-    earth_north, earth_up : float
+    earth_north, earth_up
         Earth rate there, rad/s.
-    meridian_m, normal_m : float
+    meridian_m, normal_m
         Radii of curvature there.
-    gravity : float
+    gravity
         Gravity there, m/s^2.
 
     """

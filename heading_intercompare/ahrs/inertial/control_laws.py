@@ -54,7 +54,7 @@ def torque(rate_rad_s: float) -> tuple[float, float]:
 
     Parameters
     ----------
-    rate_rad_s : float
+    rate_rad_s
         Commanded rate about one axis, rad/s.
 
     Returns
@@ -83,12 +83,12 @@ def coarse_rate(force_m_s2: float, gravity_m_s2: float, tau_s: float) -> float:
 
     Parameters
     ----------
-    force_m_s2 : float
+    force_m_s2
         Corrected accelerometer of the other axis, with sign: +A_y for the rate about x, -A_x for
         the rate about y.
-    gravity_m_s2 : float
+    gravity_m_s2
         Gravity.
-    tau_s : float
+    tau_s
         Time constant, seconds.
 
     Returns
@@ -110,11 +110,11 @@ def compute_hold_gains(omega_1_s: float, zeta: float, gravity_m_s2: float) -> Ho
 
     Parameters
     ----------
-    omega_1_s : float
+    omega_1_s
         Natural frequency, rad/s; the third pole is at -omega.
-    zeta : float
+    zeta
         Damping of the pair.
-    gravity_m_s2 : float
+    gravity_m_s2
         Gravity.
 
     References
@@ -139,9 +139,9 @@ def compute_gyrocompass_gains(sigma_1_s: float, gravity_m_s2: float) -> Gyrocomp
 
     Parameters
     ----------
-    sigma_1_s : float
+    sigma_1_s
         Magnitude of the real and the imaginary parts of the four poles, 1/s.
-    gravity_m_s2 : float
+    gravity_m_s2
         Gravity.
 
     References
@@ -166,13 +166,13 @@ def gyrocompass_azimuth(drift_x_rad_s: float, drift_y_rad_s: float, drift_z_rad_
 
     Parameters
     ----------
-    drift_x_rad_s, drift_y_rad_s, drift_z_rad_s : float
+    drift_x_rad_s, drift_y_rad_s, drift_z_rad_s
         Uncompensated drifts about the north, the east and the down axis, rad/s.
-    bias_y_m_s2 : float
+    bias_y_m_s2
         Uncompensated bias of the east accelerometer, m/s^2.
-    sigma_1_s : float
+    sigma_1_s
         Tuning, 1/s.
-    latitude_rad : float
+    latitude_rad
         Latitude, radians.
 
     References
@@ -192,11 +192,11 @@ def speed_error(speed_m_s: float, course_rad: float, latitude_rad: float) -> flo
 
     Parameters
     ----------
-    speed_m_s : float
+    speed_m_s
         Speed over ground, m/s.
-    course_rad : float
+    course_rad
         Course, radians.
-    latitude_rad : float
+    latitude_rad
         Latitude, radians.
 
     Returns
@@ -224,13 +224,13 @@ def settled_speed_error(speed_m_s: float, course_rad: float, latitude_rad: float
 
     Parameters
     ----------
-    speed_m_s : float
+    speed_m_s
         Speed over ground, m/s.
-    course_rad : float
+    course_rad
         Course, radians.
-    latitude_rad : float
+    latitude_rad
         Latitude now, radians.
-    sigma_1_s : float
+    sigma_1_s
         Tuning, 1/s.
 
     Returns
@@ -290,13 +290,13 @@ def settled_rate(walk_rad_sqrt_s: float, residual_rad_s: float, sigma_1_s: float
 
     Parameters
     ----------
-    walk_rad_sqrt_s : float
+    walk_rad_sqrt_s
         Angle random walk of the gyros, rad/sqrt(s).
-    residual_rad_s : float
+    residual_rad_s
         Drift of the course gyro that a calibration leaves, rad/s.
-    sigma_1_s : float
+    sigma_1_s
         Tuning, 1/s.
-    latitude_rad : float
+    latitude_rad
         Latitude, radians.
 
     Notes

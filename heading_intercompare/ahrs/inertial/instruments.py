@@ -70,13 +70,13 @@ class Instruments:
 
     Parameters
     ----------
-    errors : ModelErrors
+    errors
         Sizes of the errors.
-    settings : Ahrs
+    settings
         Uses fixed errors, initial state and `noise`.
-    seed : int
+    seed
         Seed of the simulation.
-    role : str
+    role
         'ts' or 'rs'; names the random numbers.
 
     Attributes

@@ -59,13 +59,13 @@ def run(law: int, p: 'Platform', c: 'Computer', i: 'Instruments', t: 'Thermostat
 
     Parameters
     ----------
-    law : int
+    law
         HOLD, FINE, GYROCOMPASS or SCHULER.
     p, c, i, t : Platform, Computer, Instruments, Thermostat
         The states, changed in place.
     rows : sequence of sequence of float, or ndarray
         Inputs of each step, see `platform.rows_of`.
-    first, stop : int
+    first, stop
         The steps to run.
     states : sequence of list of float, or ndarray
         After step k, item k + 1 holds the true and the assumed azimuth and the two tilts.
@@ -96,9 +96,9 @@ def step(p: 'Platform', i: 'Instruments', t: 'Thermostat', row: Sequence[float],
     ----------
     p, i, t : Platform, Instruments, Thermostat
         The states, changed in place.
-    row : sequence of float
+    row
         Inputs of the step, see `platform.rows_of`.
-    ux, uy, uz : float
+    ux, uy, uz
         Commanded rates of the platform, rad/s.
 
     References

@@ -45,7 +45,7 @@ def rows_of(ship: ShipBlock, random: dict[str, Reals]) -> Reals:
 
     Parameters
     ----------
-    ship : ShipBlock
+    ship
         The ship over the minute, from its start; the random errors give the number of steps.
     random : dict of ndarray
         Errors, from `Instruments.take`.
@@ -171,11 +171,11 @@ class Platform:
 
         Parameters
         ----------
-        row : sequence of float
+        row
             Inputs of the step, see `rows_of`.
-        rate_rad_s : float
+        rate_rad_s
             Rate that the torquers of all gyros feign.
-        push_m_s2 : float
+        push_m_s2
             Acceleration that the coils of all accelerometers feign.
 
         Notes

@@ -36,9 +36,9 @@ class Current:
 
     Attributes
     ----------
-    set_deg : float
+    set_deg
         Where the water goes, degrees from true north.
-    drift_kn : float
+    drift_kn
         How fast, knots.
 
     """
@@ -98,7 +98,7 @@ def interpolate_way(ways_m: Reals, speeds_m_s: Reals, step_s: float, t_s: Reals)
     ----------
     ways_m, speeds_m_s : ndarray, shape (m,)
         Of each step of the grid.
-    step_s : float
+    step_s
         Step of the grid, seconds.
     t_s : ndarray, shape (n,)
         Seconds, none beyond the grid.

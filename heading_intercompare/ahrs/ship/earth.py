@@ -46,7 +46,7 @@ def radii(latitude_rad: float) -> tuple[float, float]:
 
     Parameters
     ----------
-    latitude_rad : float
+    latitude_rad
         Geodetic latitude, radians.
 
     Returns
@@ -76,7 +76,7 @@ def gravity(latitude_rad: float) -> float:
 
     Parameters
     ----------
-    latitude_rad : float
+    latitude_rad
         Geodetic latitude, radians.
 
     References

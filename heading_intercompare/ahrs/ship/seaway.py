@@ -81,9 +81,9 @@ class Seaway:
 
     Parameters
     ----------
-    preset : str
+    preset
         A name of `SEAWAYS`.
-    seed : int
+    seed
         Seed of the simulation.
 
     References
@@ -118,7 +118,7 @@ class Seaway:
 
         Parameters
         ----------
-        index : int
+        index
             Block from `index * BLOCK_S` to `(index + 1) * BLOCK_S`.
 
         Returns

@@ -89,27 +89,27 @@ class ShipTruth:
 
     Parameters
     ----------
-    legs : sequence of Leg
+    legs
         Course plan; the first leg starts at 0 and sets the initial heading and speed. A track
         takes its place.
-    latitude_deg, longitude_deg : float
+    latitude_deg, longitude_deg
         Initial position, degrees.
-    seaway : str
+    seaway
         A name of `seaway.SEAWAYS`.
-    seed : int
+    seed
         Seed of the simulation.
-    current : Current, optional
+    current
         A steady current; default none.
-    waves : Waves, optional
+    waves
         Waves that the ship meets; they take the place of `seaway`.
-    hull : Hull, optional
+    hull
         How the ship answers these waves.
-    track : Track, optional
+    track
         A recorded voyage to repeat.
 
     Attributes
     ----------
-    course : Course
+    course
         Where it points and goes, apart from the sea.
 
     """

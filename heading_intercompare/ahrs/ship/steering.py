@@ -59,16 +59,16 @@ class Steering:
 
     Parameters
     ----------
-    legs : sequence of Leg
+    legs
         Course plan; the first leg starts at 0 and sets the initial heading and speed.
-    latitude_deg, longitude_deg : float
+    latitude_deg, longitude_deg
         Initial position, degrees.
-    current : Current, optional
+    current
         Carries the ship along; the plan is one of headings and of speeds through the water.
 
     Attributes
     ----------
-    sail : callable
+    sail
         `sail`, or the same compiled.
 
     References
@@ -181,16 +181,16 @@ def sail(first: int, state: State, begins_s: Sequence[float], courses_rad: Seque
 
     Parameters
     ----------
-    first : int
+    first
         Number of the first step.
     state : tuple of float
         Heading, rad, its rate, speed, m/s, latitude and longitude, rad, and the way to the east
         and the north, metres.
-    begins_s, courses_rad, speeds_m_s : sequence of float
+    begins_s, courses_rad, speeds_m_s
         The legs, from the first.
-    turn_decay, speed_decay : float
+    turn_decay, speed_decay
         What a step leaves of a difference of the rate of turn and of the speed.
-    current_east_m_s, current_north_m_s : float
+    current_east_m_s, current_north_m_s
         Velocity of the current.
     rows : list of lists, or ndarray, shape (steps, 9)
         Gets a row for each step; see `Steering`.

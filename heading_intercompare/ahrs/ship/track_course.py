@@ -44,17 +44,17 @@ class Track:
 
     Attributes
     ----------
-    start_ns : int
+    start_ns
         UTC stamp of the start, nanoseconds.
-    duration_s : float
+    duration_s
         Length of the record, seconds.
-    heading_rad : Smooth
+    heading_rad
         True heading as a continuous angle.
-    east_m_s, north_m_s : Smooth
+    east_m_s, north_m_s
         Velocity over ground.
-    position_deg : tuple of float, or None
+    position_deg
         Latitude and longitude at the start; None if the record has none.
-    roll_rad, pitch_rad : Smooth or None
+    roll_rad, pitch_rad
         Starboard down, and bow up; None if the record has none.
 
     """
@@ -75,11 +75,11 @@ class TrackCourse:
 
     Parameters
     ----------
-    track : Track
+    track
         What was recorded.
-    latitude_deg, longitude_deg : float
+    latitude_deg, longitude_deg
         Initial position, degrees, if the record has none.
-    current : Current, optional
+    current
         The current that the ship had: the speed through the water is the recorded velocity minus
         this, along the axis of the ship. What remains across is leeway.
 
@@ -156,9 +156,9 @@ class SeaAboard:
 
     Parameters
     ----------
-    track : Track
+    track
         The record.
-    sea : Sea
+    sea
         The simulated sea.
 
     """

@@ -42,15 +42,15 @@ class Waves:
 
     Attributes
     ----------
-    height_m : float
+    height_m
         Significant wave height, four standard deviations of the elevation.
-    peak_period_s : float
+    peak_period_s
         Period of the peak of the spectrum.
-    from_deg : float
+    from_deg
         Where the waves come from, degrees from true north.
-    peak_factor : float
+    peak_factor
         JONSWAP's gamma; 1 for the spectrum of Pierson and Moskowitz, which is Bretschneider's.
-    spreading : float or None
+    spreading
         Exponent s of the spreading cos^2s of half the angle; None for waves of one direction.
 
     """
@@ -144,9 +144,9 @@ def draw_waves(waves: Waves, seed: int) -> Wavelets:
 
     Parameters
     ----------
-    waves : Waves
+    waves
         The sea state.
-    seed : int
+    seed
         Seed of the simulation.
 
     """
@@ -168,11 +168,11 @@ class Hull:
 
     Attributes
     ----------
-    length_m, breadth_m, draught_m : float
+    length_m, breadth_m, draught_m
         At the waterline.
-    roll_period_s : float
+    roll_period_s
         Natural period of roll.
-    roll_damping : float
+    roll_damping
         Damping of roll as a share of the critical one.
 
     """
@@ -194,7 +194,7 @@ def respond(hull: Hull, wave_number_1_m: Reals, ahead: Reals, aside: Reals,
 
     Parameters
     ----------
-    hull : Hull
+    hull
         The ship.
     wave_number_1_m : ndarray, shape (n,)
         Wave numbers, rad/m.
@@ -259,13 +259,13 @@ class WaveSea:
 
     Parameters
     ----------
-    waves : Waves
+    waves
         The sea state.
-    hull : Hull
+    hull
         The ship.
-    course : Course
+    course
         Its way through the water.
-    seed : int
+    seed
         Seed of the simulation.
 
     Notes

@@ -40,9 +40,9 @@ def import_antennas(paths: Sequence[str], driver: DriverSettings, rule: Antennas
     ----------
     paths : sequence of two str
         Logs of the fore and of the aft antenna.
-    driver : DriverSettings
+    driver
         How their lines are stamped.
-    rule : Antennas
+    rule
         Length and mounting of the baseline.
 
     Raises

@@ -43,23 +43,23 @@ class ImportedLog:
 
     Attributes
     ----------
-    path : str
+    path
         Path as given.
-    headings : Headings
+    headings
         In the order of the log.
-    sha256 : str
+    sha256
         Hash of the log; of several files, of their bytes in order.
-    size : int
+    size
         Its length, bytes.
-    sentence : str or None
+    sentence
         Talker and kind of the sentence taken ('HEHDT'); None for a csv.
-    not_taken : mapping of str to int
+    not_taken
         Lines that gave no heading, by reason.
-    driver : DriverSettings
+    driver
         How it was read.
-    files : int
+    files
         The number of its files.
-    remarks : sequence of str
+    remarks
         What a reader of the verdict should know of how it was read.
 
     """
@@ -103,12 +103,12 @@ def import_log(path: str, driver: DriverSettings,
 
     Parameters
     ----------
-    path : str
+    path
         A log of NMEA sentences: a file, a folder of files, or a pattern of names; or a csv of
         headings.
-    driver : DriverSettings
+    driver
         Sentence, talker, time, form of the stamps; `source` and `speed` are ignored.
-    progress : callable
+    progress
         Called with the progress in words.
     role : {'ts', 'rs'}, optional
         The sensor that must have headings in it.

@@ -37,11 +37,11 @@ class FoundMotion:
 
     Attributes
     ----------
-    rows : Motion
+    rows
         In the order of the logs; empty if no log has any.
-    notes : tuple of str
+    notes
         What was used, and what else there was; empty without motion.
-    origin : mapping of str to object
+    origin
         The provenance as a bag keeps it.
 
     """
@@ -58,12 +58,12 @@ def find_motion(paths: Mapping[str, str], drivers: Mapping[str, DriverSettings],
 
     Parameters
     ----------
-    paths : mapping of str to str
+    paths
         The logs of the sensors, by their names or 'ts' and 'rs'. Courses, positions and rates are
         each taken from the last log that has them: that of the RS before that of the TS.
-    drivers : mapping of str to DriverSettings
+    drivers
         How to read each log, and 'motion'.
-    motion_log : str, optional
+    motion_log
         A log of the motion alone; then the logs of the sensors are not searched.
 
     Raises

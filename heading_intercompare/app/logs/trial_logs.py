@@ -60,11 +60,11 @@ def find_logs(inputs: Sequence[str], drivers: Mapping[str, DriverSettings] | Non
 
     Parameters
     ----------
-    inputs : sequence of str
+    inputs
         The inputs as given. One log may hold both sensors.
     drivers : mapping of {'ts', 'rs'} to DriverSettings, optional
         How to read each log; in a log of both sensors they must differ.
-    recordings : bool
+    recordings
         A file with several streams is a recording of both sensors, also if there are two.
 
     Raises
@@ -185,19 +185,19 @@ def judge_logs(logs: Mapping[str, str], settings: Settings,
 
     Parameters
     ----------
-    logs : mapping of str to str
+    logs
         Path of each sensor's log, by its name: `ts` and `rs` without the setting `sensors`. One
         log may hold several.
-    settings : Settings
+    settings
         Settings with the norms.
-    drivers : mapping of str to DriverSettings, optional
+    drivers
         How to read each log, and that of the `motion`; see `plan_logs`.
-    runs : str, optional
+    runs
         Table of runs, a csv file; its source is the first log.
-    motion : str, optional
+    motion
         A log with the motion of the ship; by default that of the reference or of a tested
         sensor, if it has any.
-    aft : str, optional
+    aft
         Log of the aft antenna, if the reference is two antennas; its log is that of the fore one.
     takers, sketched, progress
         As for `judge_bags`.

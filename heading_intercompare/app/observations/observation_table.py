@@ -64,18 +64,18 @@ class ObservationTable:
 
     Attributes
     ----------
-    observations : Observations
-    notes : tuple of str
+    observations
+    notes
         What the observer wrote, one per row; may be empty.
-    common_u_deg : float or None
+    common_u_deg
         Largest entry of the column of that name; None without one.
-    target_u_deg : float
+    target_u_deg
         Standard uncertainty that all rows share through the points of the target, degrees.
-    target : str
+    target
         What bearings were taken of, in words.
-    ts_step_deg : float or None
+    ts_step_deg
         Step of the readings of the TS as they are written; None without such readings.
-    ignored : tuple of str
+    ignored
         Columns that are not read.
 
     """
@@ -105,14 +105,14 @@ def read_observation_table(path: str, target: Target | None = None, *, u_deg: fl
 
     Parameters
     ----------
-    path : str
+    path
         A csv with a header; see `CsvRows` for its form and `COLUMNS` for its columns. A cell may
         be empty.
-    target : Target, optional
+    target
         Gives the true bearing of rows without one.
-    u_deg, time_u_s : float
+    u_deg, time_u_s
         Standard uncertainties of rows without their own.
-    position : tuple of float, optional
+    position
         Latitude and longitude of rows without their own, degrees.
 
     Returns

@@ -46,13 +46,13 @@ class Uncertainties:
 
     Attributes
     ----------
-    common_u_deg : float or None
+    common_u_deg
         Standard uncertainty of the error that all share, degrees; None if the table says it.
-    u_deg, time_u_s : float
+    u_deg, time_u_s
         Standard uncertainties of one observation and of its time.
-    clock_u_s : float
+    clock_u_s
         Standard uncertainty of the offset between the clocks of observer and log, seconds.
-    ts_step_deg : float or None
+    ts_step_deg
         Step in which the TS reports, degrees; None to find it.
 
     """
@@ -71,15 +71,15 @@ class Observed:
 
     Attributes
     ----------
-    table : ObservationTable
-    table_sha256 : str
+    table
+    table_sha256
         Hash of the table.
-    recording : str or None
+    recording
         Path of the readings of the TS; None if the observers noted all of them.
-    recording_sha256 : str or None
+    recording_sha256
         Hash of a recording that is one file.
-    corrections : Corrections
-    error : SystematicError
+    corrections
+    error
 
     """
 
@@ -100,19 +100,19 @@ def observe(recording: str | None, table: str, settings: Settings, *,
 
     Parameters
     ----------
-    recording : str or None
+    recording
         Readings of the TS: a bag, a log, or a csv of pairs. None if the table has them.
-    table : str
+    table
         The observations; see `read_observation_table`.
-    settings : Settings
+    settings
         Norms, risks, topic of the TS, installation offset, longest gap.
-    driver : DriverSettings, optional
+    driver
         How to read a log.
-    target : Target, optional
+    target
         Gives the true bearing of rows without one.
-    stated : Uncertainties, optional
+    stated
         What is known of the observations; by default what the table says.
-    position : tuple of float, optional
+    position
         Latitude and longitude of rows without their own, degrees.
 
     Returns

@@ -72,9 +72,9 @@ class TargetBearings:
         Degrees; nan where the place of the observer is needed and not given.
     turn_deg_s : ndarray, shape (n,)
         Rate at which the bearing changes by itself, degrees per second.
-    common_u_deg : float
+    common_u_deg
         Standard uncertainty that all share, from that of the points, degrees.
-    words : str
+    words
         What the target is.
     below_horizon : ndarray of bool, shape (n,)
         Where the sun cannot be seen.
@@ -99,9 +99,9 @@ class Target:
         'bearing': a fixed true bearing, such as that of a quay; 'line': two charted points in
         one, the nearer one first, or the ends of a quay from stern to bow; 'mark': a charted
         point seen from the ship; 'sun'; 'none': each row of the table has its own.
-    numbers : tuple of float
+    numbers
         The bearing, or latitudes and longitudes of the points; degrees.
-    point_u_m : float
+    point_u_m
         Standard uncertainty of each point across the line of sight, metres.
 
     """

@@ -43,16 +43,16 @@ class SeedResult:
 
     Attributes
     ----------
-    seed : int
-    outcome : str
+    seed
+    outcome
         Of the verdict.
-    mean_deg, std_deg : float
+    mean_deg, std_deg
         Mean and standard deviation of the differences TS - RS of the first run; nan without one.
-    interval_deg : tuple of float
+    interval_deg
         The 95 % interval that the analysis states for the mean; nan without one.
-    true_mean_deg, true_std_deg : float
+    true_mean_deg, true_std_deg
         Mean and standard deviation of the errors of the TS against the true heading.
-    covered : float
+    covered
         Share of the readings of the TS whose error is at most twice the standard deviation that
         it claims; nan without claims.
 
@@ -156,15 +156,15 @@ def repeat_trial(scenario: Scenario, seeds: Sequence[int], settings: Settings, *
 
     Parameters
     ----------
-    scenario : Scenario
+    scenario
         The trial; its own seed is not used.
-    seeds : sequence of int
+    seeds
         A trial is made for each.
-    settings : Settings
+    settings
         With the norms.
-    track : Track, optional
+    track
         The voyage that the ship repeats.
-    progress : callable
+    progress
         Called with the progress in words.
 
     Raises

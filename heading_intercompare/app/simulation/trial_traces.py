@@ -35,9 +35,9 @@ class TrialTraces:
 
     Parameters
     ----------
-    ship : ShipTruth
+    ship
         The ship of the trial, which knows its heading at any instant.
-    duration_s : float
+    duration_s
         Length of the trial, seconds.
 
     """

@@ -51,11 +51,11 @@ class Voyage:
 
     Attributes
     ----------
-    track : Track
+    track
         Smooth functions of time.
-    words : tuple of str
+    words
         Where it is from and how it was smoothed, a line each.
-    origin : mapping of str to object
+    origin
         Files with their hashes, for the bag.
 
     """
@@ -71,9 +71,9 @@ def read_voyage(settings: TrackSettings, folder: Path = Path()) -> Voyage:
 
     Parameters
     ----------
-    settings : TrackSettings
+    settings
         `file` is not empty.
-    folder : Path
+    folder
         Where relative names begin: the folder of the scenario.
 
     Raises

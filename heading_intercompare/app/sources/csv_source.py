@@ -109,19 +109,19 @@ def judge_csv(path: str, name: str, settings: Settings,
 
     Parameters
     ----------
-    path : str
+    path
         The file; see `PairsCsv`.
-    name : str
+    name
         Name of the file in the verdict.
-    settings : Settings
+    settings
         Settings with the norms.
     runs : sequence of (start_ns, stop_ns), optional
         Table of runs. Without one, that of the account decides, or its marks.
-    takers : sequence of callable
+    takers
         Each is called with the pairs, chunk by chunk.
-    progress : callable
+    progress
         Called with the progress in words.
-    sketch : SeriesSketch, optional
+    sketch
         Takes the pairs for the figures, and the motion of the ship if the account has it.
 
     Raises

@@ -49,16 +49,16 @@ class InputComparison:
 
     Parameters
     ----------
-    settings : Settings
-    source : str
+    settings
+    source
         Name of the input in the runs.
     table : sequence of (start_ns, stop_ns), optional
         Runs; without one marks and silences decide.
     takers : mapping of str to sequence of callable, optional
         Each is called with the pairs of a tested sensor, chunk by chunk.
-    sketched : bool
+    sketched
         Collect the data for the figures of each tested sensor.
-    progress : callable
+    progress
         Called with the progress in words.
 
     """
@@ -154,15 +154,15 @@ class InputComparison:
         ----------
         results : mapping of (str, str) to list of RunResult
             What `finish` returned.
-        entries : sequence of Input
+        entries
             Entries of the input in the verdict on several sensors.
-        entries_of_pair : callable
+        entries_of_pair
             Returns the entries of the input in the verdict on a pair of sensors.
-        notes : sequence of str
+        notes
             What the user should know, before what is said of pairs without a run.
-        path : str
+        path
             The input.
-        label : str
+        label
             What the notes on the input begin with.
 
         """
@@ -203,21 +203,21 @@ def describe_two(results: list[RunResult], earlier: Sequence[RunResult], entry: 
 
     Parameters
     ----------
-    results, earlier : sequence of RunResult
+    results, earlier
         The runs of the verdict, and those that are too old for it.
-    entry : Input
+    entry
         Its entry in the verdict, and the name that its notes begin with.
-    notes : sequence of str
+    notes
         What the user should know about it.
-    ledger : Ledger
+    ledger
         The account of its readings.
-    settings : Settings
+    settings
         By which they were judged.
     table, marks
         What its runs were cut by.
-    account : PairsAccount, optional
+    account
         That of the recording that its pairs came from.
-    sketch : SeriesSketch, optional
+    sketch
         Data for the figures.
 
     """

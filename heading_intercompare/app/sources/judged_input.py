@@ -47,21 +47,21 @@ class JudgedInput:
 
     Attributes
     ----------
-    path : str
+    path
         The path as the user gave it.
     results : mapping of (str, str) to list of RunResult
         The runs of each pair, by the names of its sensors.
-    entries : sequence of Input
+    entries
         Its entries in the verdict on several sensors.
-    entries_of_tested : mapping of str to sequence of Input
+    entries_of_tested
         Its entries in the verdict on each tested sensor, by its name.
-    notes : list of str
+    notes
         What the user should know about it: unfinished bag, no run, not judged again.
-    earlier : mapping of str to list of RunVerdict
+    earlier
         Runs of each tested sensor that are too old for the verdict (`runs.keep`).
-    sketches : mapping of str to SeriesSketch
+    sketches
         Data for the figures of each tested sensor; empty unless requested.
-    accounts : mapping of str to PairsAccount
+    accounts
         What belongs beside a csv of the pairs of each tested sensor.
 
     """

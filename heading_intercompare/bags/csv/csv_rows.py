@@ -57,16 +57,16 @@ class CsvRows:
 
     Parameters
     ----------
-    path : str or path
+    path
         The file: UTF-8 with or without byte order mark, or UTF-16 with one.
-    columns : str
+    columns
         The columns that the header must have, in words, for the error of an empty file.
 
     Attributes
     ----------
     names : list of str
         The names of the header.
-    line : int
+    line
         Number of the last line read, from 1.
     cut : str
         Which line was left out because the file ends within it; empty if none.

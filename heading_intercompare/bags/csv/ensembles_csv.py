@@ -68,15 +68,15 @@ class EnsemblesCsvWriter:
 
     Parameters
     ----------
-    path : str or path
+    path
         The file.
-    span_s : float
+    span_s
         Length of an ensemble, seconds.
-    gap_s : float
+    gap_s
         An ensemble ends at a longer silence, seconds.
-    std_limit_deg : float
+    std_limit_deg
         `badflag` is 1 if `std_dh` is larger or `num` is below 2, and 0 otherwise.
-    wrap_center_deg : float
+    wrap_center_deg
         Centre of the range to which the differences are wrapped, degrees.
 
     Raises

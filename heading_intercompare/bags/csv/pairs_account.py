@@ -51,7 +51,7 @@ def text_of_motion(motion: Motion) -> dict[str, str] | None:
 
     Parameters
     ----------
-    motion : Motion
+    motion
         In any order.
 
     Returns
@@ -114,21 +114,21 @@ class PairsAccount:
 
     Attributes
     ----------
-    inputs : tuple of Input
+    inputs
         The recordings whose readings were paired, with hashes, topics, notes and problems.
-    settings : mapping
+    settings
         Settings of the analysis that made the pairs, by dotted name.
-    marks : tuple of (str, int)
+    marks
         Marks of runs: 'start' or 'stop' and the stamp, nanoseconds.
-    table : tuple of (int, int), or None
+    table
         Start and stop of the runs, nanoseconds, if a table gave them.
-    newest_ns : int or None
+    newest_ns
         Newest stamp received.
-    segments : tuple of LedgerSegment
+    segments
         The ledger; see `ledger`.
-    set_backs : tuple of SetBack
+    set_backs
         The times at which a clock was set back.
-    software_version : str
+    software_version
 
     """
 
@@ -201,9 +201,9 @@ class Fingerprint(NamedTuple):
 
     Attributes
     ----------
-    csv_sha256 : str
+    csv_sha256
         Of the bytes of the file.
-    pairs_sha256 : str
+    pairs_sha256
         Of the pairs in it, from `PairsDigest`: the same after a spreadsheet has saved it, unless
         that rounded its numbers.
 
@@ -219,11 +219,11 @@ def write_account(csv: str | os.PathLike[str], account: PairsAccount, of: Finger
 
     Parameters
     ----------
-    csv : str or path
+    csv
         The csv file.
-    account : PairsAccount
+    account
         Ledger and provenance of these pairs.
-    of : Fingerprint
+    of
         Of the csv file.
 
     Raises
@@ -243,7 +243,7 @@ def read_account(csv: str | os.PathLike[str]) -> tuple[PairsAccount, Fingerprint
 
     Parameters
     ----------
-    csv : str or path
+    csv
         The csv file.
 
     Raises

@@ -90,7 +90,7 @@ class PairsCsv:
 
     Parameters
     ----------
-    path : str or path
+    path
         A header, then one row per pair. Columns in any order: `stamp_ns`, `stamp_s` (decimal) or
         `stamp_utc` (ISO 8601, or the day numbers of a spreadsheet), all read exactly to the
         nanosecond; `ts_deg`, `rs_deg`; where present also `lag_s` or `lag_ns`,
@@ -253,9 +253,9 @@ class PairsCsvWriter:
 
     Parameters
     ----------
-    path : str or path
+    path
         The file.
-    wrap_center_deg : float
+    wrap_center_deg
         Centre of the range to which the differences are wrapped, degrees.
 
     Raises

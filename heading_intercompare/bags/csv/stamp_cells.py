@@ -120,7 +120,7 @@ def looks_like_unit(stamp_ns: Sequence[int]) -> str:
 
     Parameters
     ----------
-    stamp_ns : sequence of int
+    stamp_ns
         The first stamps of a file, n >= 0.
 
     Returns
@@ -149,7 +149,7 @@ def looks_like_days(stamp_ns: Sequence[int]) -> str:
 
     Parameters
     ----------
-    stamp_ns : sequence of int
+    stamp_ns
         The first stamps of a file, nanoseconds, n >= 0.
 
     Returns

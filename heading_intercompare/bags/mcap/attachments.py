@@ -69,13 +69,13 @@ def find_records(stream: RecordStream, opcode: int, indexed: Sequence[int], begi
 
     Parameters
     ----------
-    stream : RecordStream
+    stream
         The file.
-    opcode : int
+    opcode
         The kind.
-    indexed : sequence of int
+    indexed
         Their offsets in the index. If any is wrong, the file is searched.
-    begin, end : int
+    begin, end
         Bytes of the file between which to search.
 
     Raises

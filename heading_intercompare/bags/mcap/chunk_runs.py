@@ -63,28 +63,28 @@ class Chunk(NamedTuple):
 
     Attributes
     ----------
-    start, end, index_end : int
+    start, end, index_end
         Its first byte in the file, the byte after its last, and the byte after its message
         indexes.
-    first_ns, last_ns : int
+    first_ns, last_ns
         Smallest and largest log time of its messages; 0 without messages.
-    size, crc : int
+    size, crc
         Length and checksum of its records.
-    compression : str
+    compression
         MCAP's name of the compression.
-    packed : int
+    packed
         Length of its compressed records.
-    counts : Counts
+    counts
         Its messages with valid log times, in the order of the indexes if these are right.
-    definitions : frozenset of bytes
+    definitions
         The schemas and channels in it, as whole records.
-    plain : bool
+    plain
         It holds schemas and channels, then messages with valid times, and nothing else; the same
         definitions may be repeated among the messages. The messages are not compressed one by
         one.
-    indexed : bool
+    indexed
         The message indexes after it are right.
-    protected : bool
+    protected
         It has a checksum.
 
     """
@@ -112,15 +112,15 @@ class ChunkRun:
 
     Attributes
     ----------
-    chunks : list of Chunk
+    chunks
         n >= 1 chunks.
     bases : ndarray of int64, shape (n + 1,)
         Where in the block the records of each chunk begin, and where those of the last end.
     edges : ndarray of int64, shape (n + 1,)
         The index in the block of the first message of each chunk, and the number of messages.
-    block : Block
+    block
         The records of all chunks.
-    untimed : int
+    untimed
         Messages with impossible log times.
 
     """
@@ -155,9 +155,9 @@ class ChunkRuns:
 
     Parameters
     ----------
-    read : callable
+    read
         Given an offset and a size, returns that many bytes of the file, fewer at its end.
-    size : int
+    size
         Size of the file.
 
     """

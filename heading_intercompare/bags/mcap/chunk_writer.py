@@ -54,7 +54,7 @@ class Rows:
 
     Attributes
     ----------
-    topic : str
+    topic
         A topic that was added.
     data : ndarray of uint8, shape (n, size)
         One CDR message per row.
@@ -162,9 +162,9 @@ class ChunkWriter:
         New, unbuffered, open for writing.
     compression : {'none', 'lz4', 'zstd'}
         Compression of the chunks.
-    chunk_bytes : int
+    chunk_bytes
         Size at which a chunk ends.
-    library : str
+    library
         Program and version, for the header.
 
     """
@@ -268,7 +268,7 @@ class ChunkWriter:
 
         Parameters
         ----------
-        records : list of bytes
+        records
             n records, in the order to write them.
         channel, log_time_ns : ndarray of int64, shape (n,)
             Channel and log time of each record.
@@ -334,7 +334,7 @@ class ChunkWriter:
         ----------
         data : bytes-like
             The chunks and indexes, one after the other.
-        chunks : sequence of Chunk
+        chunks
             Their contents: channels and definitions of this file. The first must hold the
             definitions that are `due`.
 

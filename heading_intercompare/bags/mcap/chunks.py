@@ -223,7 +223,7 @@ class LargeChunk:
 
         Parameters
         ----------
-        measure : callable
+        measure
             Returns the size of the sound records at the start of some bytes.
 
         Raises

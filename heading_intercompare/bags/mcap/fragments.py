@@ -131,7 +131,7 @@ def measure_leading(data: BytesLike, times: tuple[int, int] | None) -> int:
     ----------
     data : bytes-like
         The decompressed records.
-    times : tuple of int or None
+    times
         First and last log time in the head of a chunk that no checksum proves. Then a message at
         another time, or a record of another kind, is not believed.
 

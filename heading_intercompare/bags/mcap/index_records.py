@@ -125,15 +125,15 @@ def chunk_index(start: int, end: int, counts: Iterable[tuple[int, int]], first_n
 
     Parameters
     ----------
-    start, end : int
+    start, end
         First byte of the chunk, and the byte after its last.
     counts : iterable of pairs of int
         Channel and number of messages of each message index.
-    first_ns, last_ns : int
+    first_ns, last_ns
         Smallest and largest log time.
-    compression : str
+    compression
         MCAP's name of the compression.
-    packed, size : int
+    packed, size
         Length of the records, compressed and decompressed.
 
     """
@@ -159,13 +159,13 @@ def build_ending(start: int, schemas: Sequence[mcap.Schema], channels: Sequence[
 
     Parameters
     ----------
-    start : int
+    start
         The offset in the file at which it begins.
-    schemas, channels, chunk_indexes, extra_indexes : sequence
+    schemas, channels, chunk_indexes, extra_indexes
         The contents of the file.
-    counts : dict of int to int
+    counts
         Messages by channel.
-    span_ns : tuple of int
+    span_ns
         Smallest and largest log time.
 
     """

@@ -94,7 +94,7 @@ def mcap_files(path: Path) -> list[Path]:
 
     Parameters
     ----------
-    path : Path
+    path
         A rosbag2 directory; or a file of any name, which is then the only one.
 
     Raises
@@ -137,9 +137,9 @@ class Part:
 
     Parameters
     ----------
-    path : path
+    path
         The file.
-    named : path, optional
+    named
         Its name in errors, if it was unpacked from another.
 
     Attributes
@@ -154,7 +154,7 @@ class Part:
         Profile in the header, 'ros2' in a rosbag2.
     end : int
         The byte after the last record that is read.
-    incomplete : str or None
+    incomplete
         Why part of the recording is missing; None if the file was closed properly.
 
     Raises

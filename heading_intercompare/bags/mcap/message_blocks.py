@@ -77,7 +77,7 @@ class Block:
 
     Attributes
     ----------
-    offset : int
+    offset
         Where the block starts in its file.
     data : bytes-like
         The records, decompressed.
@@ -86,7 +86,7 @@ class Block:
     heads : ndarray, shape (n,)
         Fields channel, sequence, log_time, publish_time of each message; times in nanoseconds.
         They may be a strided view of `data`: copy a field that is used more than once.
-    others : tuple of Record
+    others
         The records that are not messages.
 
     """
@@ -216,9 +216,9 @@ def block_of(data: BytesLike, offset: int,
     ----------
     data : bytes-like
         Whole records.
-    offset : int
+    offset
         Where they start in their file.
-    index : callable
+    index
         Returns offsets of messages in `data`, int64 in any order, or None. It is called only if
         they are needed. Wrong offsets cost time but do no harm.
 

@@ -68,11 +68,11 @@ def parse_record(kind: type[_AnyRecord], content: BytesLike, *,
 
     Parameters
     ----------
-    kind : type
+    kind
         The kind of record.
     content : bytes-like
         The bytes.
-    any_text : bool
+    any_text
         Its texts may be no UTF-8, as where its checksum proves that it was written like that.
 
     Raises
@@ -168,13 +168,13 @@ class RecordStream:
 
         Parameters
         ----------
-        at, end : int
+        at, end
             Bytes of the file between which to read; a record begins at each.
-        least : int
+        least
             Chunks are joined to a block until they have this many bytes, for speed.
-        start_ns, stop_ns : int
+        start_ns, stop_ns
             Chunks that lie outside [start, stop) in log time are skipped.
-        heads : mapping, optional
+        heads
             For each chunk in the index of the file, by offset: its first and last log time, and
             the size of its records. Empty or None if there is no index.
 

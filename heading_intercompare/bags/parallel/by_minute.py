@@ -65,7 +65,7 @@ class Window:
 
     Parameters
     ----------
-    count : int
+    count
         Number of topics; a topic is identified by its index.
 
     """

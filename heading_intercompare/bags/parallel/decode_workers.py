@@ -280,11 +280,11 @@ def decode_stretches(decoder: Decoder, tasks: Sequence[Task], helpers: int = 0,
 
     Parameters
     ----------
-    decoder : Decoder
+    decoder
         Reads in this process; it must not have a file open yet. Helpers get copies of it.
-    tasks : sequence of Task
+    tasks
         The stretches.
-    helpers : int
+    helpers
         Most processes to decode in parallel with this one; 0 unless `can_fork`. Fewer are
         started if there is little work, or if stretches are too large to hold at once. They end
         with the iteration.

@@ -133,13 +133,13 @@ def _find_headings(block: Block, kind: Kind, place_of: np.ndarray,
 
     Parameters
     ----------
-    block : Block
+    block
         Messages that were read together.
-    kind : Kind
+    kind
         The topics to find; all are decoded alike.
     place_of : ndarray of int16
         The topic index of each channel, or -1.
-    strange : mapping of int to str
+    strange
         Channels of these topics that cannot be read, and why.
 
     """
@@ -186,9 +186,9 @@ class Decoder:
 
     Parameters
     ----------
-    parts : sequence of Part
+    parts
         The files; a file is identified by its index.
-    kinds : sequence of Kind
+    kinds
         The topics to read.
 
     """

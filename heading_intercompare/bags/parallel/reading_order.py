@@ -62,9 +62,9 @@ def is_in_order(parts: Sequence[Part], topics: Collection[str]) -> bool:
 
     Parameters
     ----------
-    parts : sequence of Part
+    parts
         The files of a bag, in their order.
-    topics : collection of str
+    topics
         The topics; each is looked at on its own.
 
     """
@@ -176,11 +176,11 @@ def read_by_time(decoder: Decoder, pieces: Iterable[Piece],
 
     Parameters
     ----------
-    decoder : Decoder
+    decoder
         Turns the messages of a piece into readings.
-    pieces : iterable of Piece
+    pieces
         Parts of the files, in any order.
-    counts : dict of int to int
+    counts
         Gets the number of messages read, by file.
 
     Raises

@@ -70,11 +70,11 @@ class BagWriter:
 
     Parameters
     ----------
-    path : str or path
+    path
         The directory; it must not exist.
     settings : BagSettings
         Chunk size, compression, flush interval, size and duration of a file.
-    software : str
+    software
         Name and version of the program, for the header and `custom_data`.
 
     Attributes
@@ -194,13 +194,13 @@ class BagWriter:
 
         Parameters
         ----------
-        topic : str
+        topic
             A name without a leading slash gets one, as in ROS.
-        type_name : str
+        type_name
             As package/msg/Type.
-        qos : Qos, optional
+        qos
             The QoS of its publisher, which a player offers again; `Qos()` by default.
-        schema : Schema, optional
+        schema
             Its definition; looked up by default.
         numbers : tuple of int or None
             Preferred numbers of its channel and schema in the file, used if they are free.
@@ -246,13 +246,13 @@ class BagWriter:
 
         Parameters
         ----------
-        topic : str
+        topic
             A topic that was added.
-        data : bytes
+        data
             The message with its four bytes of encapsulation.
         log_time_ns, publish_time_ns : int
             When it was received and sent, nanoseconds; by default sent when received.
-        sequence : int
+        sequence
             Number that its publisher gave it.
 
         """
@@ -305,7 +305,7 @@ class BagWriter:
 
         Parameters
         ----------
-        now_s : float
+        now_s
             The caller's steady clock, seconds.
 
         """

@@ -60,12 +60,12 @@ class Syncing:
 
     Parameters
     ----------
-    interval_s : float
+    interval_s
         Least time from the start of one sync by `begin_if_due` to the next, seconds.
 
     Attributes
     ----------
-    problem : OSError or None
+    problem
         Why the last text could not be written; None if it could.
 
     """
@@ -84,9 +84,9 @@ class Syncing:
 
         Parameters
         ----------
-        descriptor : int
+        descriptor
             Descriptor of the open file, which may be closed meanwhile.
-        now_s : float
+        now_s
             The caller's steady clock, seconds.
 
         Raises

@@ -69,12 +69,12 @@ class JournalContents(NamedTuple):
 
     Attributes
     ----------
-    records : list of Record
-    size : int
+    records
+    size
         Bytes up to the end of the last whole record.
-    torn : int
+    torn
         Bytes after it, of a record that was cut.
-    sha256 : str
+    sha256
         Hash of all bytes.
 
     """
@@ -155,9 +155,9 @@ def read_journal(path: Path, most_bytes: int = -1) -> JournalContents:
 
     Parameters
     ----------
-    path : Path
+    path
         The file; another process may be writing it.
-    most_bytes : int
+    most_bytes
         Read the first bytes only; by default all.
 
     Raises
@@ -192,11 +192,11 @@ class Journal:
 
     Parameters
     ----------
-    path : Path
+    path
         The file. Its folder must exist.
-    head : Record
+    head
         The first record of a file that is begun.
-    size : int, optional
+    size
         Go on after this many bytes of the file, see `JournalContents`. Without it a file is
         begun at the first `flush`, and one that was there is lost.
 
@@ -264,7 +264,7 @@ class Journal:
 
         Parameters
         ----------
-        now_s : float
+        now_s
             The caller's steady clock, seconds.
 
         """
@@ -302,9 +302,9 @@ class Journal:
 
         Parameters
         ----------
-        records : iterable of Record
+        records
             What the journal holds from now on.
-        now_s : float
+        now_s
             The caller's steady clock, seconds.
 
         """

@@ -59,21 +59,21 @@ class Kept:
 
     Attributes
     ----------
-    ledgers : dict of int to LedgerMessage
+    ledgers
         The last ledger of each synchronizer, by its start.
-    before : LedgerMessage or None
+    before
         The ledger that the newest one replaced.
     marks : set of (kind, stamp_ns)
         Marks that took effect.
     numbers : mapping
         First number, newest number and missing numbers of the pairs, by synchronizer.
-    n_pairs : int
+    n_pairs
         Pairs of the runs that the journal holds.
-    start_ns, newest_ns : int or None
+    start_ns, newest_ns
         Stamps of the first and of the newest of these pairs.
-    dropped : int
+    dropped
         Records that could not be written.
-    motion_ns : mapping of str to int
+    motion_ns
         Newest stamps of the motion taken, as of `find_newest`.
 
     """
@@ -113,13 +113,13 @@ class JournalOrigin:
 
     Attributes
     ----------
-    settings : mapping of str to object
+    settings
         Settings of the analysis, by dotted name.
-    software : str
+    software
         Version that began the journal.
-    began_ns : int
+    began_ns
         Time at which it was begun, UTC ns.
-    bag : str or None
+    bag
         Newest recording of the trial, as the node named it.
 
     """
@@ -228,15 +228,15 @@ class JournalReader:
 
     Parameters
     ----------
-    path : Path
+    path
         Name of the journal, for errors.
-    summary : Kept, optional
+    summary
         Takes what the journal says besides the pairs.
 
     Attributes
     ----------
     kept : Kept
-    rows : dict of int to list
+    rows
         Segments of the last ledger of each synchronizer as they are written, by its start.
 
     """
@@ -337,9 +337,9 @@ def describe_gaps(summary: Kept, torn: int) -> Iterator[str]:
 
     Parameters
     ----------
-    summary : Kept
+    summary
         Of the journal.
-    torn : int
+    torn
         Its last bytes, of a record that was cut.
 
     """

@@ -67,7 +67,7 @@ class PartStates:
 
     Parameters
     ----------
-    period_s : float
+    period_s
         A message that says nothing new is kept if the last one kept is this old, seconds.
         0 if none are to be kept at all.
 
@@ -75,7 +75,7 @@ class PartStates:
     ----------
     kept : bool
         Whether messages are to be kept.
-    cut : int
+    cut
         Parts of whose name or words only the first 500 letters were ever kept.
 
     """

@@ -47,13 +47,13 @@ class RecordedHeadings:
 
     Attributes
     ----------
-    ts, rs : Headings
+    ts, rs
         All readings of the two sensors, in the order of the bag.
-    marks : tuple of (str, int)
+    marks
         Marks of runs: 'start' or 'stop' and the stamp, nanoseconds; in the order of the bag.
-    notes : tuple of Note
+    notes
         Notes of the operator, with `stamp_ns` and `text`.
-    problems : tuple of str
+    problems
         What is missing from the recording, or odd, in words; empty if it is whole.
 
     """
@@ -71,9 +71,9 @@ def read_bag(path: str | os.PathLike[str], settings: Settings | None = None) -> 
 
     Parameters
     ----------
-    path : path
+    path
         ``.mcap`` file or rosbag2 directory.
-    settings : Settings, optional
+    settings
         Only the topics of the headings, their conventions and `bag_namespace` are used; the
         defaults name the topics of this package. ``Settings.of(ts_topic='/gyro/imu')`` names
         others.

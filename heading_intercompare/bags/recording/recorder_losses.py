@@ -80,13 +80,13 @@ class BagLosses:
 
     Parameters
     ----------
-    reader : Readable
+    reader
         The bag.
-    sensors : mapping of str to str
+    sensors
         Names of the sensors, by topic as requested.
-    count : callable
+    count
         Called with the name of a sensor, the key of the ledger as of a TS, and the losses.
-    goes_on : bool
+    goes_on
         The bag goes on with another one that is judged with it, which has what was sent before.
 
     """
@@ -175,11 +175,11 @@ def loss_record(faults: int, absent: int, topics: Mapping[str, Counts]) -> dict[
 
     Parameters
     ----------
-    faults : int
+    faults
         How often writing stopped.
-    absent : int
+    absent
         Messages in files that somebody removed or moved.
-    topics : mapping of str to Counts
+    topics
         Counts by topic.
 
     """

@@ -64,11 +64,11 @@ class Recording:
 
     Parameters
     ----------
-    path : str or path
+    path
         The rosbag2 directory; it must not exist.
     settings : BagSettings
         Settings of the bag.
-    free_bytes : callable
+    free_bytes
         Returns the free bytes on the disk of a path; OSError if the path does not exist.
 
     Attributes
@@ -79,7 +79,7 @@ class Recording:
         A problem that loses no message: metadata.yaml or a new file cannot be written.
     written : int
         Messages handed to the bag.
-    lost : dict of str to int
+    lost
         Messages by topic that could not be written and no longer wait.
     faults : int
         How often writing stopped.
@@ -203,7 +203,7 @@ class Recording:
 
         Parameters
         ----------
-        now_s : float
+        now_s
             A steady clock, seconds.
 
         """

@@ -67,15 +67,15 @@ class RunJournal:
 
     Parameters
     ----------
-    path : Path
+    path
         The journal.
-    compliance : Compliance
+    compliance
         Judges; as it is after construction. It goes on from the journal.
-    within_s : float
+    within_s
         A journal that was not written for longer than this is another trial.
-    now_ns : int
+    now_ns
         Time of day, UTC ns.
-    bag : str, optional
+    bag
         The recording of this trial.
 
     Attributes
@@ -86,7 +86,7 @@ class RunJournal:
         In words, what this trial goes on with; '' if it begins.
     set_aside : str
         In words, which journal was set aside and why; '' if none was.
-    fault : str
+    fault
         Why the journal cannot be written now; '' if it can.
 
     Raises
@@ -312,7 +312,7 @@ def find_bag(path: Path, settings: Settings, *, within_s: float, now_ns: int) ->
 
     Parameters
     ----------
-    path : Path
+    path
         The journal.
     settings, within_s, now_ns
         As for `RunJournal`.

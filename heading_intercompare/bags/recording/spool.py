@@ -36,9 +36,9 @@ class Spool:
 
     Parameters
     ----------
-    on_fault : callable
+    on_fault
         Called with the reason when a page cannot be written and stays in memory.
-    folder : str, optional
+    folder
         Folder of the file; by default /var/tmp if that is writable.
 
     """

@@ -66,18 +66,18 @@ class Transfer:
 
     Parameters
     ----------
-    bag : BagWriter
+    bag
         The new bag.
-    compression : str or None
+    compression
         Compression that chunks must have, by MCAP's name; None: they keep their own.
-    singly : bool
+    singly
         Copy chunks one at a time, so that the bag may continue in a new file after each.
-    note : callable
+    note
         Called with the file and the remark for anything notable.
 
     Attributes
     ----------
-    counts : dict of str to int
+    counts
         Messages by topic.
     refused : int
         Messages that could not be decompressed one by one, and are left out.

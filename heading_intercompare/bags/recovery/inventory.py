@@ -78,7 +78,7 @@ class Definitions:
         ----------
         opcode, content
             Opcode and content of its record; a damaged one is ignored.
-        checked : bool
+        checked
             It is in a chunk with a correct checksum.
 
         """
@@ -209,15 +209,15 @@ class Section:
 
     Attributes
     ----------
-    definitions : Definitions
+    definitions
         Its topics; nothing carries over from one file to another.
-    said : list of int
+    said
         Message counts in its statistics; there should be one.
-    indexed : int
+    indexed
         Lost messages that the indexes after damaged or missing chunks name.
-    untimed : int
+    untimed
         Messages with impossible log times.
-    closed : bool
+    closed
         It has an end.
 
     """
@@ -236,37 +236,37 @@ class Inventory:
 
     Attributes
     ----------
-    path : Path
+    path
         The file.
-    size : int
+    size
         Its size in bytes.
-    holes : list of int
+    holes
         Offsets of the blocks that the disk cannot read.
-    pieces : Pieces
+    pieces
         The pieces that can be copied.
-    counts : dict of tuple to int
+    counts
         Messages by section and channel.
-    chunks : int
+    chunks
         Chunks that can be copied, wholly or in part.
-    packed : dict of str to int
+    packed
         Compressed bytes of whole chunks, by compression.
-    damage : list of Damage
+    damage
         The damaged stretches.
-    sections : list of Section
+    sections
         The file itself, and the files that were appended to it.
-    begun : bool
+    begun
         It has a beginning.
-    extras : int
+    extras
         Number of metadata records and attachments.
-    earlier : list of dict
+    earlier
         The metadata records `recovery` in it, from earlier recoveries.
-    indexed : list of ChunkRow
+    indexed
         What its index says of the chunks.
-    unproven : int
+    unproven
         Messages that are kept though the checksum of their chunk is wrong.
-    large : dict of int to Large
+    large
         What the large chunks hold, by their first bytes.
-    doubtful : list
+    doubtful
         Numbers, sections and rows of pieces that are believed only if the file has no chunk.
 
     """
@@ -343,11 +343,11 @@ def take_inventory(path: Path, progress: Callable[[str], None],
 
     Parameters
     ----------
-    path : Path
+    path
         The file.
-    progress : callable
+    progress
         Called with the progress in words.
-    unproven : bool
+    unproven
         Also keep the possible messages of chunks whose checksum is wrong.
 
     Raises

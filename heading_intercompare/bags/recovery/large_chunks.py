@@ -39,15 +39,15 @@ class Large(NamedTuple):
 
     Attributes
     ----------
-    head : ChunkHead
+    head
         What it says about itself.
-    proved : bool
+    proved
         Its records have the size and the checksum in its head.
-    size : int
+    size
         Bytes of intact records.
-    decompressed : int
+    decompressed
         Bytes of records that could be decompressed.
-    messages : int
+    messages
         Intact messages.
 
     """
@@ -82,9 +82,9 @@ def read_blocks(file: BufferedIOBase, at: int, end: int, large: Large) -> Iterat
     ----------
     file : binary file
         Open for reading.
-    at, end : int
+    at, end
         The first byte of the chunk, and the byte after what is left of it.
-    large : Large
+    large
         Its head, and whether it proved itself.
 
     """

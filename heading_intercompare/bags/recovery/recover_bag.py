@@ -54,26 +54,26 @@ class Recovered:
 
     Attributes
     ----------
-    files, bytes : int
+    files, bytes
         Files read, and their size on disk.
-    bytes_lost : int
+    bytes_lost
         Bytes that could not be read or understood.
-    chunks : int
+    chunks
         Chunks kept, whole or in part.
-    chunks_lost : int
+    chunks_lost
         Chunks lost, wholly or in part, as far as they are recognised as chunks.
-    messages : int
+    messages
         Messages kept.
-    messages_lost : int
+    messages_lost
         Messages known to be lost: named by the index after a damaged chunk, counted by the
         summary of a closed file, or without a definition of their topic.
-    messages_known : bool
+    messages_known
         No other messages of the files can be lost; messages that were never written do not count.
-    messages_unproven : int
+    messages_unproven
         Messages kept though the checksum of their chunk is wrong; only if that was asked for.
-    counts : dict of str to int
+    counts
         Messages kept, by topic.
-    notes : list of str
+    notes
         What was wrong, and where; at most the first hundred.
 
     """
@@ -232,18 +232,18 @@ def recover(source: str | os.PathLike[str], target: str | os.PathLike[str],
 
     Parameters
     ----------
-    source : str or path
+    source
         An MCAP file or a rosbag2 directory, cut, damaged or complete; metadata.yaml may be
         missing. It is never changed.
-    target : str or path
+    target
         The rosbag2 directory to write; it must not exist. It gets a metadata record `recovery`
         with the counts.
-    settings : BagSettings, optional
+    settings
         Settings of the new bag. Without them, chunks keep their compression; with them, chunks
         with another compression are compressed again. Intact chunks keep their size.
-    progress : callable
+    progress
         Called with the progress in words.
-    unproven : bool
+    unproven
         Also keep the messages of chunks whose checksum is wrong, as far as their lengths and log
         times are possible. The new bag says how many there are.
 

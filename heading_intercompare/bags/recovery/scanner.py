@@ -94,25 +94,25 @@ class Sound:
 
     Attributes
     ----------
-    record : Record
+    record
         Its place; the first record of consecutive chunks, or of messages outside chunks.
-    end : int
+    end
         The byte after it, and after the message indexes of consecutive chunks.
-    block : Block or None
+    block
         The messages and definitions in it.
-    fault : str
+    fault
         Why the block is only part of a chunk; empty if it is complete.
-    run : ChunkRun or None
+    run
         Consecutive chunks, each whole.
-    large : Large or None
+    large
         A chunk that is too large for a block, or what is intact of it.
-    unproven : bool
+    unproven
         Its checksum is wrong; its messages are possible, and nothing more is known of them.
-    sure : int
+    sure
         Up to this byte no other record can be hidden in it.
-    begins : bool
+    begins
         It is the header of a file, just after the magic bytes.
-    lost : int
+    lost
         About how many of its bytes are missing from the block.
 
     """
@@ -136,11 +136,11 @@ class Gap:
 
     Attributes
     ----------
-    start, end : int
+    start, end
         The first byte, and the byte after the last.
-    fault : str
+    fault
         What is wrong at the first byte.
-    chunk : bool
+    chunk
         They begin with a chunk.
 
     """
@@ -159,7 +159,7 @@ class Salvage:
     ----------
     file : binary file
         Open for reading, seekable.
-    unproven : bool
+    unproven
         Also keep the messages of chunks whose checksum is wrong, as far as they are possible.
 
     Attributes

@@ -35,9 +35,9 @@ class _RoughFile(RawIOBase):
 
     Parameters
     ----------
-    path : Path
+    path
         The file.
-    holes : list of int
+    holes
         The first byte of each hole, in order; newly found holes are added to it.
 
     """
@@ -90,9 +90,9 @@ def open_with_holes(path: Path, holes: list[int]) -> BufferedReader:
 
     Parameters
     ----------
-    path : Path
+    path
         The file.
-    holes : list of int
+    holes
         Offsets of the unreadable blocks of `HOLE_BYTES` known so far, in order; newly found ones
         are added.
 

@@ -59,7 +59,7 @@ def find_index_faults(file: BufferedIOBase, part: Part) -> Iterator[str]:
     ----------
     file : binary file
         The file, open for reading.
-    part : Part
+    part
         The same file.
 
     Raises
@@ -162,16 +162,16 @@ class BagCheck:
 
     Attributes
     ----------
-    files, chunks, messages : int
+    files, chunks, messages
         Numbers read.
-    unprotected : int
+    unprotected
         Chunks that have no checksum.
-    faults : list of str
+    faults
         What is wrong, at most a few faults per file; the messages of a file are not read any
         further after its first fault.
-    topics : dict of str to Numbering
+    topics
         Sequence numbers of the messages, by topic.
-    late : dict of str to int
+    late
         Messages that lie after one of their topic with a later log time, by topic.
 
     """
@@ -200,9 +200,9 @@ def check_bag(path: str | os.PathLike[str],
 
     Parameters
     ----------
-    path : str or path
+    path
         An MCAP file or a rosbag2 directory.
-    progress : callable
+    progress
         Called with the progress in words.
 
     Raises

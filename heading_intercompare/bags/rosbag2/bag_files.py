@@ -49,13 +49,13 @@ class BagFiles(NamedTuple):
 
     Attributes
     ----------
-    paths : list of Path
+    paths
         The files to read, in natural order of their names.
-    absent : list of str
+    absent
         Names of files that do not exist: listed ones, and links that lead nowhere.
-    unlisted : list of str
+    unlisted
         Names of files that are left out, because the list names others.
-    copies : list of tuple of str
+    copies
         Names of files that are left out, because they equal another file, and of that file.
 
     """
@@ -95,9 +95,9 @@ def find_files(path: Path, listed: list[str] | None = None) -> BagFiles:
 
     Parameters
     ----------
-    path : Path
+    path
         A rosbag2 directory; or a file of any name, which is then the only one.
-    listed : list of str, optional
+    listed
         The names in metadata.yaml; read from it by default.
 
     Raises

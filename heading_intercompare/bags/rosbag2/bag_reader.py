@@ -88,11 +88,11 @@ class TopicInfo:
 
     Attributes
     ----------
-    type_name : str
+    type_name
         Message type, as package/msg/Type.
-    count : int
+    count
         Number of messages.
-    qos : Qos
+    qos
         The QoS its publisher offered; the default of `Qos` where the bag does not say.
 
     """
@@ -174,22 +174,22 @@ class BagReader:
 
     Parameters
     ----------
-    path : str or path
+    path
         The file or directory. Files of a directory are read in natural order of their names;
         metadata.yaml may be absent.
-    namespace : str, optional
+    namespace
         Where topics without a leading slash are. None: in that of the recorder, or in the root.
 
     Attributes
     ----------
-    topics : dict of str to TopicInfo
+    topics
         The topics in the bag.
     incomplete : str or None
         Why part of the recording is missing (cut, never closed, a file missing); None if the bag
         is complete. The rest can still be read.
     start_ns, end_ns : int or None
         Smallest and largest log time; None without messages.
-    oddities : list of str
+    oddities
         What is odd about the bag, and how it is read; more may be found while it is read.
 
     Raises
@@ -273,11 +273,11 @@ class BagReader:
         ----------
         conventions : mapping of str to {'enu', 'ned'}
             World axes of the orientations, by topic.
-        helpers : int
+        helpers
             Processes to decode in parallel with this one, for large bags; the result is the
             same. None are started where a fork is unsafe: while other threads run, in a worker of
             `multiprocessing`, or outside Linux.
-        lost : callable, optional
+        lost
             Called with a requested topic, one of `LOST_AS`, and the messages missing among the
             numbers of its publisher or before the first one, before the chunk with the reading
             after them is yielded or later. Never called for a bag of a program that does not keep
@@ -424,11 +424,11 @@ class BagReader:
 
         Parameters
         ----------
-        topics : iterable of str, optional
+        topics
             Topics to read; all by default.
-        start_ns, stop_ns : int
+        start_ns, stop_ns
             Log times to read: start <= log time < stop.
-        in_order : bool
+        in_order
             In the order in which `headings` reads, instead of that of the files.
 
         Raises

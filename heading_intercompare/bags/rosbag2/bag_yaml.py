@@ -65,13 +65,13 @@ class Qos:
 
     Attributes
     ----------
-    history : str
+    history
         'keep_last', 'keep_all', 'system_default' or 'unknown'.
-    depth : int
+    depth
         Messages kept.
-    reliability : str
+    reliability
         'reliable', 'best_effort', 'system_default' or 'unknown'.
-    durability : str
+    durability
         'volatile', 'transient_local', 'system_default' or 'unknown'.
 
     """
@@ -193,9 +193,9 @@ def bag_metadata(parts: Sequence[PartInfo], custom_data: Mapping[str, str]) -> s
 
     Parameters
     ----------
-    parts : sequence of PartInfo
+    parts
         The files and their topics, in order.
-    custom_data : mapping of str to str
+    custom_data
         Free entries.
 
     """
@@ -234,7 +234,7 @@ def list_parts(path: Path) -> list[str]:
 
     Parameters
     ----------
-    path : Path
+    path
         The metadata.yaml; if there is no such file, the list is empty.
 
     Raises

@@ -41,11 +41,11 @@ class BagMotion(NamedTuple):
 
     Attributes
     ----------
-    rows : Motion
+    rows
         Without rows that tell nothing; in the order of the recording, topic by topic.
-    topics : dict of str to str
+    topics
         The topics read, by what they tell.
-    unreadable : int
+    unreadable
         Messages that could not be read.
 
     """
@@ -66,9 +66,9 @@ def find_motion_topics(bag: Readable, rule: MotionRule) -> dict[str, list[tuple[
 
     Parameters
     ----------
-    bag : Readable
+    bag
         The recording.
-    rule : MotionRule
+    rule
         Its topics. A topic with the default name may be absent, and then tells nothing.
 
     Returns
@@ -109,9 +109,9 @@ def read_bag_motion(bag: Readable, rule: MotionRule) -> BagMotion:
 
     Parameters
     ----------
-    bag : Readable
+    bag
         The recording.
-    rule : MotionRule
+    rule
         As for `find_motion_topics`.
 
     Raises
@@ -132,9 +132,9 @@ def read_fixes(bag: Readable, topic: str) -> tuple[Motion, int]:
 
     Parameters
     ----------
-    bag : Readable
+    bag
         The recording.
-    topic : str
+    topic
         A topic of NavSatFix.
 
     Raises

@@ -41,18 +41,18 @@ class Pace:
 
     Parameters
     ----------
-    origin_ns : int
+    origin_ns
         Log time at the beginning.
-    rate : float
+    rate
         Speed; 0 for no waiting.
-    paused : bool
+    paused
         Start paused, until `resume`.
-    clock_ns : callable
+    clock_ns
         A steady clock, nanoseconds.
 
     Attributes
     ----------
-    paused : bool
+    paused
         Whether it is paused.
 
     Notes
@@ -120,21 +120,21 @@ class Replay:
 
     Parameters
     ----------
-    reader : BagReader
+    reader
         The bag.
-    topics : collection of str
+    topics
         Topics to replay.
-    rate : float
+    rate
         Speed relative to the recording; 0: no waiting.
-    start_s : float
+    start_s
         Where to start, seconds after the first message of the bag.
-    duration_s : float or None
+    duration_s
         Length, the end excluded, seconds; None: to the end of the bag.
-    loop : bool
+    loop
         Begin again at the end.
-    paused : bool
+    paused
         Wait at the start until `pause(False)`.
-    clock_ns : callable
+    clock_ns
         A steady clock, nanoseconds.
 
     Attributes

@@ -69,13 +69,13 @@ def describe_origin(settings: Mapping[str, object],
 
     Parameters
     ----------
-    settings : mapping
+    settings
         Settings of the analysis, by dotted name.
-    sources : mapping of str to mapping, optional
+    sources
         Where the headings come from: names and values of each source; None and '' are skipped.
-    continues : str, optional
+    continues
         Name of the bag of the same trial that came before this one.
-    namespace : str
+    namespace
         Namespace of the graph; that of the root is not kept.
 
     """
@@ -136,7 +136,7 @@ class Notes:
 
     Parameters
     ----------
-    metadata : callable
+    metadata
         Writes a metadata record, given its name and a mapping.
 
     Attributes
@@ -158,10 +158,10 @@ class Notes:
 
         Parameters
         ----------
-        text : str
+        text
             Each line is a note. A line that begins with a time such as 2026-03-01T09:00:00Z gets
             that time. Empty lines are skipped.
-        now_ns : int
+        now_ns
             Time of the other notes, UTC nanoseconds.
 
         Returns

@@ -75,9 +75,9 @@ def read_rows(bag: Readable, readers: Mapping[str, Sequence[
 
     Parameters
     ----------
-    bag : Readable
+    bag
         The recording.
-    readers : mapping of str to sequence of callable
+    readers
         By topic, each returns the rows in some messages, and what is wrong with the others.
 
     Returns

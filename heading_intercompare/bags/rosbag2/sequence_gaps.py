@@ -56,13 +56,13 @@ class Numbering:
 
     Attributes
     ----------
-    numbered : bool
+    numbered
         Some number is not 0; rosbag2 writes only 0.
-    missing : int
+    missing
         Numbers skipped between one message and the next.
-    restarts : int
+    restarts
         How often a number followed no other: a publisher restarted, or another one joined.
-    first : int or None
+    first
         The first number that is not 0; messages that a publisher sent earlier do not count as
         missing.
 

@@ -50,7 +50,7 @@ def read_namespace(metadata: Mapping[str, Mapping[str, str]]) -> str:
 
     Parameters
     ----------
-    metadata : mapping of str to mapping
+    metadata
         The metadata records of the bag, by name.
 
     """
@@ -63,11 +63,11 @@ def find_topic(present: Collection[str], topic: str, namespace: str = '') -> str
 
     Parameters
     ----------
-    present : collection of str
+    present
         The topics of the recording, with or without a leading slash.
-    topic : str
+    topic
         Its name in the settings: absolute with a leading slash, or within the namespace.
-    namespace : str
+    namespace
         '' or a name with a leading slash.
 
     Examples
@@ -97,9 +97,9 @@ def list_topics(topics: Mapping[str, _Typed], topic: str, namespace: str = '') -
     ----------
     topics : mapping of str to object with `type_name`
         The topics of the recording.
-    topic : str
+    topic
         The one that it lacks.
-    namespace : str
+    namespace
         '' or a name with a leading slash.
 
     """

@@ -33,7 +33,7 @@ def find_parts(paths: Sequence[str]) -> dict[str, list[str]]:
 
     Parameters
     ----------
-    paths : sequence of str
+    paths
         The inputs.
 
     Returns
@@ -76,7 +76,7 @@ def find_place(output: str) -> tuple[str, str | None]:
 
     Parameters
     ----------
-    output : str
+    output
         The path of the bag to record.
 
     Returns

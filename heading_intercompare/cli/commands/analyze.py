@@ -412,9 +412,9 @@ def conclude(verdict: Verdict | SensorsVerdict, arguments: argparse.Namespace) -
 
     Parameters
     ----------
-    verdict : Verdict or SensorsVerdict
+    verdict
         On one sensor or on several.
-    arguments : argparse.Namespace
+    arguments
         With `json` and `check`.
 
     """

@@ -63,9 +63,9 @@ def campaign_lines(verdict: Verdict, columns: int | None = None) -> list[str]:
 
     Parameters
     ----------
-    verdict : Verdict
+    verdict
         The verdict on several recordings.
-    columns : int, optional
+    columns
         Width of the terminal; a longer line of the table ends with an ellipsis.
 
     Notes

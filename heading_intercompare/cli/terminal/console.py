@@ -83,7 +83,7 @@ def say(text: str, marks: Sequence[_Mark] = ()) -> None:
 
     Parameters
     ----------
-    text : str
+    text
         Nothing in it is treated as markup. What does not print is escaped, except line ends and
         tabs: commands of a terminal, and characters that turn the direction of the text.
     marks : sequence of (str, str)

@@ -37,7 +37,7 @@ class Keyboard:
 
     Parameters
     ----------
-    stream : file, optional
+    stream
         Source of the keys; standard input by default.
 
     Attributes

@@ -39,11 +39,11 @@ class LiveView:
 
     Parameters
     ----------
-    title : str
+    title
         What runs.
-    foot : str
+    foot
         What can be done, such as how to end it.
-    quiet : bool
+    quiet
         Show nothing.
 
     Notes
@@ -77,9 +77,9 @@ class LiveView:
 
         Parameters
         ----------
-        view : BridgeView
+        view
             What the graph tells by now.
-        phase : str
+        phase
             What the graph does at the moment if it does not just run.
 
         """

@@ -43,9 +43,9 @@ class Progress:
 
     Parameters
     ----------
-    label : str
+    label
         The name of the work.
-    quiet : bool
+    quiet
         Never write.
 
     """

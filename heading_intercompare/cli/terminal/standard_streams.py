@@ -30,11 +30,11 @@ class _Stream:
 
     Parameters
     ----------
-    stream : file or None
+    stream
         Standard output or error; None if it is closed, so that the output is discarded.
-    name : str
+    name
         Its name in errors.
-    ignored : type
+    ignored
         Errors that are ignored; any other error is raised, once.
 
     """

@@ -46,12 +46,12 @@ class Line(NamedTuple):
 
     Attributes
     ----------
-    label : str
+    label
         Stands at the left; '' for a line that goes on with the one above.
-    text : str
-    tone : Tone
+    text
+    tone
         Colour of the text; the words alone say everything.
-    bold : bool
+    bold
         The text is among the figures that people look for.
 
     """
@@ -69,11 +69,11 @@ def lay_out(view: BridgeView, columns: int, rows: int, *, title: str = '', phase
 
     Parameters
     ----------
-    view : BridgeView
+    view
         What the graph tells by now.
-    columns, rows : int
+    columns, rows
         Room for the view. What does not fit is cut: first words of nodes and alarms.
-    title, phase, foot : str
+    title, phase, foot
         What runs, what it does at the moment, and what can be done; '' leaves a line out.
 
     """
@@ -186,7 +186,7 @@ def draw_sparkline(points: Sequence[tuple[float, float]], width: int) -> str:
     ----------
     points : sequence of (age, value)
         The age in terms of the width of the picture: 0 is its right edge, 1 its left one.
-    width : int
+    width
         Number of characters.
 
     Examples

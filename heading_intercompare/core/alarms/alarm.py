@@ -61,10 +61,10 @@ class Rule:
 
     Attributes
     ----------
-    name : str
+    name
         Name of the alarm.
-    priority : Priority
-    clear_s : float
+    priority
+    clear_s
         The condition must be gone for this time before the alarm clears, seconds.
 
     """
@@ -81,12 +81,12 @@ class Sign:
 
     Attributes
     ----------
-    active : bool or None
+    active
         True: the condition holds. False: it does not. None: the data cannot tell now, so the
         alarm stays as it is.
-    words : str
+    words
         The condition in words, if it holds.
-    values : mapping of str to object
+    values
         Figures to show with it.
 
     """
@@ -103,15 +103,15 @@ class Alarm:
 
     Attributes
     ----------
-    rule : Rule
-    state : AlarmState
-    words : str
+    rule
+    state
+    words
         The condition in words, as last seen.
-    values : mapping of str to object
+    values
         Figures of that condition.
-    times : int
+    times
         How often it was raised.
-    raised_ns, cleared_ns, acknowledged_ns : int or None
+    raised_ns, cleared_ns, acknowledged_ns
         When it was last raised, cleared and acknowledged, nanoseconds.
 
     Examples
@@ -139,9 +139,9 @@ class Alarm:
 
         Parameters
         ----------
-        sign : Sign
+        sign
             What the detector says.
-        now_ns : int
+        now_ns
             Time of the look, nanoseconds; should not decrease from look to look.
 
         """

@@ -29,7 +29,7 @@ class AlarmTable:
 
     Parameters
     ----------
-    rules : iterable of Rule
+    rules
         One for each alarm.
 
     """

@@ -105,7 +105,7 @@ class ComparisonWatch:
 
     Parameters
     ----------
-    settings : Settings
+    settings
         Must hold the norms.
 
     Notes

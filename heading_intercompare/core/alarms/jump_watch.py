@@ -56,7 +56,7 @@ class JumpWatch:
 
     Parameters
     ----------
-    skew_range_s : float
+    skew_range_s
         Largest skew to allow for, seconds.
 
     Notes
@@ -90,15 +90,15 @@ class JumpWatch:
 
         Parameters
         ----------
-        window : PairWindow
+        window
             The newest pairs; not empty.
-        step_deg : float
+        step_deg
             Step in which the coarser sensor reports, degrees; 0 if unknown.
-        since_ns : int or None
+        since_ns
             Stamp of the newest pair at the last look.
-        explained : bool
+        explained
             Another alarm explains what may be seen here.
-        repeats : bool
+        repeats
             A sensor repeats its value and may be frozen: then motion alone looks like a jump.
 
         """

@@ -47,7 +47,7 @@ class MotionWatch:
 
     Parameters
     ----------
-    settings : Settings
+    settings
 
     Notes
     -----

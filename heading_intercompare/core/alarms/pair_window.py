@@ -32,9 +32,9 @@ class PairWindow:
 
     Parameters
     ----------
-    window_s : float
+    window_s
         Length of the window, seconds of stamp time.
-    most : int
+    most
         Most pairs kept.
 
     Notes

@@ -42,7 +42,7 @@ class SentenceWatch:
 
     Parameters
     ----------
-    talker : str or None
+    talker
         The talker that the user chose. Others are expected then.
 
     """
@@ -57,11 +57,11 @@ class SentenceWatch:
 
         Parameters
         ----------
-        counts : mapping of str to int
+        counts
             What gave no heading so far, by reason.
-        headings : int
+        headings
             Headings so far.
-        now_s : float
+        now_s
             A steady clock, seconds; increases from call to call.
 
         """

@@ -44,9 +44,9 @@ class StreamWatch:
 
     Parameters
     ----------
-    stale_s : float
+    stale_s
         A silence longer than this, and than three usual steps, is a condition, seconds.
-    apart_s : float
+    apart_s
         Stamps further apart than this cannot be paired, seconds: `pairing.max_wait_s`.
 
     Notes
@@ -95,7 +95,7 @@ class StreamWatch:
             Readings of the TS and of the RS so far.
         heard_ns : pair of int or None
             Stamps of the last readings, nanoseconds; None before the first.
-        now_s : float
+        now_s
             A steady clock, seconds; increases from call to call.
 
         """

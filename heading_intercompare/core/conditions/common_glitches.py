@@ -64,13 +64,13 @@ class CommonGlitches:
     kind : {'common', 'independent', 'not_testable'}
         'common': the sensors have one source. 'not_testable': the RS has fewer than three
         glitches, more than ten seconds apart, that a filter of five seconds would leave visible.
-    count : int
+    count
         Glitches of the RS.
-    followed : int
+    followed
         Those that the TS follows after the same delay.
-    delay_s : float or None
+    delay_s
         That delay, seconds; None if the TS follows fewer than three.
-    chance : float or None
+    chance
         Upper bound of the probability that `followed` or more match by chance, over all delays.
 
     """

@@ -92,9 +92,9 @@ class FollowedNoise:
         rounding and over most of the frequencies.
     band_hz : pair of float or None
         Frequencies at which the sensor shows its noise rather than the motion of the ship.
-    noise_deg : float or None
+    noise_deg
         Standard deviation of that noise, as if it were white, degrees.
-    coherence : float or None
+    coherence
         Share that follows linearly there, minus the part that the motion explains: the largest
         mean of three neighbouring groups of frequencies.
 
@@ -113,12 +113,12 @@ class CommonNoise:
 
     Attributes
     ----------
-    reason : str
+    reason
         Why nothing is testable: 'too_short'; 'too_slow' if readings more than 1.25 s apart fold
         the motion. Empty otherwise.
-    segments : int
+    segments
         Number of time segments that the spectra average.
-    of_rs, of_ts : FollowedNoise
+    of_rs, of_ts
         The noise of the RS in the TS, and the noise of the TS in the RS.
 
     """
@@ -163,9 +163,9 @@ def find_common_noise(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, 
         Differences and headings of the RS, finite, degrees.
     factor : array_like, shape (n,), optional
         Factor by which interpolation reduces the variance of white noise; default 1.
-    interpolates_ts : bool
+    interpolates_ts
         Whether the TS is interpolated, not the RS.
-    rs_step_deg, ts_step_deg : float, optional
+    rs_step_deg, ts_step_deg
         Steps in which RS and TS report, degrees. Noise below that of rounding does not count,
         because sensors that round the same motion make the same errors. The step of an
         interpolated sensor is unknown; the step of the other sensor replaces it.

@@ -54,9 +54,9 @@ class Direction(NamedTuple):
     Attributes
     ----------
     word : {'with', 'against', 'not_testable'}
-    turned_deg : float
+    turned_deg
         Range of the means of the RS over the span that shows it best, degrees; 0 if none does.
-    balance : float or None
+    balance
         For the same span, the sum of squared changes of TS + RS over that of TS - RS, each at the
         skew that minimises it.
 
@@ -78,7 +78,7 @@ def find_turn_direction(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndar
         Stamps of the pairs in increasing order, nanoseconds.
     x_deg, rs_deg : ndarray, shape (n,)
         Differences and RS headings, finite, degrees.
-    range_s : float
+    range_s
         Largest skew to allow for, in either direction, seconds.
     tracks : pair of Track, optional
         `common_tracks` of the pairs, if already known.
@@ -207,16 +207,16 @@ class Convention:
     kind : {'consistent', 'offset', 'mirrored', 'not_testable'}
         'offset': TS - RS is near 90, -90 or 180. 'mirrored': TS turns against RS, so the
         difference turns by -2 times the heading. 'not_testable': no samples.
-    angle_deg : float or None
+    angle_deg
         Mean of TS - RS, or of TS + RS if mirrored; degrees.
-    spread_deg : float or None
+    spread_deg
         Circular standard deviation of the same.
     direction : {'with', 'against', 'not_testable'}
         How TS turns: with RS, against it, or unknown because no motion shows above the noise.
-    turned_deg : float
+    turned_deg
         Range of the RS heading, degrees, in means over the span that shows the direction best; 0
         if none does.
-    balance : float or None
+    balance
         For the same span, the sum of squared changes of TS + RS over that of TS - RS. Above 4 the
         sensors turn together, below 1/4 against each other. None if no motion shows.
 
@@ -240,11 +240,11 @@ def find_convention(x_deg: ArrayLike, rs_deg: ArrayLike, tolerance_deg: float = 
     ----------
     x_deg, rs_deg : array_like, shape (n,)
         Differences and headings of the RS, in sample order, finite, degrees.
-    tolerance_deg : float
+    tolerance_deg
         A mean difference within this of 90, -90 or 180 is suspicious, degrees.
     stamp_ns : array_like of int, shape (n,), optional
         Stamps of the pairs in increasing order, nanoseconds. Without them no skew is allowed for.
-    range_s : float
+    range_s
         Largest skew to allow for, in either direction, seconds.
     tracks : pair of Track, optional
         `common_tracks` of the pairs, if already known.
@@ -296,18 +296,18 @@ class MeanDifference:
 
     Attributes
     ----------
-    n : int
+    n
         Number of differences.
-    mean_deg : float or None
+    mean_deg
         Mean of the differences wrapped about their circular mean, in [-180, 180); None for
         n = 0 or if no direction is preferred.
-    resultant : float or None
+    resultant
         Length of the mean resultant of up to 131072 differences, in [0, 1]; None for n = 0.
-    u_deg : float or None
+    u_deg
         Standard uncertainty of the mean, which allows for correlation; None for n < 16.
     interval_deg : pair of float or None
         95 % interval, not wrapped.
-    seam_share : float
+    seam_share
         Share of the differences that the seam of the wrap moves a whole turn away from the rest.
 
     """

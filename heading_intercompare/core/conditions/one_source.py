@@ -42,11 +42,11 @@ class SameSource:
 
     Attributes
     ----------
-    suspected : bool or None
+    suspected
         None if the headings change too rarely: then two sensors may agree by chance.
-    std_deg : float or None
+    std_deg
         Standard deviation of the difference; None for n < 2.
-    rounding_deg : float
+    rounding_deg
         Standard deviation that rounding of both headings alone would give.
 
     """
@@ -65,9 +65,9 @@ def find_same_source(x_deg: ArrayLike, rs_deg: ArrayLike, ts: Resolution, rs: Re
     ----------
     x_deg, rs_deg : array_like, shape (n,)
         Differences and headings of the RS, in sample order, finite, degrees.
-    ts, rs : Resolution
+    ts, rs
         Resolution of the TS and RS headings.
-    share : float
+    share
         Largest number of differing readings, as a share of the readings that change.
 
     Returns
@@ -122,11 +122,11 @@ class OneSource:
 
     Attributes
     ----------
-    readings : SameSource
+    readings
         Whether the TS repeats the RS, reading by reading.
-    noise : CommonNoise
+    noise
         Whether one sensor follows the noise of the other.
-    glitches : CommonGlitches
+    glitches
         Whether the TS follows the glitches of the RS.
 
     """
@@ -170,9 +170,9 @@ def find_one_source(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
         Differences and headings of the RS, finite, degrees.
     factor : array_like, shape (n,), optional
         Factor by which interpolation changes the variance of white noise; default 1.
-    interpolates_ts : bool
+    interpolates_ts
         Whether the TS is interpolated, not the RS.
-    share : float
+    share
         `detectors.same_source_share`.
 
     Returns

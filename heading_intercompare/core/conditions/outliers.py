@@ -46,11 +46,11 @@ class Outlier:
 
     Attributes
     ----------
-    index, n : int
+    index, n
         Index of its farthest difference, and number of consecutive differences in it.
-    stamp_ns : int
+    stamp_ns
         Stamp of the farthest difference, nanoseconds.
-    size_deg : float
+    size_deg
         Signed distance of that from the median of the differences on both sides, degrees.
 
     """
@@ -72,17 +72,17 @@ class Outliers:
         'not_testable': fewer than 30 differences.
     index : ndarray of int64, shape (k,)
         Indices of the outliers, increasing.
-    count : int
+    count
         Number of isolated excursions that they form.
-    largest : tuple of Outlier
+    largest
         The ten largest excursions, the largest first.
-    threshold_deg : float or None
+    threshold_deg
         Distance beyond which a difference is an outlier, degrees.
-    variance_deg2, variance_without_deg2 : float or None
+    variance_deg2, variance_without_deg2
         Variance of all differences, and without the outliers; square degrees.
-    share : float
+    share
         Share of the outliers in the sum of squares about the mean; 0 if there are none.
-    excursions : int
+    excursions
         Number of longer excursions: not isolated, and not in `index`.
 
     """
@@ -109,10 +109,10 @@ def find_outliers(stamp_ns: ArrayLike, x_deg: ArrayLike, *, longest_s: float = 3
         Stamps in increasing order, nanoseconds.
     x_deg : array_like, shape (n,)
         Differences, or their residuals about a drift, finite, degrees; not wrapped again.
-    longest_s : float
+    longest_s
         Longest excursion that counts as isolated, seconds: one bad reading of an interpolated RS
         disturbs all pairs of two brackets. Up to three differences in a row always count.
-    step_deg : float, optional
+    step_deg
         Step in which the coarser sensor reports, degrees. By default found from x, which needs
         20 changes.
 

@@ -49,9 +49,9 @@ class Parting:
 
     Attributes
     ----------
-    start_ns, end_ns : int
+    start_ns, end_ns
         Stamps of its first and of its last pair, nanoseconds.
-    size_deg : float
+    size_deg
         Median distance of its differences from the usual one, with sign, degrees.
 
     """
@@ -76,7 +76,7 @@ def find_partings(stamp_ns: ArrayLike, x_deg: ArrayLike, sigma_deg: float) -> li
         Stamps in increasing order, nanoseconds.
     x_deg : array_like, shape (n,)
         Differences, finite, degrees.
-    sigma_deg : float
+    sigma_deg
         Standard deviation of the differences that the norms of both explain, degrees.
 
     Returns

@@ -94,9 +94,9 @@ class Windows:
         Headings of the sensor examined, and of the other sensor, degrees.
     busy : ndarray of bool, shape (n,)
         Whether a reading belongs to a long repetition of the sensor.
-    other_step_deg : float
+    other_step_deg
         Step in which the other sensor reports, degrees; 0 if unknown.
-    sigma_deg : float or None
+    sigma_deg
         Norm of the errors of the other sensor, degrees.
 
     """
@@ -115,9 +115,9 @@ class Windows:
 
         Parameters
         ----------
-        lo, hi : int
+        lo, hi
             Readings lo <= i < hi are the repetition.
-        grain_deg : float
+        grain_deg
             Range allowed for the other sensor if neither has errors, degrees.
 
         Returns

@@ -70,11 +70,11 @@ class Fingerprint:
 
     Attributes
     ----------
-    start_ns : int
+    start_ns
         Stamp of the first difference, nanoseconds.
-    grain_s : float
+    grain_s
         Length of a grain, seconds.
-    least_bin_s : float
+    least_bin_s
         Shortest bin that holds two of the usual steps, seconds.
     total_deg : ndarray of float64, shape (n,)
         Sum of the differences of each grain.
@@ -159,11 +159,11 @@ class Shared:
 
     Attributes
     ----------
-    first_ns, other_ns : int
+    first_ns, other_ns
         Where the readings begin in the first run and in the other run, about; stamps.
-    span_s : float
+    span_s
         For how long they were found, seconds.
-    correlation : float
+    correlation
         Largest correlation of the whitened differences, over two minutes or more.
 
     """
@@ -229,7 +229,7 @@ def find_shared(first: str, second: str) -> Shared | None:
 
     Parameters
     ----------
-    first, second : str
+    first, second
         Fingerprints as text.
 
     Notes

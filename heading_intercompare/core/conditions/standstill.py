@@ -53,27 +53,27 @@ class Frozen:
 
     Attributes
     ----------
-    longest_s : float
+    longest_s
         Longest time without a change, seconds; 0 for n < 2.
-    stretches : int
+    stretches
         Number of long repetitions while the other sensor turned.
-    start_ns : int or None
+    start_ns
         Start of the repetition during which the other sensor turned most, nanoseconds.
-    duration_s, other_moved_deg : float or None
+    duration_s, other_moved_deg
         Duration of that repetition, seconds, and turn of the other sensor meanwhile, degrees.
     kind : {'alive', 'frozen', 'dead', 'constant', 'not_testable'}
         'frozen': there are such repetitions. 'dead': one value for an hour from a sensor that
         reports decimals, while the value of the other sensor changed. 'constant': the same for
         nine tenths of a shorter run. 'not_testable': n < 2.
-    frozen_s : float
+    frozen_s
         Total duration of these repetitions, seconds.
-    resolution_deg : float or None
+    resolution_deg
         Step in which the sensor reports, degrees: from its changes, otherwise from its decimals.
         None if it shows no step of up to four decimals.
-    hold_s : float or None
+    hold_s
         Usual time from one change to the next, seconds, in the first 16384 readings; None if
         they hold fewer than two changes.
-    allowed_deg : float or None
+    allowed_deg
         Turn of the other sensor that the repetition at `start_ns` allows a working sensor,
         degrees.
 
@@ -96,7 +96,7 @@ class Frozen:
 
         Parameters
         ----------
-        sigma_deg : float
+        sigma_deg
             The larger of the norms of both sensors, degrees.
 
         Notes
@@ -176,16 +176,16 @@ def find_frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLik
         Stamps in increasing order, nanoseconds.
     heading_deg, other_deg : array_like, shape (n,)
         Headings of the sensor examined, and of the other sensor, finite, degrees.
-    least_s : float
+    least_s
         Shortest repetition that counts, seconds. A coarse sensor on a steady course repeats
         itself for seconds without a fault.
-    moved_deg : float
+    moved_deg
         Least range of the other sensor within that time, degrees.
-    sigma_deg : float, optional
+    sigma_deg
         Norm of the standard deviation of the other sensor's errors, degrees; default 0. Bounds
         these errors if the sensor repeats itself for most of the run, so that the rest cannot
         show the errors.
-    still_frozen : bool
+    still_frozen
         Judge only the repetition that goes on at the last reading.
 
     Returns
@@ -323,9 +323,9 @@ class Standstill:
     kind : {'moving', 'still', 'not_testable'}
         'still': both sensors stay within two of their steps for the whole run. 'not_testable':
         n < 2.
-    ts_range_deg, rs_range_deg : float
+    ts_range_deg, rs_range_deg
         Largest minus smallest heading, degrees; of 16384 headings if they suffice to decide.
-    ts_step_deg, rs_step_deg : float or None
+    ts_step_deg, rs_step_deg
         Steps in which the sensors report, by `find_coarse_resolution`.
 
     """

@@ -108,16 +108,16 @@ def judge_together(runs: Sequence[Evidence], limits: Sequence[Limits], risk: Ris
 
     Parameters
     ----------
-    runs : sequence of Evidence
+    runs
         What each run shows.
-    limits : sequence of Limits
+    limits
         Limits of each run; acceptance limits differ if interpolation reduced the noise
         differently.
-    risk : Risk
+    risk
         Not shared among runs: they are judged once, together.
     variant : {'A', 'B', 'C'}
         Variant of GK Table I. Only in B is the mean a constant, estimated by the means of runs.
-    apart_s : float
+    apart_s
         Shortest time between two runs, seconds. The means of runs count only if this exceeds the
         slowest error stated, or 600 s if none is stated; otherwise they are not independent.
 
@@ -169,7 +169,7 @@ def conclude_every_run(alone: Sequence[Outcome],
 
     Parameters
     ----------
-    alone, among : sequence of Outcome
+    alone, among
         Outcome of each run on its own, and with the producer's risk shared among the runs.
 
     References
@@ -196,13 +196,13 @@ def conclude_sensor(together: Together | None, limits: Sequence[Limits], totals_
 
     Parameters
     ----------
-    together : Together or None
+    together
         Of `judge_together`; None if the runs cannot be judged together.
-    limits : sequence of Limits
+    limits
         Limits of the runs.
-    totals_met : bool
+    totals_met
         Whether the total error of every run is within its norm, or has no norm.
-    risk : Risk
+    risk
         With the rule of campaigns.
 
     Notes

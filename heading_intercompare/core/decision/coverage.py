@@ -120,16 +120,16 @@ class SensorClass:
 
     Attributes
     ----------
-    title : str
+    title
         The instruments.
-    error_s : float
+    error_s
         Time in which the correlation of the slowest error falls to 1/e, seconds. For an
         oscillation this is its coherence time, never its period.
-    source : str
+    source
         Source of the figure.
-    trial : str
+    trial
         The trial that is long enough, in words.
-    settles_s : float
+    settles_s
         Time from power-on within which it must have settled, seconds; 0 if no norm grants any.
 
     """
@@ -305,13 +305,13 @@ def coverage_of(span_s: float, risk: Risk, *, apart_s: float | None = None,
 
     Parameters
     ----------
-    span_s : float
+    span_s
         Length of the record, or of all runs together, seconds.
-    risk : Risk
+    risk
         Its slowest errors stated, and the risks.
-    apart_s : float, optional
+    apart_s
         Shortest time between runs, seconds, if their means cover slower errors.
-    scopes : sequence of Scope
+    scopes
         Those of the runs.
 
     """

@@ -36,10 +36,10 @@ class Printed:
 
     Attributes
     ----------
-    variance : VarianceCriterion
-    counts : CountCriterion
-    total : TotalError
-    outcome : Outcome
+    variance
+    counts
+    total
+    outcome
         The worst of the three; the total error counts only if it has a norm.
 
     """
@@ -57,15 +57,15 @@ def apply_gk(n: int, mean_deg: float | None, variance_deg2: float | None,
 
     Parameters
     ----------
-    n : int
+    n
         Number of differences.
-    mean_deg, variance_deg2 : float or None
+    mean_deg, variance_deg2
         Their mean and variance; None for too few differences.
-    count : callable
+    count
         ``count(limit_deg)`` returns the number of deviations above a limit.
-    limits : Limits
+    limits
         Of variance and counts.
-    settings : Settings
+    settings
         Uses norms and model.
 
     References
@@ -105,11 +105,11 @@ def variance_limits(sigma_max_deg: float, sigma_ref_max_deg: float,
 
     Parameters
     ----------
-    sigma_max_deg : float
+    sigma_max_deg
         Norm of the TS standard deviation, degrees.
-    sigma_ref_max_deg : float
+    sigma_ref_max_deg
         Norm of the RS standard deviation, degrees.
-    m : float
+    m
         Lower bound of sigma_ref / sigma_ref_max, in [0, 1].
 
     Returns
@@ -153,19 +153,19 @@ class Limits:
 
     Attributes
     ----------
-    m_low, m_up : float
+    m_low, m_up
         Bounds of M = sigma_ref / sigma_ref_max; `m_low` already includes the square root of the
         factor by which interpolation reduces the noise variance of the RS.
-    ts_variance_factor : float
+    ts_variance_factor
         Factor by which interpolation reduces the white-noise variance of the TS; applies where a
         small variance is to prove compliance.
-    rs_variance_factor : float
+    rs_variance_factor
         The same for the RS, already in `m_low`.
-    limit_deg2, tightened_limit_deg2 : float
+    limit_deg2, tightened_limit_deg2
         GK (5), (5').
-    k, k_tightened : float
+    k, k_tightened
         Coverage factors of GK (*) and (**).
-    k_printed : float or None
+    k_printed
         Both as the paper prints them; None where it prints no number.
 
     """
@@ -247,11 +247,11 @@ class Limits:
 
         Parameters
         ----------
-        norms : Norms
+        norms
             Must hold `sigma_max_deg` or a preset, and `sigma_ref_max_deg`.
         model : {'NN', 'UN', 'NU', 'UU'}
             Error distributions of TS and RS.
-        rs_variance_factor, ts_variance_factor : float
+        rs_variance_factor, ts_variance_factor
             Mean of the factors of white noise over the pairs; 1 where that sensor is not
             interpolated.
 
@@ -314,9 +314,9 @@ def apply_variance_criterion(variance_deg2: float | None, limits: Limits) -> Var
 
     Parameters
     ----------
-    variance_deg2 : float or None
+    variance_deg2
         GK (4), square degrees; None (too few differences) is indeterminate.
-    limits : Limits
+    limits
         Of the variance.
 
     References
@@ -362,12 +362,12 @@ def apply_count_criterion(n: int, n_plus: int, n_plus_plus: int, limits: Limits)
 
     Parameters
     ----------
-    n : int
+    n
         Number of differences.
-    n_plus, n_plus_plus : int
+    n_plus, n_plus_plus
         Number of deviations above `limits.count_limit_deg` and above
         `limits.tightened_count_limit_deg`.
-    limits : Limits
+    limits
         With the share of deviations allowed.
 
     Notes
@@ -422,11 +422,11 @@ def estimate_total_error(mean_deg: float | None, variance_deg2: float | None, li
 
     Parameters
     ----------
-    mean_deg, variance_deg2 : float or None
+    mean_deg, variance_deg2
         Mean and variance of the differences; None for too few of them.
-    limits : Limits
+    limits
         With the least and the largest variance of the RS.
-    norms : Norms
+    norms
         Uses `probability`, `k_rule`, `k_total_rule` and `total_error_max_deg`.
     model : {'NN', 'UN', 'NU', 'UU'}
         Laws of the errors of TS and RS, GK (2) to (2c).

@@ -45,7 +45,7 @@ class ErrorModel:
 
     Attributes
     ----------
-    description : str
+    description
         The distributions in words.
     factor : callable (ts, rs, p) -> float
         Two-sided quantile; `ts` and `rs` are the standard deviations of the two parts, whose
@@ -206,9 +206,9 @@ def coverage_factor(model: str, ratio: float, p: float) -> float:
     ----------
     model : {'NN', 'UN', 'NU', 'UU'}
         Distributions of the TS and the RS error.
-    ratio : float
+    ratio
         sigma_ref / sigma, RS over TS; 0 to infinity, both included.
-    p : float
+    p
         Confidence probability P, between 0 and 1.
 
     Returns
@@ -252,7 +252,7 @@ def ts_factor(model: str, p: float) -> float:
     ----------
     model : {'NN', 'UN', 'NU', 'UU'}
         Distributions of the TS and the RS error; the first letter counts.
-    p : float
+    p
         Confidence probability P, between 0 and 1.
 
     Returns

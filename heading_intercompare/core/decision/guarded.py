@@ -73,19 +73,19 @@ class Evidence:
 
     Attributes
     ----------
-    n : int
+    n
         Number of differences.
-    spread : Spread or None
+    spread
         Their variance, and how well it is known; None for fewer than 128.
-    mean_deg : float or None
+    mean_deg
         Mean difference, degrees; None for n = 0.
-    offset_u_deg : float
+    offset_u_deg
         Standard uncertainty of the installation offset, degrees.
-    span_s : float
+    span_s
         Time from the first to the last difference, seconds.
-    n_plus, n_plus_plus : int
+    n_plus, n_plus_plus
         Number of deviations above the limits of GK (*) and (**).
-    drift_left_deg2 : float
+    drift_left_deg2
         Upper 95 % bound of the variance of the drift not removed, square degrees.
 
     """
@@ -168,21 +168,21 @@ def gather_evidence(cells: Cells, *, n_plus: int, n_plus_plus: int, span_s: floa
 
     Parameters
     ----------
-    cells : Cells
+    cells
         Cells of the differences, or of their residuals about a polynomial.
-    n_plus, n_plus_plus : int
+    n_plus, n_plus_plus
         Number of deviations above the limits of GK (*) and (**).
-    span_s : float
+    span_s
         Time from the first to the last difference, seconds.
-    mean_deg : float or None
+    mean_deg
         Mean difference, degrees; None for n = 0.
-    offset_u_deg : float
+    offset_u_deg
         Standard uncertainty of the installation offset, degrees.
-    order : int
+    order
         Order of the polynomial to allow for; see `estimate_spread`.
-    drift_left_deg2 : float
+    drift_left_deg2
         Upper 95 % bound of the variance of the drift not removed, square degrees.
-    slowest_s : float or None
+    slowest_s
         Slowest error stated, seconds; None if none is stated.
 
     """
@@ -213,11 +213,11 @@ def decide(evidence: Evidence, limits: Limits, risk: Risk) -> Guarded:
 
     Parameters
     ----------
-    evidence : Evidence
+    evidence
         Evidence of one run, or of several together.
-    limits : Limits
+    limits
         Acceptance limit `tightened_limit_deg2` and rejection limit `rejection_limit_deg2`.
-    risk : Risk
+    risk
         For m runs divide `alpha_producer` by m, because any of them may reject.
 
     Returns
@@ -301,15 +301,15 @@ def decide_variance(spread: Spread, span_s: float, limits: Limits, risk: Risk,
 
     Parameters
     ----------
-    spread : Spread
+    spread
         The variance with its uncertainty.
-    span_s : float
+    span_s
         Time from the first to the last difference, seconds.
-    limits : Limits
+    limits
         Limits of acceptance and rejection.
-    risk : Risk
+    risk
         Risks, and the least number of independent samples.
-    drift_left_deg2 : float
+    drift_left_deg2
         Upper 95 % bound of the variance of the drift not removed, square degrees.
 
     Notes

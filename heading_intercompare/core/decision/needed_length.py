@@ -65,19 +65,19 @@ def describe_need(reason: str, guarded: Guarded, coverage: Coverage, *, n: int,
 
     Parameters
     ----------
-    reason : str
+    reason
         Reason for the outcome of the run.
-    guarded : Guarded
+    guarded
         The decision on its variance.
-    coverage : Coverage
+    coverage
         Holds the length of the run and the least length that may comply.
-    n : int
+    n
         Number of differences.
-    drift_left_deg2 : float or None
+    drift_left_deg2
         Upper bound of the variance of the drift that is not removed, square degrees.
-    drifts : bool or None
+    drifts
         Whether the slope of the differences is significant; None if unknown.
-    warm_up_s : float
+    warm_up_s
         Length of a warm-up that was found and not left out, seconds; 0 if there is none.
 
     Returns
@@ -143,11 +143,11 @@ def describe_need_together(reason: str, together: Together | None,
 
     Parameters
     ----------
-    reason : str
+    reason
         Reason for the outcome of the campaign.
-    together : Together or None
+    together
         The variance that the runs share.
-    coverage : Coverage or None
+    coverage
         Coverage of the runs together.
 
     Returns

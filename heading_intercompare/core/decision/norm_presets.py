@@ -34,21 +34,21 @@ class Preset:
 
     Attributes
     ----------
-    title : str
+    title
         The instrument and the document.
-    rms_deg : float or None
+    rms_deg
         Norm of the standard deviation, degrees; used directly as the TS norm.
-    limit_deg : float or None
+    limit_deg
         Norm of the largest error, degrees; divided by K(P) it gives a standard deviation.
-    probability : float or None
+    probability
         Probability that belongs to the limit; None for `norms.probability`.
-    secant : bool
+    secant
         Whether the norm grows with the secant of the latitude.
-    content : str
+    content
         The main requirements of the document.
-    status : str
+    status
         'verified' against the document, or 'unverified': from secondary sources or a draft.
-    systematic_deg : float or None
+    systematic_deg
         Norm of the systematic error: of the settle point, or the static error; degrees.
 
     """
@@ -90,7 +90,7 @@ def sigma_max_deg(norms: Norms, model: str = 'NN') -> float | None:
 
     Parameters
     ----------
-    norms : Norms
+    norms
         The preset gives the norm; without a preset it is `sigma_max_deg`, or follows from
         `limiting_error_max_deg`; both may be None.
     model : {'NN', 'UN', 'NU', 'UU'}
@@ -142,7 +142,7 @@ def systematic_max_deg(norms: Norms) -> float | None:
 
     Parameters
     ----------
-    norms : Norms
+    norms
         The preset gives the norm; without one, or if it has none, it is `systematic_max_deg`,
         which may be None.
 

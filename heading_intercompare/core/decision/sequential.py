@@ -37,11 +37,11 @@ class Look:
 
     Attributes
     ----------
-    index : int
+    index
         Number of the look, from 0; the last look is the planned end of the run.
-    span_ns : int
+    span_ns
         Time from the first difference to the look, nanoseconds.
-    risk : Risk
+    risk
         This look's share of both risks.
 
     """
@@ -102,12 +102,12 @@ class Looks:
 
     Parameters
     ----------
-    plan_s : float
+    plan_s
         Planned length of the run, seconds, greater than 0.
-    looks : int
+    looks
         Number of looks, at least 2: at plan, plan/2, plan/4, ... Looks earlier than the least
         duration of a run are dropped.
-    risk : Risk
+    risk
         Risk to share. The last look gets half of each alpha, the earlier looks share the other
         half equally. A single look gets all of it.
 
@@ -173,7 +173,7 @@ class Looks:
 
         Parameters
         ----------
-        span_s : float
+        span_s
             Time since the first difference of the run, seconds.
 
         Returns
@@ -196,7 +196,7 @@ class Looks:
 
         Parameters
         ----------
-        start_ns : int
+        start_ns
             Stamp of the first difference of the run, nanoseconds.
         stamp_ns : ndarray of int64, shape (n,)
             Stamps of the chunk, increasing.

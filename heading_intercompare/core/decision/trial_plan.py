@@ -66,13 +66,13 @@ class Chance:
 
     Attributes
     ----------
-    level : float
+    level
         Standard deviation of the TS as a share of its norm.
-    duration_s : float
+    duration_s
         Length of a run, seconds.
-    compliant, non_compliant, indeterminate : float
+    compliant, non_compliant, indeterminate
         The probabilities.
-    runs : int
+    runs
         Number of runs; several are judged by `campaign.rule: sensor`.
 
     """
@@ -92,24 +92,24 @@ class TrialPlan:
 
     Attributes
     ----------
-    least_s : float
+    least_s
         Least length of a run that may comply, seconds.
-    slowest_error_s : float
+    slowest_error_s
         Slowest error stated, seconds.
-    sigma_ref_deg : float
+    sigma_ref_deg
         Standard deviation of the simulated RS, degrees.
-    trials : int
+    trials
         Simulated records for each probability; its standard error is at most 0.5 / sqrt(trials).
-    wanted : float
+    wanted
         Probability of certifying that is aimed at.
-    advised_s : tuple of float or None
+    advised_s
         For each of `LEVELS` the shortest single run tried that reaches `wanted`; None if none
         does.
-    short_s : float
+    short_s
         Length of one of several short runs, seconds.
-    advised_runs : tuple of int or None
+    advised_runs
         For each of `LEVELS` the fewest short runs tried that reach `wanted`; None if none do.
-    chances : tuple of Chance
+    chances
         Several runs by number, then single runs by duration; then by level.
 
     """
@@ -134,23 +134,23 @@ def plan_trial(settings: Settings, rng: np.random.Generator, *, rate_hz: float =
 
     Parameters
     ----------
-    settings : Settings
+    settings
         Must hold the norms and the slowest error, by `risk.slowest_error_s` or
         `risk.sensor_class`.
-    rng : Generator
+    rng
         Source of the random numbers.
-    rate_hz : float
+    rate_hz
         Pairs per second.
-    slow_share : float
+    slow_share
         Share of the TS variance that belongs to the slowest error, from 0 to 1.
-    wanted : float
+    wanted
         Probability of certifying that is aimed at. No longer runs are tried once all of `LEVELS`
         reach it.
-    trials : int
+    trials
         Simulated records for each probability.
-    times : sequence of float
+    times
         Durations to try, in least durations, rising.
-    progress : callable
+    progress
         Called with the progress in words.
 
     Returns
@@ -287,15 +287,15 @@ def simulate_differences(rng: np.random.Generator, duration_s: float, rate_hz: f
 
     Parameters
     ----------
-    rng : Generator
+    rng
         Source of the noise.
-    duration_s, rate_hz : float
+    duration_s, rate_hz
         Length of the run, seconds, and pairs per second.
-    sigma_ref_deg, sigma_deg : float
+    sigma_ref_deg, sigma_deg
         Standard deviations of RS and TS, degrees.
-    slowest_s : float
+    slowest_s
         Time in which the correlation of the slow error falls to 1/e, seconds.
-    slow_share : float
+    slow_share
         Its share of the TS variance.
 
     Returns

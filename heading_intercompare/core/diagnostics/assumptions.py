@@ -162,15 +162,15 @@ def judge_reference_norm(sigma_ref_lower_deg: float | None, sigma_ref_max_deg: f
 
     Parameters
     ----------
-    sigma_ref_lower_deg : float or None
+    sigma_ref_lower_deg
         Lower bound of the RS standard deviation from both headings, by `reference_noise`;
         degrees.
-    sigma_ref_max_deg : float
+    sigma_ref_max_deg
         Norm of the RS standard deviation, degrees.
-    upper_deg2 : float or None
+    upper_deg2
         Upper confidence bound of the variance of the differences, square degrees; None if
         unknown or unreliable.
-    m_low : float
+    m_low
         Lower bound of sigma_ref / sigma_ref_max that the verdict uses.
 
     """
@@ -211,11 +211,11 @@ def judge_drift_and_stationary(order: Order | None, residual: Stationarity,
 
     Parameters
     ----------
-    order : Order or None
+    order
         The order chosen.
-    residual : Stationarity
+    residual
         Stationarity of the residuals about that polynomial.
-    resolved : bool or None
+    resolved
         Whether the record is long enough for their correlation.
 
     """
@@ -252,15 +252,15 @@ def judge_constant_moments(stationarity: Stationarity, slope: Slope | None, span
 
     Parameters
     ----------
-    stationarity : Stationarity
+    stationarity
         Stationarity of the differences as analysed.
-    slope : Slope or None
+    slope
         Slope of the same.
-    span_h : float
+    span_h
         Length of the run, hours.
-    dependence : HeadingDependence
+    dependence
         Harmonics of the heading in the differences.
-    resolved : bool or None
+    resolved
         Whether the record is long enough for the correlation of the residuals.
 
     """
@@ -294,11 +294,11 @@ def judge_correlated_errors(upper_deg2: float | None, reference_deg: float,
 
     Parameters
     ----------
-    upper_deg2 : float or None
+    upper_deg2
         As for `judge_reference_norm`.
-    reference_deg : float
+    reference_deg
         Least standard deviation of the RS that the verdict uses, degrees.
-    source : OneSource
+    source
         Signs that both headings come from one sensor.
 
     """
@@ -322,7 +322,7 @@ def model_kurtosis(model: str, rs_share: float) -> float:
     ----------
     model : {'NN', 'UN', 'NU', 'UU'}
         Distributions of the TS and of the RS error.
-    rs_share : float
+    rs_share
         Share of the RS in the variance of the difference, 0 to 1.
 
     References
@@ -341,7 +341,7 @@ def judge_laws(shape: Shape, model: str, reference_deg: tuple[float, float]) -> 
 
     Parameters
     ----------
-    shape : Shape
+    shape
         Shape of the differences or their residuals.
     model : {'NN', 'UN', 'NU', 'UU'}
         Laws of the errors of TS and RS, GK (2) to (2c).

@@ -158,9 +158,9 @@ def fit_deviation(x_deg: ArrayLike, rs_deg: ArrayLike, *, averaged: int = 1,
     ----------
     x_deg, rs_deg : array_like, shape (n,)
         Differences and headings of the RS, in sample order, finite, degrees.
-    averaged : int
+    averaged
         Number of samples that each of these averages.
-    within_deg2 : float
+    within_deg2
         Mean square of those samples about their averages, square degrees.
 
     Returns
@@ -247,7 +247,7 @@ def deviation_at(dependence: HeadingDependence, heading_deg: ArrayLike) -> tuple
 
     Parameters
     ----------
-    dependence : HeadingDependence
+    dependence
         The fitted harmonics.
     heading_deg : array_like, shape (n,)
         Degrees.

@@ -54,9 +54,9 @@ def estimate_percentile(x_deg: ArrayLike, center_deg: float,
     ----------
     x_deg : array_like, shape (n,)
         Differences, or their residuals about a drift; finite, degrees.
-    center_deg : float
+    center_deg
         The centre that distances count from, degrees: 0 in variant A, otherwise the mean.
-    n_effective : float
+    n_effective
         Number of independent differences that they are worth.
 
     Returns

@@ -88,7 +88,7 @@ def estimate_reference_noise(ts_deg: ArrayLike, rs_deg: ArrayLike, *,
     ----------
     ts_deg, rs_deg : array_like, shape (n,)
         Unwrapped headings of the pairs in sample order, finite, degrees.
-    skew_variance_deg2 : float
+    skew_variance_deg2
         Largest variance that a time skew may add to x, square degrees. Half of it may look like
         noise of the RS, and is subtracted from the bound.
     averages : int, ndarray, ndarray, optional

@@ -62,17 +62,17 @@ class PreparedRun:
         Stamps, differences and RS headings after the stabilisation period.
     residual_deg : ndarray, shape (n,), or None
         Differences minus the polynomial removed, degrees; None if only the mean is removed.
-    order : int
+    order
         Order of that polynomial; 0 for the mean.
-    coefficients_deg : tuple of float
+    coefficients_deg
         Its Legendre coefficients from order 0, degrees; empty if only the mean is removed.
-    n_left_out : int
+    n_left_out
         Differences at the start that an automatic stabilisation period leaves out.
-    moments : Moments
+    moments
         Moments of `x_deg`.
-    variance_deg2 : float or None
+    variance_deg2
         GK (4): sum of squared residuals / (n - 1 - order); None for n < 2 + order.
-    taken_out_s : float
+    taken_out_s
         Time within the run that a person took out, seconds.
 
     """
@@ -136,14 +136,14 @@ def prepare_run(run: RunSeries, limits: Limits, settings: Settings,
 
     Parameters
     ----------
-    run : RunSeries
+    run
         A run at its end.
-    limits : Limits
+    limits
         `sigma_max_deg` determines when a run has settled.
-    settings : Settings
+    settings
         Uses `runs.stabilization_s` and `drift_order`; both may be 'auto'. A run that goes on
         after a cut by the clock has no automatic stabilisation period.
-    exclusions : sequence of Exclusion
+    exclusions
         Stretches to leave out after the stabilisation period, which they do not move.
 
     References
@@ -185,15 +185,15 @@ class RunColumns:
         Stamps in increasing order, nanoseconds.
     x_deg, rs_deg : ndarray, shape (n,)
         Differences, installation offset removed, and headings of the RS; finite, degrees.
-    settings : Settings
+    settings
         Uses installation offset, alignment, pairing gap and detectors.
-    limits : Limits
+    limits
         The limits of the decision on the run.
     residual_deg : ndarray, shape (n,), or None
         Differences minus the polynomial that `drift_order` removed; None if none was.
     factor : ndarray, shape (n,), or None
         Factor by which interpolation reduces the variance of white noise; None is 1.
-    interpolates_ts : bool
+    interpolates_ts
         Whether the TS is interpolated, not the RS.
 
     """

@@ -77,17 +77,17 @@ def diagnose(columns: RunColumns, guarded: Guarded, *, drift: Drift, rest: Detre
 
     Parameters
     ----------
-    columns : RunColumns
+    columns
         The analysed pairs; n >= 0.
-    guarded : Guarded
+    guarded
         The decision on the same differences.
-    drift : Drift
+    drift
         Drift of the differences, from `describe_drift`.
-    rest : Detrended
+    rest
         The differences without that drift.
-    scan : Scan, optional
+    scan
         Skew scan of the two streams, if available.
-    progress : callable
+    progress
         Called with the share of the work that is done, from 0 to 1.
 
     Returns

@@ -115,13 +115,13 @@ def describe_skew(estimate: Skew, variance_deg2: float | None, limits: Limits,
 
     Parameters
     ----------
-    estimate : Skew
+    estimate
         Estimate from the pairs of the run.
-    variance_deg2 : float or None
+    variance_deg2
         Variance of the differences as paired, square degrees.
-    limits : Limits
+    limits
         Limits of the variance criterion.
-    scan : Scan, optional
+    scan
         Scan of the two streams.
 
     """
@@ -149,7 +149,7 @@ def describe_drift(stamp_ns: np.ndarray, x_deg: np.ndarray,
         Stamps in increasing order, nanoseconds.
     x_deg : ndarray, shape (n,)
         Differences, finite, degrees.
-    tolerance_deg : float
+    tolerance_deg
         Value to which a warm-up must fall, degrees.
 
     """
@@ -197,9 +197,9 @@ def describe_correlation(stamps: StampSteps, series: SeriesCorrelation) -> Corre
 
     Parameters
     ----------
-    stamps : StampSteps
+    stamps
         Steps of the stamps of the differences.
-    series : SeriesCorrelation
+    series
         The correlation of the differences or residuals.
 
     """
@@ -223,9 +223,9 @@ def describe_allan(x_deg: np.ndarray, step_s: float | None, noise: ReferenceNois
     ----------
     x_deg : ndarray, shape (n,)
         Differences in sample order, finite, degrees.
-    step_s : float or None
+    step_s
         Time from sample to sample, seconds.
-    noise : ReferenceNoise
+    noise
         Noise found in the headings of both sensors.
 
     """

@@ -40,20 +40,20 @@ class Hats:
 
     Attributes
     ----------
-    n : int
+    n
         Readings of each sensor.
     pairs : tuple of pair of int
         The sensors of each difference, numbered from 0.
-    pair_variance_deg2 : tuple of float
+    pair_variance_deg2
         Variances of these differences, divisor n - 1.
-    variance_deg2 : tuple of float
+    variance_deg2
         Variance of each sensor, by least squares on all pairs. May be negative, and is reported
         so, if the errors are correlated or the record is short.
     interval_deg2 : tuple of pair of float, or None
         95 % intervals; None for n < 16.
-    std_deg : tuple of float or None
+    std_deg
         Roots of the variances; None where negative.
-    point_deg2 : tuple of float
+    point_deg2
         Best-fitting variances that are not negative.
 
     """
@@ -74,9 +74,9 @@ def at_common_stamps(sensors: Sequence[Headings],
 
     Parameters
     ----------
-    sensors : sequence of Headings
+    sensors
         At least two.
-    skew_s : sequence of float, optional
+    skew_s
         Age of the first sensor's data relative to each sensor's, seconds, as `scan_skew` of the
         first and each gives it; the first number is 0. Default no skew.
 
@@ -113,7 +113,7 @@ def three_cornered_hat(heading_deg: ArrayLike, stamp_ns: ArrayLike | None = None
         Headings of k >= 3 sensors at common stamps, degrees.
     stamp_ns : array_like of int, shape (n,), optional
         The stamps; needed for an order above 0.
-    order : int
+    order
         Order of the polynomial first removed from each difference, 0 to 3; 0 is the mean.
 
     Returns

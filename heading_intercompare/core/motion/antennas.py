@@ -46,17 +46,17 @@ class BaselineHeadings:
 
     Attributes
     ----------
-    headings : Headings
+    headings
         At the stamps of the fore antenna.
-    length_m : float or None
+    length_m
         The length that was required: as stated, or the median; None without a pair.
-    scatter_m : float or None
+    scatter_m
         Standard deviation of the lengths that were accepted, from their median absolute
         deviation; None for fewer than two.
-    sigma_deg : float or None
+    sigma_deg
         Standard uncertainty of a heading: that of the length, or of the positions as stated, as
         an angle.
-    rejected : dict of str to int
+    rejected
         Positions of the fore antenna that gave none: 'no_partner', 'wrong_baseline'.
 
     """
@@ -74,9 +74,9 @@ def find_baseline_headings(fore: Motion, aft: Motion, rule: Antennas) -> Baselin
 
     Parameters
     ----------
-    fore, aft : Motion
+    fore, aft
         Positions of the two antennas, in any order; rows without one do not count.
-    rule : Antennas
+    rule
         Length and mounting of the baseline.
 
     Returns

@@ -80,13 +80,13 @@ def find_legs(motion: Motion, stamp_ns: Integers, ts_deg: Reals, rs_deg: Reals,
 
     Parameters
     ----------
-    motion : Motion
+    motion
         Rows in stamp order, within the run.
     stamp_ns : ndarray of int64, shape (n,)
         Stamps of the pairs in increasing order, nanoseconds.
     ts_deg, rs_deg : ndarray, shape (n,)
         Headings of both sensors, the installation offset removed from the TS; degrees.
-    rule : MotionRule
+    rule
         Least speed, strongest current, largest leeway.
 
     Returns

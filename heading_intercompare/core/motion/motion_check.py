@@ -113,13 +113,13 @@ def check_motion(motion: Motion, stamp_ns: Integers, ts_deg: Reals, rs_deg: Real
 
     Parameters
     ----------
-    motion : Motion
+    motion
         In any order; rows outside the pairs do not count.
     stamp_ns : ndarray of int64, shape (n,)
         Stamps of the pairs in increasing order, nanoseconds; n >= 0.
     ts_deg, rs_deg : ndarray, shape (n,)
         Headings, finite, the installation offset removed from the TS; degrees.
-    rule : MotionRule
+    rule
         What counts as underway, and the limits of the check.
 
     Returns

@@ -36,12 +36,12 @@ class MotionRecord:
 
     Parameters
     ----------
-    keep : Keep, optional
+    keep
         Stores full pages, so that memory does not grow (see `Column`).
 
     Attributes
     ----------
-    oldest_ns, newest_ns : int or None
+    oldest_ns, newest_ns
         The smallest and the largest stamp; None without rows.
 
     """
@@ -83,7 +83,7 @@ class RunMotion:
 
     Parameters
     ----------
-    keeper : callable
+    keeper
         Returns the store for the pages of a record, or None; as for `Compliance`.
 
     Attributes
@@ -150,9 +150,9 @@ def leave_out_known(motion: Motion, newest_ns: Mapping[str, int]) -> Motion:
 
     Parameters
     ----------
-    motion : Motion
+    motion
         In any order.
-    newest_ns : mapping of str to int
+    newest_ns
         Of `find_newest`.
 
     Notes

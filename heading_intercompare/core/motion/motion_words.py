@@ -38,7 +38,7 @@ def describe_motion(check: MotionCheck) -> str:
 
     Parameters
     ----------
-    check : MotionCheck
+    check
         Of `check_motion`.
 
     """
@@ -90,7 +90,7 @@ def explain_motion(check: MotionCheck) -> str:
 
     Parameters
     ----------
-    check : MotionCheck
+    check
         Of `check_motion`.
 
     """

@@ -34,9 +34,9 @@ class MovedRow(NamedTuple):
 
     Attributes
     ----------
-    what : str
+    what
         'fix', 'velocity', 'rate' or 'attitude'.
-    values : tuple of float
+    values
         Its columns: see `MOTION_COLUMNS`; roll and pitch, degrees.
 
     """

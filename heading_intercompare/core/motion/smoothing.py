@@ -49,7 +49,7 @@ class Smooth:
 
     Attributes
     ----------
-    start_s, step_s : float
+    start_s, step_s
         First knot, and the distance of the knots, seconds.
     pieces : ndarray, shape (n, 6)
         Coefficients of the polynomial of each interval, in its fraction.
@@ -108,7 +108,7 @@ def find_spikes(values: Reals, least: float) -> np.ndarray:
     ----------
     values : ndarray, shape (n,)
         In the order of time.
-    least : float
+    least
         A sample is no spike unless it lies further than this from the median of its neighbours.
 
     Returns
@@ -145,7 +145,7 @@ def bridge_gaps(t_s: Reals, values: Reals, longest_s: float) -> tuple[Reals, Rea
     ----------
     t_s, values : ndarray, shape (n,)
         Rising seconds, and values without spikes.
-    longest_s : float
+    longest_s
         A longer step is a gap.
 
     Returns
@@ -178,7 +178,7 @@ def fit_smooth(t_s: Reals, values: Reals, period_s: float) -> Smooth:
     ----------
     t_s, values : ndarray, shape (n,)
         Rising seconds, and values; at least two samples.
-    period_s : float
+    period_s
         An oscillation of this period keeps half its amplitude, whatever the rate of the samples.
         The share kept is 1 / (1 + (period_s / T)^6) for the period T: 98 % at twice the period.
 

@@ -73,7 +73,7 @@ def compare_turns(motion: Motion, stamp_ns: Integers, heading_deg: Reals) -> Tur
 
     Parameters
     ----------
-    motion : Motion
+    motion
         Rows in stamp order, within the run.
     stamp_ns : ndarray of int64, shape (n,)
         Stamps of the headings in increasing order, nanoseconds.

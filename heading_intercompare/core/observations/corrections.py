@@ -95,9 +95,9 @@ class Corrections(_Columns):
         Change of C - O per second by which the time of the observation may be wrong.
     u_deg : ndarray, shape (n,)
         Standard uncertainty of each, with that of its time, degrees.
-    step_deg : float or None
+    step_deg
         Step in which the TS reports; None if none was found.
-    not_used : mapping of str to int
+    not_used
         Observations without a TS reading, by reason: 'no_ts_reading', 'outside_the_log',
         'gap_in_the_log'.
 
@@ -130,17 +130,17 @@ def find_corrections(observations: Observations, ts: Headings | None = None, *,
 
     Parameters
     ----------
-    observations : Observations
+    observations
         True headings or bearings, with their uncertainties.
-    ts : Headings, optional
+    ts
         Readings of the TS; interpolated to the observations without a reading of their own.
-    max_gap_s : float
+    max_gap_s
         Longest bracket of readings interpolated, seconds, inclusive.
-    latency_s : float
+    latency_s
         Known latency of the TS, subtracted from its stamps, seconds.
-    offset_deg : float
+    offset_deg
         Known installation angle of the TS, degrees.
-    step_deg : float, optional
+    step_deg
         Step in which the TS reports, degrees; by default it is found in its readings.
 
     Returns

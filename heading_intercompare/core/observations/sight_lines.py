@@ -88,7 +88,7 @@ def line_bearing(front: tuple[float, float], rear: tuple[float, float],
 
     Parameters
     ----------
-    front, rear : tuple of float
+    front, rear
         Latitude and longitude of the mark nearer to the ship, and of the other one, degrees.
     longitude_deg : array_like, shape (n,), optional
         Longitude of the ship, degrees; without it the bearing is that at the front mark.
@@ -133,7 +133,7 @@ def bearing_uncertainty(point_u_m: float, distance_m: ArrayLike) -> Reals:
 
     Parameters
     ----------
-    point_u_m : float
+    point_u_m
         Standard uncertainty of each point across the line, metres.
     distance_m : array_like
         Distance between them, metres.
@@ -158,10 +158,10 @@ def quay_angle(fore_m: float, aft_m: float, base_m: float, side: str) -> float:
 
     Parameters
     ----------
-    fore_m, aft_m : float
+    fore_m, aft_m
         Distances of the ship's side from the edge of the quay, at two frames where the side is
         parallel to the keel, metres.
-    base_m : float
+    base_m
         Distance between the frames, metres.
     side : {'port', 'starboard'}
         The side of the ship that lies at the quay.

@@ -44,11 +44,11 @@ class Component:
     Attributes
     ----------
     name : {'observations', 'common', 'clock', 'rounding', 'installation', 'slow_errors'}
-    u_deg : float
+    u_deg
         Standard uncertainty that it adds to the mean, degrees.
-    nu : float or None
+    nu
         Degrees of freedom; None for a stated uncertainty, which counts as known.
-    words : str
+    words
         Where it comes from.
 
     """
@@ -66,7 +66,7 @@ class Budget:
 
     Attributes
     ----------
-    components : tuple of Component
+    components
         Those above zero; the first is that of the observations.
 
     """
@@ -98,16 +98,16 @@ def make_budget(corrections: Corrections, *, common_u_deg: float, clock_u_s: flo
 
     Parameters
     ----------
-    corrections : Corrections
+    corrections
         At least two.
-    common_u_deg : float
+    common_u_deg
         Standard uncertainty of the error that all observations share, such as that of a survey,
         degrees.
-    clock_u_s : float
+    clock_u_s
         Standard uncertainty of the offset between the clocks of observer and log, seconds.
-    offset_u_deg : float
+    offset_u_deg
         That of the installation angle, degrees.
-    slow : tuple of float, optional
+    slow
         Norm of the standard deviation of the TS, degrees, and the time in which the correlation
         of its slowest error falls to 1/e, seconds.
 
@@ -167,39 +167,39 @@ class SystematicError:
 
     Attributes
     ----------
-    n : int
+    n
         Number of corrections.
-    outcome : Outcome
-    reason : str
+    outcome
+    reason
         'bound_within_norm', 'bound_above_norm'; or why it is open: 'no_norm',
         'insufficient_data', 'void.mean_difference', 'outliers_decide', 'reference_limited',
         'data_limited'.
-    correction_deg : float or None
+    correction_deg
         Mean of C - O, to be added to the TS reading; the systematic error is its negative.
         Degrees, None for n = 0.
-    std_deg : float or None
+    std_deg
         Standard deviation of C - O, degrees. This and all that follows is None for n < 2.
-    u_deg, nu : float or None
+    u_deg, nu
         Combined standard uncertainty of the mean, degrees, and its effective degrees of freedom;
         `nu` is None if infinite.
-    k, expanded_u_deg : float or None
+    k, expanded_u_deg
         Factor of Student for 95 %, and the expanded uncertainty, degrees.
-    components : tuple of Component
+    components
         The budget.
-    norm_deg : float or None
+    norm_deg
         Norm of the systematic error, degrees.
-    low_deg, high_deg : float or None
+    low_deg, high_deg
         Bounds of the size of the systematic error: compliant if `high_deg` is within the norm,
         non-compliant if `low_deg` is above it.
-    n_needed : int or None
+    n_needed
         Number of such observations that would decide for compliance; None if more do not help,
         or none are needed.
-    questionable : tuple of int
+    questionable
         Places of corrections that lie too far from the others (Grubbs, 1 %).
-    std_low_deg, std_high_deg : float or None
+    std_low_deg, std_high_deg
         Bounds of the standard deviation, each at its risk; degrees. The errors of the
         observations are in it.
-    std_norm_deg : float or None
+    std_norm_deg
         Norm of the TS standard deviation, degrees.
 
     """
@@ -242,11 +242,11 @@ def judge_corrections(corrections: Corrections, settings: Settings, *, common_u_
 
     Parameters
     ----------
-    corrections : Corrections
+    corrections
         Any number.
-    settings : Settings
+    settings
         Norms and risks, the installation offset, the slowest error of the TS.
-    common_u_deg, clock_u_s : float
+    common_u_deg, clock_u_s
         See `make_budget`.
 
     Returns

@@ -31,11 +31,11 @@ def subtract(pairs: Pairs, installation_offset_deg: float = 0.0,
 
     Parameters
     ----------
-    pairs : Pairs
+    pairs
         Pairs of readings; n >= 0.
-    installation_offset_deg : float
+    installation_offset_deg
         Known angle TS - RS as mounted, degrees; removed.
-    wrap_center_deg : float
+    wrap_center_deg
         Differences are reduced to [c - 180, c + 180), degrees.
 
     Returns

@@ -119,9 +119,9 @@ class UsualSteps:
 
     Parameters
     ----------
-    silence_ns : int
+    silence_ns
         A longer step is a silence, nanoseconds.
-    watched_ns : int
+    watched_ns
         How long a stretch is watched, nanoseconds.
 
     Notes
@@ -218,9 +218,9 @@ def is_slower(ts_step_ns: int | None, rs_step_ns: int | None, slow_ns: int) -> b
 
     Parameters
     ----------
-    ts_step_ns, rs_step_ns : int or None
+    ts_step_ns, rs_step_ns
         Typical steps of both over the same time, nanoseconds.
-    slow_ns : int
+    slow_ns
         Longest typical step of an RS that is not slow, nanoseconds.
 
     Returns
@@ -253,17 +253,17 @@ class Direction:
 
     Parameters
     ----------
-    rule : Pairing
+    rule
         `max_gap_s`, `auto_s` and `slow_rs_s` are used.
-    gap_ns : int
+    gap_ns
         `runs.gap_s`, nanoseconds.
 
     Attributes
     ----------
-    interpolates_ts : bool or None
+    interpolates_ts
         Whether the TS is interpolated to the stamps of the RS in the current stretch; None until
         that is chosen.
-    start_ns : int or None
+    start_ns
         Start of the current stretch, or of the first one that shares its choice; None until that
         is chosen.
 
@@ -321,7 +321,7 @@ class Direction:
 
         Parameters
         ----------
-        end : bool
+        end
             True if no more readings will come.
 
         Returns

@@ -101,11 +101,11 @@ class Ensembling:
 
     Parameters
     ----------
-    span_s : float
+    span_s
         Length of an ensemble, seconds.
-    gap_s : float
+    gap_s
         Longest time between pairs that is not a silence, seconds: `runs.gap_s`.
-    wrap_center_deg : float
+    wrap_center_deg
         Differences are reduced to [c - 180, c + 180), degrees.
 
     Raises

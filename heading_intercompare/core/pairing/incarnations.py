@@ -38,7 +38,7 @@ class IncarnationChoice:
 
     Attributes
     ----------
-    current : int or None
+    current
         When the synchronizer that is followed was started, UTC ns; None before the first.
 
     Notes
@@ -123,9 +123,9 @@ class StreamNumbers(NamedTuple):
 
     Attributes
     ----------
-    first_publisher, last_publisher : str
+    first_publisher, last_publisher
         The publishers of the first and of the newest one; '' if unknown.
-    first, last : int
+    first, last
         The numbers that they gave.
 
     """
@@ -298,9 +298,9 @@ class Incarnations:
 
         Parameters
         ----------
-        who : str
+        who
             The node that pairs.
-        sensors : tuple of (str, str)
+        sensors
             What to call the TS and the RS.
 
         """

@@ -69,9 +69,9 @@ def interpolated_response(factor: float, step_ns: int, frequency: Reals) -> Real
 
     Parameters
     ----------
-    factor : float
+    factor
         What it leaves of white noise, the mean over the frequencies.
-    step_ns : int
+    step_ns
         Usual step of the sensor, nanoseconds.
     frequency : ndarray, shape (n,)
         Frequencies over half the rate of the sensor, from 0 to 1.
@@ -265,9 +265,9 @@ def interpolate(stamp_ns: Integers, heading_deg: Reals, is_good: np.ndarray, lef
         Index of the last reading before each stamp, ascending, from 0 to r - 2.
     t_ns : ndarray of int64, shape (n,)
         The stamps, none equal to that of a reading.
-    step_ns : int
+    step_ns
         Usual step of the sensor, nanoseconds.
-    is_line : bool
+    is_line
         Whether the values are those of the line between two readings; the longest kernel is then
         only compared with it.
 

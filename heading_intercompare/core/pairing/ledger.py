@@ -218,9 +218,9 @@ class LedgerSegment:
 
     Attributes
     ----------
-    start_ns : int or None
+    start_ns
         First stamp of the segment; None for the first segment, which has no beginning.
-    counts : mapping of LedgerKey to int
+    counts
         Pairs, and readings by fate. An absent key is 0.
 
     """
@@ -297,9 +297,9 @@ class Ledger:
 
     Attributes
     ----------
-    newest_ns : int or None
+    newest_ns
         Newest stamp received.
-    set_backs : dict of str to sequence of SetBack
+    set_backs
         For each sensor, the times at which its clock was set back.
 
     """
@@ -495,7 +495,7 @@ class Ledger:
 
         Parameters
         ----------
-        start_ns, end_ns : int
+        start_ns, end_ns
             Stamps of its first and of its last pair.
 
         Returns

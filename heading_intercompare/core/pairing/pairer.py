@@ -58,7 +58,7 @@ class Pairer:
 
     Parameters
     ----------
-    settings : Settings
+    settings
         Uses `pairing`, `alignment.skew_s` (subtracted from the TS stamps) and `runs.gap_s` (after
         such a silence the ledger opens a segment and 'auto' chooses again). The ledger also opens
         a segment where the clock cuts runs.
@@ -124,9 +124,9 @@ class Pairer:
 
         Parameters
         ----------
-        ts, rs : Headings, optional
+        ts, rs
             New readings, in order of arrival; n >= 0 of each.
-        now_s : float, optional
+        now_s
             A steady clock, seconds. With it a reading waits for its partner until
             `pairing.max_wait_s` has passed both by this clock and by the stamps of newer readings;
             then it counts as unpaired or unused. While the other sensor is silent, and as long
@@ -167,9 +167,9 @@ class Pairer:
 
         Parameters
         ----------
-        key : LedgerKey
+        key
             Whose readings, and where they were lost; or a rejection by the driver.
-        losses : Losses
+        losses
             How many are missing in each gap. They count at the stamp of the first reading after
             the gap, unless the gap is so long that it ends a run: then they count in its middle,
             between the runs.
@@ -442,9 +442,9 @@ def pair(ts: Headings, rs: Headings, settings: Settings | None = None) -> tuple[
 
     Parameters
     ----------
-    ts, rs : Headings
+    ts, rs
         All readings of the TS and of the RS, in order of arrival.
-    settings : Settings, optional
+    settings
         As for `Pairer`.
 
     Returns

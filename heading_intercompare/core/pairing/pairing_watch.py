@@ -37,12 +37,12 @@ class PairingState:
 
     Attributes
     ----------
-    paired_share : float or None
+    paired_share
         Pairs per reading of the sensor with fewer readings, at most 1; None unless both sensors
         reported.
-    offset_s : float or None
+    offset_s
         Newest stamp of the TS - newest stamp of the RS, seconds; None unless both have reported.
-    trouble : str
+    trouble
         What is wrong, in words; '' if nothing is.
 
     """
@@ -58,7 +58,7 @@ class PairingWatch:
 
     Parameters
     ----------
-    rule : Pairing
+    rule
         Uses `max_wait_s`: readings whose stamps lie further apart do not wait for each other.
 
     """
@@ -76,11 +76,11 @@ class PairingWatch:
 
         Parameters
         ----------
-        ledger : Ledger
+        ledger
             The ledger as it is now.
-        ts_ns, rs_ns : int or None
+        ts_ns, rs_ns
             Stamps of the last readings of both sensors; None before the first.
-        now_s : float
+        now_s
             A steady clock, seconds; increases from call to call.
 
         """

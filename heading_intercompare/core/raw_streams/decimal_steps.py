@@ -68,7 +68,7 @@ def find_decimal_step(changes: Mapping[int, int]) -> float | None:
 
     Parameters
     ----------
-    changes : mapping of int to int
+    changes
         Changes of value by the coarsest step of which they are multiples, from `StepCount`.
 
     Returns

@@ -46,7 +46,7 @@ class Unfolded:
 
     Attributes
     ----------
-    kept : Headings
+    kept
         The readings of the sensor, stamps increasing: all where it holds nothing, otherwise the
         first one of each value.
     held_ns : ndarray of int64

@@ -100,7 +100,7 @@ class SequenceMatch:
 
     Parameters
     ----------
-    range_s : float
+    range_s
         Largest delay to try in either direction, seconds; three steps of the slower sensor are
         tried in any case, up to 15 s.
 

@@ -59,7 +59,7 @@ def is_rising(stamp_ns: np.ndarray, newest_ns: int | None = None) -> np.ndarray:
     ----------
     stamp_ns : ndarray of int64, shape (n,)
         Stamps in order of arrival, nanoseconds.
-    newest_ns : int, optional
+    newest_ns
         Largest stamp accepted so far.
 
     Returns
@@ -85,9 +85,9 @@ class SetBack:
     ----------
     stream : {'ts', 'rs'}
         The sensor.
-    stamp_ns : int
+    stamp_ns
         Newest stamp before the step, nanoseconds.
-    size_ns : int
+    size_ns
         How far the clock was set back, nanoseconds, > 0.
 
     """
@@ -143,18 +143,18 @@ class JumpFilter(Generic[_Rows]):
 
     Parameters
     ----------
-    stream : str
+    stream
         Name of the stream, stated in `set_backs`.
-    jump_s : float
+    jump_s
         A longer step of the stamps is a jump, seconds: `pairing.jump_s`.
     empty : Headings or Pairs
         The empty chunk of the kind to take.
 
     Attributes
     ----------
-    newest_ns : int or None
+    newest_ns
         Newest accepted stamp.
-    set_backs : list of SetBack
+    set_backs
         The times at which the clock was set back, at most the first hundred.
 
     Notes

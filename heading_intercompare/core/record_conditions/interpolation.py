@@ -59,9 +59,9 @@ def judge_interpolation(error: InterpolationError, account: RunAccount) -> Findi
 
     Parameters
     ----------
-    error : InterpolationError
+    error
         What interpolation adds to the variance.
-    account : RunAccount
+    account
         Uses the outcome, the bounds L and U of the variance, and the limits A and R.
 
     Notes

@@ -47,11 +47,11 @@ def judge_left_out(outcome: Outcome, left_out: TakenOut, by_hand: bool) -> Findi
 
     Parameters
     ----------
-    outcome : Outcome
+    outcome
         As set.
-    left_out : TakenOut
+    left_out
         What was left out, with the outcome as recorded.
-    by_hand : bool
+    by_hand
         Whether a person took something out, which the headline always says.
 
     Returns

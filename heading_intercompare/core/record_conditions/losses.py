@@ -103,9 +103,9 @@ def warn_of_alone(share: LedgerSegment, inside: LedgerSegment, settings: Setting
 
     Parameters
     ----------
-    share, inside : LedgerSegment
+    share, inside
         Ledger of the readings of a run, and of those between its first and last pair.
-    settings : Settings
+    settings
         Uses `detectors.lost_doubtful`.
 
     """
@@ -168,9 +168,9 @@ def judge_losses(shares: Sequence[tuple[str, float]], settings: Settings) -> Fin
 
     Parameters
     ----------
-    shares : sequence of (str, float)
+    shares
         Each kind of loss in words, and its share of the readings inside the run.
-    settings : Settings
+    settings
         Uses `detectors.lost_doubtful` and `detectors.lost_void`.
 
     """

@@ -40,11 +40,11 @@ def judge_mean_over_runs(runs: Homogeneity, sigma_max_deg: float,
 
     Parameters
     ----------
-    runs : Homogeneity
+    runs
         The means and variances of the runs compared.
-    sigma_max_deg : float
+    sigma_max_deg
         Norm of the TS, degrees.
-    in_variant_c : Outcome
+    in_variant_c
         What variant C decides.
 
     Returns

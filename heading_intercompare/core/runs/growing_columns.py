@@ -41,13 +41,13 @@ class Column:
 
     Parameters
     ----------
-    dtype : type
+    dtype
         Type of the values.
-    keep : Keep, optional
+    keep
         Stores full pages. Without it there are no pages and all values stay in memory. The
         capacity grows fourfold, so n values cost at most n/3 copies in all; the operating system
         gives memory only to what is filled.
-    on_page : callable, optional
+    on_page
         Called with each full page.
 
     Attributes

@@ -57,11 +57,11 @@ def compute_figures(part: RunSeries | Rolling, limits: Limits,
 
     Parameters
     ----------
-    part : RunSeries or Rolling
+    part
         Must hold at least one difference.
-    limits : Limits
+    limits
         Of the criteria.
-    settings : Settings
+    settings
         Norms, model and variant.
 
     Notes
@@ -81,11 +81,11 @@ def compute_run_figures(run: RunSeries, limits: Limits, settings: Settings) -> d
 
     Parameters
     ----------
-    run : RunSeries
+    run
         Must hold at least one difference.
-    limits : Limits
+    limits
         Of the criteria.
-    settings : Settings
+    settings
         Norms, model, variant, risk and times of looks.
 
     Returns

@@ -52,9 +52,9 @@ class RecordPiece:
 
     Attributes
     ----------
-    start_ns, end_ns : int
+    start_ns, end_ns
         Stamps of its first and last pair.
-    cells : Cells
+    cells
         Its finite differences.
 
     """
@@ -107,16 +107,16 @@ class RecordPieces(Generic[Judged]):
 
     Parameters
     ----------
-    rule : RunCutting
+    rule
         Only silences and the clock cut the record.
-    judge : callable
+    judge
         Returns what is kept of a piece that has ended, or would end now.
 
     Attributes
     ----------
     n : int
         Pairs so far, in runs or not.
-    start_ns : int or None
+    start_ns
         Stamp of the first pair.
 
     Notes

@@ -63,7 +63,7 @@ class Rolling:
 
     Parameters
     ----------
-    window_s : float
+    window_s
         Length of the window, seconds of stamp time.
 
     Notes

@@ -41,14 +41,14 @@ class Piece:
 
     Attributes
     ----------
-    key : int
+    key
         The same for all pieces of a run, larger for a later run.
-    cut_ns : int
+    cut_ns
         Stamp of the cut that opened the run: of its mark, of the clock, or of its first pair.
-    since_ns : int
+    since_ns
         Stamp of the first pair after the newest mark or silence. A cut by the clock leaves it as
         it is: the sensors go on.
-    lo, hi : int
+    lo, hi
         The pairs i of the chunk with lo <= i < hi belong to the piece.
 
     """
@@ -71,7 +71,7 @@ class CutterState:
         As in `Piece`; stamp of the newest pair; whether a run is in progress.
     events : sequence of (stamp_ns, starts)
         Marks that wait.
-    marked, open : bool
+    marked, open
         A mark was set; pairs belong to runs.
 
     """
@@ -92,7 +92,7 @@ class RunCutter:
 
     Parameters
     ----------
-    rule : RunCutting
+    rule
         Uses `gap_s`, `every_h` and `cut_at_utc`.
     table : sequence of (start_ns, stop_ns), optional
         Runs as half-open intervals, ascending, without overlap. Marks are then ignored.
@@ -162,7 +162,7 @@ class RunCutter:
         ----------
         kind : {'start', 'stop'}
             Whether a run starts or stops.
-        stamp_ns : int
+        stamp_ns
             Stamp of the newest pair when the mark was set.
 
         Returns

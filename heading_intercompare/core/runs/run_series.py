@@ -38,16 +38,16 @@ class RunSeries:
 
     Parameters
     ----------
-    cut_ns : int
+    cut_ns
         Stamp of the cut that opened the run.
-    settings : Settings
+    settings
         Uses the stabilisation period and the plan of looks.
-    on_look : callable, optional
+    on_look
         ``on_look(run, look, looks)`` is called when a look is due, with the planned number of
         looks. The run then holds exactly the differences that belong to the look.
-    keep : Keep, optional
+    keep
         Stores full pages of the columns; see `Column`.
-    since_ns : int, optional
+    since_ns
         Stamp from which the sensors have reported without a silence or mark, by default the first
         pair. The stabilisation period counts from there, so a run that the clock cuts off from
         the one before it has only the rest of that period, or none.

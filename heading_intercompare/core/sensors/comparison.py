@@ -41,11 +41,11 @@ class SensorsComparison:
 
     Parameters
     ----------
-    settings : Settings
+    settings
         Without `sensors` the two are the TS `ts` and the RS `rs`.
     source, table, progress
         As for `Intercomparison`.
-    only_others : bool
+    only_others
         Leave out the pairs with the reference, which other nodes judge: `tested` is empty.
 
     Attributes

@@ -52,17 +52,17 @@ def judge_sensors(settings: Settings, verdicts: Mapping[str, Verdict],
 
     Parameters
     ----------
-    settings : Settings
+    settings
         With `sensors`.
-    verdicts : mapping of str to Verdict
+    verdicts
         The verdict on each sensor against the reference; empty without one.
     others : mapping of (str, str) to sequence of RunResult
         The runs of each other pair, by the names of its sensors.
-    inputs : sequence of Input
+    inputs
         The sources of the runs.
     incomplete : collection of (str, str)
         The other pairs that lack a run in an input; they certify nothing.
-    problems : mapping of (str, str) to sequence of str, optional
+    problems
         What other pairs missed, in words; it becomes findings of theirs.
 
     Returns

@@ -90,17 +90,17 @@ def describe_pair(names: tuple[str, str], runs: Sequence[RunVerdict], limit_deg2
 
     Parameters
     ----------
-    names : tuple of (str, str)
+    names
         Names of the sensors.
-    runs : sequence of RunVerdict
+    runs
         Its judged runs; may be empty. A verdict read from JSON gives the same figures.
-    limit_deg2 : float
+    limit_deg2
         Largest variance that the norms of both explain.
-    of_reference : bool
+    of_reference
         Whether the second sensor is the reference.
-    risk : float
+    risk
         Risk that two sound sensors differ, for all runs of the pair together.
-    consumer : float
+    consumer
         Risk of the upper bound.
 
     """

@@ -44,9 +44,9 @@ def settings_of_pair(settings: Settings, ts: Sensor, rs: Sensor) -> Settings:
 
     Parameters
     ----------
-    settings : Settings
+    settings
         Of the whole comparison.
-    ts, rs : Sensor
+    ts, rs
         The tested one and its partner. What is known of the RS (`norms.sigma_ref_deg`, `m_low`,
         `m_up`) holds only for the reference; any other partner is between perfect and its norm.
 

@@ -36,18 +36,18 @@ class PairNow:
 
     Attributes
     ----------
-    first, second : str
+    first, second
         Names of the sensors; the difference is first - second.
-    n : int
+    n
         Number of differences.
-    newest_ns : int or None
+    newest_ns
         Stamp of the newest one.
-    mean_deg, std_deg : float or None
+    mean_deg, std_deg
         Their mean and standard deviation, degrees.
-    lower_bound_deg2, limit_deg2 : float or None
+    lower_bound_deg2, limit_deg2
         Lower bound of their variance, and the largest one that the norms of both explain, square
         degrees.
-    gross : bool
+    gross
         Whether the mean is larger than any installation explains.
 
     """
@@ -91,11 +91,11 @@ def describe_now(names: tuple[str, str], figures: Mapping[str, Any],
 
     Parameters
     ----------
-    names : tuple of (str, str)
+    names
         Of its sensors.
-    figures : mapping of str to object
+    figures
         Those of `Compliance.rolling_figures`, as numbers or as the texts of a message.
-    mean_max_deg : float
+    mean_max_deg
         Largest mean difference that an installation explains, degrees.
 
     Examples

@@ -39,11 +39,11 @@ class PairVariance:
 
     Attributes
     ----------
-    first, second : int
+    first, second
         The sensors, numbered from 0.
-    variance_deg2, u_deg2 : float
+    variance_deg2, u_deg2
         The variance and its standard uncertainty, square degrees.
-    first_factor, second_factor : float
+    first_factor, second_factor
         Factor by which interpolation reduced the white noise of each.
 
     """
@@ -77,9 +77,9 @@ def split_variances(n: int, pairs: Sequence[PairVariance]) -> tuple[SensorVarian
 
     Parameters
     ----------
-    n : int
+    n
         Number of sensors.
-    pairs : sequence of PairVariance
+    pairs
         The pairs that have a variance.
 
     Returns

@@ -54,13 +54,13 @@ def find_wrong(names: Sequence[str], differs: Mapping[tuple[str, str], bool | No
 
     Parameters
     ----------
-    names : sequence of str
+    names
         The sensors.
-    differs : mapping of (str, str) to bool or None
+    differs
         For each pair whether it differs; None if it was not testable.
-    one_source : iterable of (str, str)
+    one_source
         Pairs that show one source.
-    beyond : iterable of str
+    beyond
         Sensors whose share of the variances of all pairs is beyond their norm. That rests on
         uncorrelated errors, so it may make a sensor suspected where several sets of sensors would
         explain the pairs that differ, but never wrong.

@@ -50,7 +50,7 @@ def autocorrelate(x: ArrayLike, max_lag: int) -> np.ndarray:
     ----------
     x : array_like, shape (n,)
         Samples at equal steps; gaps go unnoticed.
-    max_lag : int
+    max_lag
         Largest lag, in samples; lags of n and above are left out.
 
     Returns
@@ -136,11 +136,11 @@ class CorrelationTimes:
 
     Attributes
     ----------
-    n : int
+    n
         Number of samples.
-    window : int
+    window
         Largest lag summed.
-    tau_1, tau_2 : float
+    tau_1, tau_2
         1 + 2 sum r_k and 1 + 2 sum r_k^2, in samples. n / tau_1 uncorrelated samples would give
         an equally good mean, n / tau_2 (normal errors) an equally good variance.
 
@@ -253,7 +253,7 @@ def sokal_times(x: ArrayLike, limit: int = _SOKAL_LAGS) -> CorrelationTimes:
     ----------
     x : array_like, shape (n,)
         Samples at equal steps; gaps go unnoticed.
-    limit : int
+    limit
         Largest lag; the sum stops there at the latest.
 
     References
@@ -275,9 +275,9 @@ class SeriesCorrelation:
 
     Attributes
     ----------
-    r1 : float or None
+    r1
         Autocorrelation at a lag of one sample; None for n < 2.
-    wide, narrow : CorrelationTimes
+    wide, narrow
         `estimate_correlation_times` and `sokal_times`.
 
     """
@@ -386,13 +386,13 @@ def compute_allan_deviation(x: ArrayLike, rate_hz: float, tau_s: ArrayLike | Non
     ----------
     x : array_like, shape (n,)
         Samples at equal steps, finite; gaps go unnoticed.
-    rate_hz : float
+    rate_hz
         Samples per second.
     tau_s : array_like, optional
         Averaging times, seconds, rounded to whole samples; default 1, 2, 4, ... samples.
     m : array_like of int, optional
         Averaging times in samples, instead of `tau_s`.
-    overlapping : bool
+    overlapping
         Start an average at every sample, which scatters less, or take consecutive averages only.
 
     Returns

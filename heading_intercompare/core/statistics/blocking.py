@@ -46,9 +46,9 @@ def block_size(n: int, least: int) -> int:
 
     Parameters
     ----------
-    n : int
+    n
         Number of samples.
-    least : int
+    least
         Fewest blocks; the result gives fewer than twice this number.
 
     Returns
@@ -73,7 +73,7 @@ def block_means(values: ArrayLike, size: int) -> np.ndarray:
     ----------
     values : array_like, shape (n,) or (n, k)
         In sample order.
-    size : int
+    size
         Samples in a block, at least 1; an incomplete last block is dropped.
 
     Returns
@@ -197,7 +197,7 @@ def average(values: np.ndarray, size: int) -> Reals:
     ----------
     values : ndarray, shape (n,)
         In sample order. Integers are averaged as differences from the first.
-    size : int
+    size
         Samples in a block; an incomplete last block is dropped.
 
     Returns
@@ -221,16 +221,16 @@ class Averages:
 
     Attributes
     ----------
-    n : int
+    n
         Samples of the record.
-    size : int
+    size
         Samples in a block: 1 up to 262144 samples, otherwise the power of two that leaves 131072
         to 262143 blocks. An incomplete last block is left out.
     stamp_ns : ndarray of int64, shape (n // size,)
         Mean stamps, nanoseconds.
     x_deg : ndarray, shape (n // size,)
         Mean differences, degrees.
-    within_deg2 : float
+    within_deg2
         Mean square of the differences about the means of their blocks, square degrees.
 
     """

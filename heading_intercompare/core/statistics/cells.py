@@ -48,21 +48,21 @@ class CellValues:
 
     Attributes
     ----------
-    n : int
+    n
         Number of differences, including those of the incomplete last cell.
-    mean_deg : float
+    mean_deg
         Their mean, degrees.
-    mean_square_deg2 : float
+    mean_square_deg2
         Mean square of the deviations from the mean, q of S.2; square degrees.
-    kurtosis : float
+    kurtosis
         Mean fourth power of the deviations over q squared, k4 of S.6; 3 where q is 0.
-    rounding_deg : float
+    rounding_deg
         Deviations smaller than this are rounding errors, degrees.
     b_deg, y_deg2 : ndarray, shape (K,)
         Sums of the deviations, and of their squares, in each of the K complete cells, times K
         over the number of differences in all of them. If the cells are equally full, these are
         the means. An empty cell has 0 and q.
-    occupied : float
+    occupied
         Share of the complete cells that hold a difference.
 
     """

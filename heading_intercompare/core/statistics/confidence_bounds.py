@@ -44,9 +44,9 @@ def confidence(spread: Spread, limit_deg2: float) -> float:
 
     Parameters
     ----------
-    spread : Spread
+    spread
         Spread of one run, or of several together.
-    limit_deg2 : float
+    limit_deg2
         The limit, square degrees, greater than 0.
 
     Returns
@@ -87,11 +87,11 @@ def mean_confidence(spread: Spread, sigma_deg: float, low_deg: float,
 
     Parameters
     ----------
-    spread : Spread
+    spread
         Spread of one run, or of several together.
-    sigma_deg : float
+    sigma_deg
         Norm of the TS, degrees.
-    low_deg, up_deg : float
+    low_deg, up_deg
         Interval of the RS standard deviation, degrees; assumed uniform within it.
 
     Returns
@@ -119,11 +119,11 @@ def duration_factor(spread: Spread, accept_deg2: float, reject_deg2: float,
 
     Parameters
     ----------
-    spread : Spread
+    spread
         The variance with its uncertainty.
-    accept_deg2, reject_deg2 : float
+    accept_deg2, reject_deg2
         Acceptance and rejection limits, square degrees.
-    alpha_consumer, alpha_producer : float
+    alpha_consumer, alpha_producer
         Risks, up to 0.5.
 
     Returns
@@ -172,9 +172,9 @@ def rate_lower(k: float, trials: float, alpha: float) -> float:
 
     Parameters
     ----------
-    k, trials : float
+    k, trials
         Number of events and of effective trials, 0 <= k <= trials; need not be integers.
-    alpha : float
+    alpha
         Risk that the rate is below the bound.
 
     References
@@ -198,7 +198,7 @@ def interval_factors(dof: ArrayLike, probability: float = 0.95) -> tuple[Reals, 
     ----------
     dof : array_like, shape (n,) or scalar
         Degrees of freedom of the estimate, greater than 0.
-    probability : float
+    probability
         Of the two-sided interval.
 
     Returns

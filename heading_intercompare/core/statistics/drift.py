@@ -52,9 +52,9 @@ class Polynomial:
 
     Attributes
     ----------
-    order : int
+    order
         Its order; lower than requested if there are fewer than order + 2 samples.
-    coefficients_deg : tuple of float
+    coefficients_deg
         Coefficients of the Legendre polynomials P_0 to P_order of
         u = (2t - t_1 - t_n)/(t_n - t_1), degrees; that of P_0 is close to the mean. Empty for
         n = 0.
@@ -103,7 +103,7 @@ def remove_polynomial(stamp_ns: ArrayLike, x_deg: ArrayLike, order: int) -> Poly
         Stamps in increasing order, nanoseconds.
     x_deg : array_like, shape (n,)
         Differences, finite, degrees.
-    order : int
+    order
         From 0 (the mean) to 3.
 
     Returns
@@ -241,11 +241,11 @@ class Detrended:
 
     Attributes
     ----------
-    averages : Averages
+    averages
         The differences, which a long record averages over short blocks.
-    polynomial : Polynomial
+    polynomial
         The polynomial that fits the averages, and the residuals.
-    found : Spread or None
+    found
         Spread of the differences about the polynomial; None for fewer than 128.
 
     """
@@ -275,7 +275,7 @@ def drift_left_deg2(rest: Detrended) -> float | None:
 
     Parameters
     ----------
-    rest : Detrended
+    rest
         Differences minus the polynomial that describes the drift, of order 1 or higher.
 
     Returns
@@ -329,7 +329,7 @@ def fit_slope(stamp_ns: ArrayLike, x_deg: ArrayLike,
         Stamps in increasing order, nanoseconds.
     x_deg : array_like, shape (n,)
         Differences, finite, degrees.
-    line : Detrended, optional
+    line
         The differences minus a polynomial of order 1, if already known.
 
     Returns

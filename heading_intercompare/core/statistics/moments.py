@@ -64,13 +64,13 @@ class Moments:
 
     Attributes
     ----------
-    n : int
+    n
         Number of values.
-    mean_deg : float
+    mean_deg
         Mean, degrees; 0 for n = 0.
-    m2_deg2 : float
+    m2_deg2
         Sum of squared deviations from the mean, square degrees.
-    min_deg, max_deg : float
+    min_deg, max_deg
         Extremes, degrees; +inf and -inf for n = 0.
 
     References

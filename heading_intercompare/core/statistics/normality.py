@@ -65,7 +65,7 @@ def measure_shape(values: ArrayLike, n_effective: float | None = None) -> Shape:
     ----------
     values : array_like, shape (n,)
         Finite, degrees.
-    n_effective : float, optional
+    n_effective
         Number of independent values they are equivalent to; default n. Hundreds of thousands
         of correlated values never pass as normal at their full number.
 
@@ -111,9 +111,9 @@ class AndersonDarling:
 
     Attributes
     ----------
-    statistic, adjusted : float
+    statistic, adjusted
         A^2, and A^2 (1 + 0.75/n + 2.25/n^2).
-    p : float
+    p
         Probability of a distance at least this large for independent normal values.
 
     """
@@ -203,7 +203,7 @@ def moving_average_residual(heading_deg: ArrayLike, width: int) -> np.ndarray:
     ----------
     heading_deg : array_like, shape (n,)
         Headings in stamp order, degrees; they are unwrapped before averaging.
-    width : int
+    width
         Readings per average, odd, at least 3.
 
     Returns
@@ -269,11 +269,11 @@ def examine_normality(x_deg: ArrayLike, ts_deg: ArrayLike, rs_deg: ArrayLike, *,
     ----------
     x_deg, ts_deg, rs_deg : array_like, shape (n,)
         Differences or their residuals, and headings, in sample order, finite, degrees.
-    n_effective : float
+    n_effective
         Effective size of the differences.
-    tau : float, optional
+    tau
         Sokal's correlation time of the differences, if already known, in samples.
-    width : int
+    width
         Readings per moving average, odd, at least 3.
 
     Returns

@@ -27,7 +27,7 @@ class RecentCount:
 
     Parameters
     ----------
-    span_s : float
+    span_s
         The span, seconds.
 
     Examples
@@ -49,9 +49,9 @@ class RecentCount:
 
         Parameters
         ----------
-        total : int
+        total
             The count; a smaller one than before began again at 0.
-        now_s : float
+        now_s
             A steady clock, seconds.
 
         """

@@ -44,12 +44,12 @@ class Resolution:
 
     Attributes
     ----------
-    n : int
+    n
         Readings examined: the first 100000 at most.
-    step_deg : float or None
+    step_deg
         Step of which the heading changes are multiples; None if there is no such step, or too
         few changes to tell.
-    repeated_share : float or None
+    repeated_share
         Share of readings equal to the previous one; None for n < 2.
 
     """

@@ -39,15 +39,15 @@ class RunFigures:
 
     Attributes
     ----------
-    mean_deg : float
+    mean_deg
         Mean difference, degrees.
-    mean_variance_deg2 : float
+    mean_variance_deg2
         Variance of that mean, allowing for correlation, square degrees.
-    variance_deg2 : float
+    variance_deg2
         Variance of the differences, square degrees.
-    nu : float
+    nu
         Effective degrees of freedom of that variance.
-    drift_order : int or None
+    drift_order
         Order of the drift that the differences call for; None if unknown.
 
     """
@@ -90,7 +90,7 @@ def examine_homogeneity(runs: Sequence[RunFigures]) -> Homogeneity:
 
     Parameters
     ----------
-    runs : sequence of RunFigures
+    runs
         Any number. Runs with zero variance are left out: their weight would be infinite.
 
     Returns
@@ -144,11 +144,11 @@ class Arrangements:
 
     Attributes
     ----------
-    count : float
+    count
         Pairs whose earlier value is the larger one; equal ones count half.
-    z : float
+    z
         Count minus its expectation, in standard deviations; positive if the values fall.
-    p : float
+    p
         Two-sided probability of a deviation at least this large without a trend.
 
     """
@@ -200,12 +200,12 @@ class Kpss:
 
     Attributes
     ----------
-    statistic : float
+    statistic
         Mean square of the cumulative deviations, divided by n times the long-run variance; 5 %
         of stationary series exceed 0.463.
-    lags : int
+    lags
         Lags of the Bartlett kernel.
-    p : float
+    p
         Asymptotic probability of a statistic at least this large for a stationary series.
 
     """
@@ -307,7 +307,7 @@ def examine_stationarity(x_deg: ArrayLike, step_s: float) -> Stationarity:
     ----------
     x_deg : array_like, shape (n,)
         Differences or residuals, in sample order, finite, degrees.
-    step_s : float
+    step_s
         Time from sample to sample, seconds.
 
     Returns

@@ -70,15 +70,15 @@ class Above:
 
     Attributes
     ----------
-    d_deg2, s_deg2 : float
+    d_deg2, s_deg2
         The variance and its standard error, square degrees.
-    f : float
+    f
         Degrees of freedom of the slow part.
-    student_dof : float
+    student_dof
         Degrees of freedom of `s_deg2`.
-    widening : float
+    widening
         Factor for what the figures do not show.
-    allowance_deg2 : float
+    allowance_deg2
         Allowance for a slow part that the record shows but cannot measure, square degrees.
 
     """
@@ -98,32 +98,32 @@ class Spread:
 
     Attributes
     ----------
-    n, order : int
+    n, order
         Number of differences; order of the polynomial removed (0: the mean).
-    d_deg2 : float
+    d_deg2
         Variance D, with the part that mean and polynomial absorbed added back; square degrees.
         S.2.
-    mean_variance_deg2 : float
+    mean_variance_deg2
         Variance v of the mean, square degrees. S.1.
-    s_deg2 : float
+    s_deg2
         Standard error s of `d_deg2`, square degrees. S.4.
-    nu : float
+    nu
         Effective degrees of freedom, 2 (D / s)^2; n - 1 - order where D is 0.
-    f : float
+    f
         Degrees of freedom of the slow part, at most `nu`. S.6.
-    corner_j : float
+    corner_j
         Frequency where the power of the squares falls off, in half-periods per record; infinite
         if it does not. S.5.
-    low_deg2, middle_deg2 : float
+    low_deg2, middle_deg2
         Mean variance of the four lowest half-periods, and of the 13th to 28th. S.8.
-    student_dof : int
+    student_dof
         Degrees of freedom of `s_deg2`: 12 per run.
-    kurtosis : float
+    kurtosis
         Mean fourth power of the deviations over the square of their mean square.
-    times : float or None
+    times
         Length of the record, or of the shortest of several, in slowest errors stated; None if
         none is stated.
-    stated : Above or None
+    stated
         The upper bound that rests on the statement; None if it is that of the record alone.
 
     """
@@ -194,12 +194,12 @@ def estimate_spread(cells: Cells | CellValues, order: int = 0,
 
     Parameters
     ----------
-    cells : Cells or CellValues
+    cells
         Cells of the differences, or of their residuals about a polynomial.
-    order : int
+    order
         Order of that polynomial; 0 for none, because the mean is removed here. If the data chose
         the order, the highest order that could have been chosen.
-    times : float, optional
+    times
         Length of the record in slowest errors stated; None if none is stated. From 20 on the
         upper bound rests on the statement.
 
@@ -299,11 +299,11 @@ def excess(f: float, alpha: float, student_dof: float = _STUDENT_DOF) -> float:
 
     Parameters
     ----------
-    f : float
+    f
         Degrees of freedom of the slow part, greater than 0.
-    alpha : float
+    alpha
         Risk that the variance exceeds the bound; up to 0.5.
-    student_dof : float
+    student_dof
         Degrees of freedom of the standard error.
 
     Returns
@@ -335,9 +335,9 @@ def upper_bound(spread: Spread, alpha: float) -> float:
 
     Parameters
     ----------
-    spread : Spread
+    spread
         The variance with its uncertainty.
-    alpha : float
+    alpha
         Risk that the variance exceeds the bound; up to 0.5.
 
     Returns
@@ -369,9 +369,9 @@ def pool(runs: Sequence[Spread], *, by_statement: bool = False) -> Spread:
 
     Parameters
     ----------
-    runs : sequence of Spread
+    runs
         One or more runs, independent of each other.
-    by_statement : bool
+    by_statement
         Whether the upper bound may rest on the slowest error stated: each run must be at least
         20 times as long.
 
@@ -439,11 +439,11 @@ def between_runs(runs: Sequence[Spread], means_deg: Sequence[float], alpha: floa
 
     Parameters
     ----------
-    runs : sequence of Spread
+    runs
         At least 2 runs, many correlation times of the slow part apart.
-    means_deg : sequence of float
+    means_deg
         Their mean differences, degrees, assumed to share one expected value.
-    alpha : float
+    alpha
         Risk that the variance exceeds the bound; up to 0.5.
 
     Returns
@@ -474,11 +474,11 @@ def scatter_of_runs(runs: Sequence[Spread], means_deg: Sequence[float], alpha: f
 
     Parameters
     ----------
-    runs : sequence of Spread
+    runs
         At least 2 runs, many correlation times of the slow part apart.
-    means_deg : sequence of float
+    means_deg
         Their mean differences, degrees, assumed to share one expected value.
-    alpha : float
+    alpha
         Risk that the variance exceeds the bound; up to 0.5.
 
     Returns

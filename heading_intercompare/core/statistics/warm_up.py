@@ -69,7 +69,7 @@ class WarmUp:
             Stamps, the first one that of the run, nanoseconds.
         mean_deg : ndarray, shape (n,)
             Means of the differences there, degrees.
-        sigma_deg : float
+        sigma_deg
             Their largest rms distance from the exponential, degrees.
 
         """
@@ -90,7 +90,7 @@ def fit_warm_up(stamp_ns: ArrayLike, x_deg: ArrayLike, tolerance_deg: float) -> 
         Stamps in increasing order, nanoseconds.
     x_deg : array_like, shape (n,)
         Differences, finite, degrees.
-    tolerance_deg : float
+    tolerance_deg
         Value to which the exponential must fall, degrees, greater than 0; a tenth of sigma_max
         is usual.
 

@@ -56,9 +56,9 @@ class ClockCuts:
 
     Parameters
     ----------
-    every_h : float or None
+    every_h
         Cut at every multiple of this time since 1970-01-01 00:00 UTC, hours.
-    cut_at_utc : str or None
+    cut_at_utc
         Cut at these times of every day, ``HH:MM`` or ``HH:MM:SS`` with commas between.
 
     Raises
@@ -119,7 +119,7 @@ class ClockCuts:
         ----------
         stamp_ns : ndarray of int64, shape (n,)
             Increasing stamps, n >= 0.
-        before_ns : int
+        before_ns
             The stamp before the first of `stamp_ns`.
 
         Returns

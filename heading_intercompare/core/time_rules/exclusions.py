@@ -41,9 +41,9 @@ class Exclusion:
 
     Attributes
     ----------
-    start_ns, end_ns : int
+    start_ns, end_ns
         Differences with start_ns <= stamp < end_ns are taken out.
-    reason : str
+    reason
         Why, in the words of the person who took it out.
 
     """
@@ -63,7 +63,7 @@ def read_exclusions(text: str | None) -> tuple[Exclusion, ...]:
 
     Parameters
     ----------
-    text : str or None
+    text
         Rows ``start, end, reason``, separated by line ends or ``;``. Times are ISO UTC or integer
         nanoseconds. A header ``start, end, reason`` is skipped.
 
@@ -137,7 +137,7 @@ def find_excluded(stamp_ns: 'NDArray[np.int64]',
     ----------
     stamp_ns : ndarray of int64, shape (n,)
         Stamps in ascending order, nanoseconds.
-    exclusions : sequence of Exclusion
+    exclusions
         Where two overlap, the later one in this order counts.
 
     Returns

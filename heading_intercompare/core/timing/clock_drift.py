@@ -54,11 +54,11 @@ class SkewOfPart:
 
     Attributes
     ----------
-    time_s : float
+    time_s
         Middle of the part, seconds after the first stamp.
-    skew_s, u_s : float
+    skew_s, u_s
         Skew and its standard uncertainty, seconds; positive if the TS data are older.
-    rate_std_deg_s : float
+    rate_std_deg_s
         Standard deviation of the common rate of turn, degrees per second.
 
     """
@@ -76,9 +76,9 @@ class ClockStep:
 
     Attributes
     ----------
-    time_s : float
+    time_s
         Time of the step, seconds after the first stamp.
-    before_s, after_s : float
+    before_s, after_s
         Skew before and after the step, seconds.
 
     """
@@ -99,18 +99,18 @@ class ClockDrift:
         'drifting': the slope is not zero, at a risk of 0.05 %. 'stepped': the skew changes
         suddenly between parts in which it is constant. 'not_testable': the ship turned enough in
         fewer than six parts.
-    parts : tuple of SkewOfPart
+    parts
         The parts in which the ship turned enough, in time order.
-    skew_s : float or None
+    skew_s
         Skew of the line in the middle of the run, seconds.
-    slope_s_per_h, u_s_per_h : float or None
+    slope_s_per_h, u_s_per_h
         Slope and its standard uncertainty, which allows for scatter about the line.
     interval_s_per_h : pair of float or None
         95 % interval of the slope.
-    variance_deg2 : float or None
+    variance_deg2
         Variance that the slope adds to the differences, beyond that of a constant skew, square
         degrees: slope^2 Var(time) Var(rate).
-    steps : tuple of ClockStep
+    steps
         The steps in time order.
 
     """
@@ -147,12 +147,12 @@ def estimate_clock_drift(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLik
         Stamps of the pairs in increasing order, nanoseconds.
     x_deg, rs_deg : array_like, shape (n,)
         Differences and RS headings, finite, degrees.
-    range_s : float
+    range_s
         Preferred range of the skew, seconds: in the first part about `near_s`, in each other part
         about the line through the previous parts.
-    max_gap_s : float
+    max_gap_s
         Spans with a longer silence are left out, seconds.
-    near_s : float
+    near_s
         The skew of the whole run, if known, seconds. The pairs are moved by one of more than a
         minute.
     tracks : pair of Track, optional

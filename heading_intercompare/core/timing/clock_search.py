@@ -51,11 +51,11 @@ class ClockOffset:
 
     Attributes
     ----------
-    skew_s : float
+    skew_s
         Skew, seconds; positive if the TS data are older. Good to a fraction of a second.
-    agreement : float
+    agreement
         Share of the motion that agrees there, at most 1.
-    also_s : float or None
+    also_s
         Another skew that fits about as well, because the motion repeats itself; seconds.
 
     """
@@ -72,13 +72,13 @@ class Band:
 
     Attributes
     ----------
-    slow_s : float
+    slow_s
         The mean over this time is left out, seconds.
-    least_known : float
+    least_known
         Least share of that time in which the heading is known.
-    part_s : float
+    part_s
         Length of the parts over which the agreement must be spread, seconds.
-    least_parts : float
+    least_parts
         Least number of such parts.
 
     """
@@ -111,16 +111,16 @@ class ClockSearch:
 
     Parameters
     ----------
-    ts, rs : Track
+    ts, rs
         Both sensors with one origin of time, at least two readings each. Their times may differ,
         and overlap in part or not at all.
-    range_s : float
+    range_s
         Largest skew to search for, in either direction, at least a minute; seconds.
-    max_gap_s : float
+    max_gap_s
         Motion across a longer silence is unknown, seconds.
-    longest_s : float
+    longest_s
         Of a longer record the part of this length with the most motion is used, seconds.
-    band : Band
+    band
         The motion to compare.
 
     Attributes
@@ -207,7 +207,7 @@ class ClockSearch:
 
         Parameters
         ----------
-        skew_s : float
+        skew_s
             Within the range, seconds.
 
         Notes

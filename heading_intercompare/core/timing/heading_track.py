@@ -135,9 +135,9 @@ class Track:
 
     Parameters
     ----------
-    headings : Headings
+    headings
         Readings that are not finite, or whose stamp does not increase, are skipped.
-    origin_ns : int
+    origin_ns
         Stamp of time zero, nanoseconds.
 
     Attributes
@@ -213,7 +213,7 @@ class RisingTimes:
 
     Parameters
     ----------
-    track : Track
+    track
         Of at least two readings.
     t_s : array_like, shape (n,)
         The first times, within those of the readings.

@@ -43,17 +43,17 @@ class InterpolationError:
     kind : {'none', 'estimated', 'not_testable'}
         'none': no reading is interpolated. 'not_testable': the account of the pairs does not say
         how they were interpolated.
-    variance_deg2 : float or None
+    variance_deg2
         The variance added, square degrees; None if nothing was compared.
-    is_resolved : bool
+    is_resolved
         Whether the readings come fast enough to show the motion between them.
-    step_s : float or None
+    step_s
         Usual step of the sensor interpolated, seconds.
     readings : mapping of int to int
         Number of pairs by the number of readings used.
-    line_deg2 : float or None
+    line_deg2
         The variance that the straight line adds or would add, square degrees.
-    is_line : bool
+    is_line
         Whether that line was used.
 
     """
@@ -83,11 +83,11 @@ def estimate_interpolation_error(counts: Mapping[LedgerKey, int], norm_deg: floa
 
     Parameters
     ----------
-    counts : mapping of LedgerKey to int
+    counts
         Share of the run in the ledger.
-    norm_deg : float
+    norm_deg
         Norm of the standard deviation of the sensor interpolated, degrees.
-    is_line : bool
+    is_line
         Whether the straight line was used, not the kernels compared with it.
 
     Notes

@@ -65,7 +65,7 @@ def common_tracks(stamps: np.ndarray, x: np.ndarray, rs_deg: np.ndarray,
         Stamps of the pairs in increasing order, nanoseconds; n >= 64.
     x, rs_deg : ndarray, shape (n,)
         Differences and RS headings, finite, degrees.
-    block_s : float
+    block_s
         Longest block, seconds. More than 262144 averages make it longer, up to 0.25 s.
 
     Returns
@@ -96,13 +96,13 @@ class Fit:
     t_s, x, rate : ndarray, shape (n,)
         Times used, seconds; differences with the RS shifted, degrees; its rates, degrees per
         second.
-    step_s, u_s : float
+    step_s, u_s
         Remaining skew, and its standard uncertainty, seconds.
-    dof : int
+    dof
         Degrees of freedom of the uncertainty.
-    strength : float
+    strength
         F of the common rate.
-    rate_std_deg_s : float
+    rate_std_deg_s
         Standard deviation of the common rate, degrees per second.
 
     """
@@ -123,13 +123,13 @@ class Instrument:
 
     Parameters
     ----------
-    ts, rs : Track
+    ts, rs
         Both sensors on common times; the RS may reach further.
-    half_span_s : float
+    half_span_s
         Rates span this time before a pair and the same time after it, seconds.
-    max_gap_s : float
+    max_gap_s
         Spans with a longer silence are left out, seconds.
-    most : int, optional
+    most
         Largest number of times used, spread evenly over those of the TS; default all.
 
     """

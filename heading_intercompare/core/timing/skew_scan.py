@@ -119,14 +119,14 @@ def scan_skew(ts: Headings, rs: Headings, range_s: float = 2.0, step_s: float = 
 
     Parameters
     ----------
-    ts, rs : Headings
+    ts, rs
         All readings of the TS and of the RS. Those that are not finite, or whose stamp does not
         increase, are skipped.
-    range_s : float
+    range_s
         Largest skew tried, in either direction, seconds; rounded to steps.
-    step_s : float
+    step_s
         Step of the grid, seconds.
-    max_gap_s : float
+    max_gap_s
         TS readings with a longer silence of the RS within the range are skipped, seconds.
 
     Returns

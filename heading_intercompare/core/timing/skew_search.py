@@ -109,11 +109,11 @@ def compute_correlogram(ts: Track, rs: Track, reach_s: float = REACH_S,
 
     Parameters
     ----------
-    ts, rs : Track
+    ts, rs
         Both sensors on common times, at least two readings; the RS may extend further.
-    reach_s : float
+    reach_s
         Largest skew, in either direction, seconds.
-    max_gap_s : float
+    max_gap_s
         Rates across a longer silence count as 0, seconds.
 
     Returns
@@ -167,13 +167,13 @@ def find_skew(instrument: Instrument, near_s: float, range_s: float,
 
     Parameters
     ----------
-    instrument : Instrument
+    instrument
         Scatter of the differences as a function of the skew.
-    near_s : float
+    near_s
         Expected skew, seconds.
-    range_s : float
+    range_s
         Skews within this distance of the expected one are preferred, seconds.
-    curve : Correlogram, optional
+    curve
         Gives further starting points; default that of the tracks of the instrument.
 
     Returns

@@ -154,7 +154,7 @@ def measure_stamp_steps(stamp_ns: ArrayLike, silence_steps: float = 10.0) -> Sta
     ----------
     stamp_ns : array_like of int, shape (n,)
         Stamps in order of arrival, nanoseconds.
-    silence_steps : float
+    silence_steps
         A step longer than this multiple of the typical one is a silence.
 
     Returns

@@ -182,13 +182,13 @@ def estimate_skew(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
         Stamps of the pairs in increasing order, nanoseconds.
     x_deg, rs_deg : array_like, shape (n,)
         Differences and RS headings, finite, degrees.
-    range_s : float
+    range_s
         Largest skew to search for, in either direction, seconds.
-    half_span_s : float
+    half_span_s
         Rates span this time before a pair and the same time after it, seconds.
-    max_gap_s : float
+    max_gap_s
         Spans with a longer silence are left out, seconds.
-    clock_range_s : float
+    clock_range_s
         Largest skew to search for beyond a minute, in either direction, seconds; default none.
     tracks : pair of Track, optional
         `common_tracks` of the pairs, if already known.

@@ -40,7 +40,7 @@ def find_unit(low: float, high: float) -> tuple[str, int] | None:
 
     Parameters
     ----------
-    low, high : float
+    low, high
         The least and the largest of some times without a unit.
 
     Returns

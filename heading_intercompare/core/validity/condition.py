@@ -71,29 +71,29 @@ class Condition:
 
     Attributes
     ----------
-    name : str
+    name
         Name in the JSON; the reason of a void run is ``void.<name>``.
-    holds : str
+    holds
         What is true if the condition holds, in words.
-    void : str
+    void
         Why a run is void by it, in words; empty if it never makes a run void.
-    void_when, void_why, doubtful_when : str
+    void_when, void_why, doubtful_when
         Rows of ``docs/refusals.md``: when it makes a run void and why, and when doubtful. Empty
         if never.
-    judge : callable or None
+    judge
         Returns the finding on the pairs of a run, or None if the run has none on this condition;
         None if the condition is judged elsewhere.
-    settle : callable or None
+    settle
         Returns the finding once the account of the readings is known, given that of `judge`.
     also_said : {'', 'always', 'certificate'}
         When its words stand in a headline although it does not bind: whatever the outcome, or in
         that of a certificate, whose scope it narrows.
-    is_permanent : bool
+    is_permanent
         Whether a run that is void by it was so at each look, even if that did not show yet: the
         set-up of the sensors makes it void.
-    weighs_others : bool
+    weighs_others
         Whether it is judged after all others, by their findings too.
-    watched_by : tuple of str
+    watched_by
         Names of the live alarms that show it by detectors of their own. Without any, a condition
         that `judge` can find void has a live alarm of its own name.
 

@@ -45,21 +45,21 @@ class Examined:
 
     Attributes
     ----------
-    columns : RunColumns
+    columns
         The analysed pairs, and what the detectors share.
-    diagnostics : Diagnostics
-    settings : Settings
-    outcome : Outcome
+    diagnostics
+    settings
+    outcome
         Outcome of the run as it is, before any finding.
-    guarded : Guarded
+    guarded
         The decision, with the variance and its bounds.
-    decide : callable
+    decide
         ``decide(stamp_ns, x_deg, rs_factor=1.0, **changes)`` returns the outcome of other
         differences under the same rule. `rs_factor` is the factor by which interpolation reduced
         the variance of the RS noise; `changes` are settings, such as another variant or model.
-    motion : MotionCheck or None
+    motion
         The headings against the motion of the ship; None if it is unknown.
-    findings : tuple of Finding
+    findings
         Findings on the conditions judged before.
 
     """
@@ -97,21 +97,21 @@ class RunAccount:
 
     Attributes
     ----------
-    outcome : Outcome
+    outcome
         Outcome of the run as it is, before any finding.
-    guarded : Guarded
-    limits : Limits
-    settings : Settings
-    lost_share : float or None
+    guarded
+    limits
+    settings
+    lost_share
         Share of pairs missing in the gaps between pairs; None if unknown.
-    interpolated : str or None
+    interpolated
         The sensor that was interpolated, 'ts' or 'rs'; None for none or both.
-    share, inside : LedgerSegment or None
+    share, inside
         Ledger of the readings of the run, and of those between its first and last pair. None as
         long as unknown, as at a look.
-    set_backs : sequence of SetBack
+    set_backs
         Clocks that were set back within the run.
-    normality : Normality or None
+    normality
         Holds the steps of both sensors as paired, and those whose rounding would show.
 
     """

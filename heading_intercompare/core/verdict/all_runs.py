@@ -132,13 +132,13 @@ def join(results: Sequence[RunResult], settings: Settings,
 
     Parameters
     ----------
-    results : sequence of RunResult
+    results
         Runs of one input or of several.
-    settings : Settings
+    settings
         By which the runs were judged.
-    inputs : sequence of Input
+    inputs
         The sources of the runs.
-    incomplete : bool
+    incomplete
         Whether an input could not be judged; then the verdict is never compliant.
 
     """

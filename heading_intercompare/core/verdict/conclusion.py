@@ -115,9 +115,9 @@ def explain(run: RunVerdict, reason: str | None = None) -> str:
 
     Parameters
     ----------
-    run : RunVerdict
+    run
         The judged run.
-    reason : str, optional
+    reason
         A reason to explain instead of that of the run.
 
     Returns
@@ -145,11 +145,11 @@ def campaign_words(campaign: Campaign, runs: Sequence[RunVerdict],
 
     Parameters
     ----------
-    campaign : Campaign
+    campaign
         Outcome of all runs.
-    runs : sequence of RunVerdict
+    runs
         The one that caused the outcome is named; of several open ones that which needs longest.
-    coverage : Coverage or None
+    coverage
         Coverage of the runs together; None if there is no run.
 
     """

@@ -43,13 +43,13 @@ def compose_headline(outcome: Outcome, findings: Sequence[Finding], coverage: Co
 
     Parameters
     ----------
-    outcome : Outcome
+    outcome
         Of the run, or of all runs.
-    findings : sequence of Finding
+    findings
         Findings of a run, or of all runs with the run named in their words.
-    coverage : Coverage or None
+    coverage
         None if there is no run.
-    why : str
+    why
         The reason of the outcome, in words.
 
     Examples
@@ -106,11 +106,11 @@ def add_looks(at_end: str, outcome: Outcome, reason: str,
 
     Parameters
     ----------
-    at_end : str
+    at_end
         The headline at the end of the run without looks, from `compose_headline`.
     outcome, reason
         Outcome and reason of the run, looks included.
-    looks : sequence of LookVerdict
+    looks
         Those done, in the order of time.
 
     """

@@ -89,27 +89,27 @@ class RunResult:
 
     Attributes
     ----------
-    verdict : RunVerdict
-    evidence : Evidence
-    limits : Limits
-    printed : Printed
-    alone : tuple of (Outcome, str)
+    verdict
+    evidence
+    limits
+    printed
+    alone
         Outcome and reason before any finding.
-    settings : Settings
-    stabilization_s : float or str
-    judged : tuple of Finding
+    settings
+    stabilization_s
+    judged
         Findings on its pairs, before the account of its readings is known.
-    set_backs : tuple of SetBack
+    set_backs
         Clocks that were set back within the run.
-    first_pair : int
+    first_pair
         Pairs of its input before its first one, in runs or not.
-    pieces : tuple of JudgedPiece
+    pieces
         The record of its input as the sensors made it.
-    outside : tuple of Stretch
+    outside
         Pairs of its input that lie in no run, with the first run of the input.
-    share, inside : LedgerSegment or None
+    share, inside
         Ledger of its readings, and of those between its first and last pair.
-    fingerprint : str or None
+    fingerprint
         By which its readings are known in another run; None if there are too few.
 
     """
@@ -138,13 +138,13 @@ class RunResult:
 
         Parameters
         ----------
-        share : LedgerSegment
+        share
             Share of the whole ledger, in which every reading belongs to a run.
-        inside : LedgerSegment
+        inside
             The part of the share between the first and the last pair of the run.
-        warnings : sequence of str
+        warnings
             Warnings to add.
-        set_backs : sequence of SetBack
+        set_backs
             Clocks that were set back within the run.
 
         """
@@ -272,21 +272,21 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
 
     Parameters
     ----------
-    run : RunSeries
+    run
         Must hold at least one pair; may hold no analysed differences.
-    settings : Settings
+    settings
         Must hold the norms.
-    number : int
+    number
         Number of the run, from 1.
-    source : str
+    source
         Name of the input.
-    risk : Risk, optional
+    risk
         Share of the risks for this judgement; default that of the end of a run.
-    looks : sequence of LookVerdict
+    looks
         Results of the looks so far.
-    motion : Motion, optional
+    motion
         The motion of the ship, to check the headings against; None if there is none.
-    progress : callable
+    progress
         Called with the share of the work that is done, from 0 to 1.
 
     Returns
@@ -401,15 +401,15 @@ def look_at(run: RunSeries, look: Look, looks: int, settings: Settings,
 
     Parameters
     ----------
-    run : RunSeries
+    run
         Must hold the differences up to the look.
-    look : Look
+    look
         Holds its share of the risks.
-    looks : int
+    looks
         Number of looks in the plan.
-    settings : Settings
+    settings
         By which its end will be judged.
-    motion : Motion, optional
+    motion
         The motion of the ship so far.
 
     Notes

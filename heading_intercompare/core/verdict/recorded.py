@@ -53,13 +53,13 @@ class JudgedPiece:
 
     Attributes
     ----------
-    start_ns, end_ns : int
+    start_ns, end_ns
         Stamps of its first and last pair.
-    n : int
+    n
         Its finite differences.
-    evidence : Evidence
+    evidence
         Of those after a warm-up that they show.
-    limits : Limits
+    limits
 
     """
 
@@ -102,11 +102,11 @@ def find_left_out(pieces: Iterable[JudgedPiece], stretches: Iterable[Sequence[St
 
     Parameters
     ----------
-    pieces : iterable of JudgedPiece
+    pieces
         Pieces of all inputs; equal pieces count once.
-    stretches : iterable of sequence of Stretch
+    stretches
         What is left out, with reasons.
-    settings : Settings
+    settings
         Uses risks, variant and the rule of the campaign.
 
     Returns

@@ -36,7 +36,7 @@ def find_repeated_runs(results: Sequence[RunResult]) -> dict[int, tuple[int, Sha
 
     Parameters
     ----------
-    results : sequence of RunResult
+    results
         Runs of one input or of several, numbered from 1.
 
     Returns

@@ -71,11 +71,11 @@ class Days:
 
     Parameters
     ----------
-    date : str or None
+    date
         The date given, YYYY-MM-DD.
-    search : callable, optional
+    search
         Returns the first time that the stream tells with its date, nanoseconds UTC, or None.
-    zone : tzinfo, optional
+    zone
         The zone of the times of day; UTC unless given.
 
     Attributes

@@ -64,21 +64,21 @@ class LineFormat(NamedTuple):
 
     Attributes
     ----------
-    name : str
+    name
         The value of the setting `stamp_format`.
-    words : str
+    words
         What it looks like.
-    pattern : bytes
+    pattern
         Regular expression with three groups: date and clock, decimals, zone.
-    read : callable
+    read
         From the first group to nanoseconds; ValueError if there is no such instant.
     kind : {'instant', 'date', 'clock'}
         Unix time; date and clock of a zone; the clock alone, nanoseconds since midnight.
-    example : bytes
+    example
         A line.
-    stamp : str
+    stamp
         The stamp of the example, UTC.
-    automatic : bool
+    automatic
         Whether 'auto' looks for it.
 
     """
@@ -231,7 +231,7 @@ def compile_form(pattern: bytes, place: str) -> re.Pattern[bytes]:
 
     Parameters
     ----------
-    pattern : bytes
+    pattern
         Of a `LineFormat`.
     place : {'alone', 'last', 'anywhere'}
         'alone': the stamp begins the text, and only separators and brackets follow it; the
@@ -248,9 +248,9 @@ def read_zone(ns: int, zone: bytes) -> int:
 
     Parameters
     ----------
-    ns : int
+    ns
         Nanoseconds of the clock as written.
-    zone : bytes
+    zone
         'Z', 'UTC', 'GMT' or an offset such as '+02:00'.
 
     Raises

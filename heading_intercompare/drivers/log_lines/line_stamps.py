@@ -110,13 +110,13 @@ class LineStamps:
 
     Parameters
     ----------
-    settings : DriverSettings
+    settings
         Form, zone and pattern of the stamps.
-    days : Days
+    days
         The day of a time of day.
-    order : callable, optional
+    order
         Returns the order of numeric dates in the whole log, see `find_date_order`.
-    of_log : bool
+    of_log
         A line without a stamp takes the stamp of the burst that it belongs to.
 
     Attributes

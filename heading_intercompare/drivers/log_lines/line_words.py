@@ -54,7 +54,7 @@ class InstrumentChoice:
 
     Parameters
     ----------
-    name : str
+    name
         A word of its lines, letters in either case. A line without words belongs to the
         instrument of the line before it.
 

@@ -33,11 +33,11 @@ def start_stamps(settings: DriverSettings, files: LogFiles | None = None, *,
 
     Parameters
     ----------
-    settings : DriverSettings
+    settings
         With the form of the stamps, and the date of a log without one.
-    files : LogFiles, optional
+    files
         The log, which is searched if its stamps do not say it; none for a live stream.
-    of_log : bool
+    of_log
         As for `LineStamps`.
 
     """

@@ -65,19 +65,19 @@ class LogFiles:
 
     Parameters
     ----------
-    path : str
+    path
         A file; a folder, with the files in its folders; or a pattern with `*`, `?`, `[...]`, and
         `**` for folders. Files whose names begin with a dot are none.
 
     Attributes
     ----------
-    path : str
+    path
         The path as given.
     position : int
         Bytes on the disk read so far by `blocks`.
-    cut : list of str
+    cut
         Compressed files that end too early; what they hold until then was read.
-    dangling : list of str
+    dangling
         Links that lead nowhere, or to themselves.
 
     Raises
@@ -139,9 +139,9 @@ class LogFiles:
 
         Parameters
         ----------
-        is_log : callable
+        is_log
             Tells of the path of a file whether it is a log.
-        key : callable
+        key
             Returns the first stamp of a file; if one has none, the order of names stays.
 
         """

@@ -65,14 +65,14 @@ class StreamTimes:
 
     Parameters
     ----------
-    days : Days
+    days
         The day of a GGA.
-    kinds : sequence of str
+    kinds
         The sentences to use, of `TIME_SENTENCES`: the best of them heard so far.
 
     Attributes
     ----------
-    newest_ns : int or None
+    newest_ns
         The last time with its date, nanoseconds UTC.
 
     """
@@ -97,9 +97,9 @@ class StreamTimes:
 
         Parameters
         ----------
-        text : bytes
+        text
             A sentence of which `tells` is true.
-        received_ns : int or None
+        received_ns
             Its time of receipt, which says the day of a GGA; None: `Days` says it.
 
         Raises

@@ -80,7 +80,7 @@ def zda_ns(fields: list[bytes]) -> int:
 
     Parameters
     ----------
-    fields : list of bytes
+    fields
         Its fields with the address: `xxZDA,hhmmss.ss,dd,mm,yyyy,...`. The time is UTC; the local
         zone after the year is ignored.
 
@@ -112,7 +112,7 @@ def rmc_ns(fields: list[bytes]) -> int:
 
     Parameters
     ----------
-    fields : list of bytes
+    fields
         Its fields with the address: `xxRMC,hhmmss.ss,A,lat,N,lon,E,speed,course,ddmmyy,...`.
 
     Returns
@@ -143,7 +143,7 @@ def gga_ns(fields: list[bytes]) -> int:
 
     Parameters
     ----------
-    fields : list of bytes
+    fields
         Its fields with the address: `xxGGA,hhmmss.ss,lat,N,lon,E,quality,...`.
 
     Returns

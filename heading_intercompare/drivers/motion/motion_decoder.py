@@ -45,16 +45,16 @@ class MotionDecoder:
 
     Parameters
     ----------
-    settings : DriverSettings
+    settings
         As for `NmeaDecoder`; `sentence`, `talker` and `instrument` choose headings only.
-    family : Family
+    family
         The sentences to read.
-    log : LogFiles, optional
+    log
         A log for `read_log`; without one, `source` says whether a log is played.
 
     Attributes
     ----------
-    chosen : dict of str to Name
+    chosen
         The sentence used for each thing, by what it tells, such as INVTG for 'velocity'.
 
     Notes

@@ -51,13 +51,13 @@ class MotionLines:
 
     Parameters
     ----------
-    rule : DriverSettings
+    rule
         How lines are stamped. The scheme of `source` matters as for `NmeaDecoder`.
-    counts : Counter
+    counts
         Counts the sentences of the motion that told nothing, by reason.
-    family : Family
+    family
         The sentences to read.
-    files : LogFiles, optional
+    files
         The log that is read or played; none for a live stream.
 
     Notes

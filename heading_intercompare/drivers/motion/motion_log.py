@@ -39,11 +39,11 @@ class LoggedMotion:
 
     Attributes
     ----------
-    rows : mapping of str to Motion
+    rows
         By what they tell: 'fix', 'velocity', 'rate'. Only what the log has.
-    sentences : mapping of str to str
+    sentences
         The sentence that each came from, such as 'INVTG'.
-    not_taken : mapping of str to int
+    not_taken
         Sentences of the motion that gave none, by reason.
 
     """
@@ -60,9 +60,9 @@ def read_log_motion(path: str | os.PathLike[str],
 
     Parameters
     ----------
-    path : path
+    path
         A log of NMEA sentences: a file, a folder of files, or a pattern of names.
-    settings : DriverSettings, optional
+    settings
         How its lines are stamped; `sentence`, `talker` and `instrument` choose headings only.
 
     Returns

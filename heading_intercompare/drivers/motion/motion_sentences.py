@@ -47,9 +47,9 @@ class Family(NamedTuple):
 
     Attributes
     ----------
-    identify : callable
+    identify
         Returns the name of a sentence, None for a sentence of another family.
-    parsers : mapping of str to callable
+    parsers
         The parser of each kind of sentence, from its fields to rows; it raises `Rejected`. Of two
         kinds that tell one thing, the earlier is preferred.
 

@@ -74,12 +74,12 @@ def encode_motion(motion: Motion, what: str, frame_id: str) -> np.ndarray:
 
     Parameters
     ----------
-    motion : Motion
+    motion
         All rows must tell it: see `Motion.positions`, `Motion.velocities` and `Motion.rates`.
     what : {'fix', 'velocity', 'rate'}
         A NavSatFix with a fix, without altitude; or a TwistStamped with the velocity over ground
         in `linear`, m/s, or with minus the rate of turn in `angular.z`, rad/s.
-    frame_id : str
+    frame_id
         Frame of the header.
 
     Returns
@@ -124,7 +124,7 @@ def decode_motion(type_name: str, what: str, data: BytesLike, start: Integers,
 
     Parameters
     ----------
-    type_name : str
+    type_name
         One of `MOTION_TYPES` for `what`.
     what : {'fix', 'velocity', 'rate'}
         What is taken from the messages.

@@ -64,16 +64,16 @@ class AlarmPanel:
 
     Parameters
     ----------
-    node : Node
+    node
         The node that watches.
-    health : Health
+    health
         Shows the alarms on /diagnostics, in the part `alarms`.
-    rules : iterable of Rule
+    rules
         The alarms.
 
     Attributes
     ----------
-    tell : callable or None
+    tell
         Called with a line for each change, instead of the log.
     muted : bool
         Take no more signs: at the end streams fall silent, as they should.

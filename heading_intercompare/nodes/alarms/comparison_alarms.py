@@ -39,9 +39,9 @@ class ComparisonAlarms:
 
     Parameters
     ----------
-    node : Node
-    health : Health
-    settings : Settings
+    node
+    health
+    settings
         Must hold the norms.
 
     Attributes

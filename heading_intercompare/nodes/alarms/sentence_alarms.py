@@ -35,9 +35,9 @@ class SentenceAlarms:
 
     Parameters
     ----------
-    node : Node
-    health : Health
-    talker : str or None
+    node
+    health
+    talker
         The talker that the user chose.
 
     Attributes

@@ -43,11 +43,11 @@ class StreamAlarms:
 
     Parameters
     ----------
-    node : Node
-    health : Health
+    node
+    health
         Shows the parts `pairing` and `rejected`.
-    rule : Pairing
-    taking : Taking
+    rule
+    taking
         Says how long silence is allowed, and how long losses are shown.
 
     Attributes

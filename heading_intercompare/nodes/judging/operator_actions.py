@@ -42,7 +42,7 @@ class OperatorActions:
 
     Parameters
     ----------
-    node : Node
+    node
         The node that asks.
 
     """
@@ -64,7 +64,7 @@ class OperatorActions:
         ----------
         what : {'start', 'stop', 'acknowledge', 'note'}
             The action.
-        text : str
+        text
             The note; or the alarm to acknowledge, all if empty.
 
         Returns

@@ -56,11 +56,11 @@ class PairIntake(Intake):
     ----------
     node, health
         As for `Intake`.
-    taking : Taking
+    taking
         Settings.
-    pairing : Pairing
+    pairing
         Says when the first pair can come.
-    arrivals : Unwatched, optional
+    arrivals
         As for `Intake`.
 
     Attributes

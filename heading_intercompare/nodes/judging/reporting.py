@@ -64,22 +64,22 @@ class Reporting:
 
     Parameters
     ----------
-    node : Node
+    node
         The node that publishes.
-    compliance : Compliance
+    compliance
         Judges the runs.
-    own : ComplianceNode
+    own
         Settings.
-    health : Health
+    health
         Shows alerts.
-    pairs : PairIntake
+    pairs
         The pairs, whose numbers say what is missing.
-    journal : TrialJournal
+    journal
         Keeps the ledgers, and may hold those of an earlier process.
 
     Attributes
     ----------
-    verdict : Verdict or None
+    verdict
         The verdict of the last report; None before the first.
 
     """

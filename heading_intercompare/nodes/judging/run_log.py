@@ -41,9 +41,9 @@ class RunLog:
 
     Parameters
     ----------
-    own : ComplianceNode
+    own
         Settings `logbook`, `ship` and `bag`; without `logbook` nothing is written.
-    health : Health
+    health
         Shows a logbook that cannot be written as a latched warning.
 
     """

@@ -45,15 +45,15 @@ class TrialJournal:
 
     Parameters
     ----------
-    node : Node
+    node
         The node; its full name is that of the file.
-    compliance : Compliance
+    compliance
         Judges; it goes on from the journal.
-    own : ComplianceNode or SensorsNode
+    own
         Settings `journal`, `report_dir`, `resume_within_s` and `bag`.
-    health : Health
+    health
         Shows a journal that cannot be written, or was set aside.
-    what : str
+    what
         What is judged, where a node judges more than one pair of sensors: ``gyro1.gyro2``.
 
     Attributes

@@ -44,11 +44,11 @@ def check_path(name: str, text: str, what: str, *, folder: bool = False) -> None
 
     Parameters
     ----------
-    name, text : str
+    name, text
         Name of the argument, for the message, and its value.
-    what : str
+    what
         What it must name.
-    folder : bool
+    folder
         A folder will do.
 
     """
@@ -73,7 +73,7 @@ def find_misspelt(given: Iterable[str], known: Iterable[str]) -> list[str]:
 
     Parameters
     ----------
-    given, known : iterable of str
+    given, known
         The names that were given, and those that the launch file has.
 
     Examples
@@ -95,9 +95,9 @@ def read_switch(name: str, text: str) -> bool:
 
     Parameters
     ----------
-    name : str
+    name
         Name of the argument, for the message.
-    text : str
+    text
         Value of the argument.
 
     Raises
@@ -123,9 +123,9 @@ def read_number(name: str, text: str) -> float:
 
     Parameters
     ----------
-    name : str
+    name
         Name of the argument, for the message.
-    text : str
+    text
         Value of the argument.
 
     Raises
@@ -149,7 +149,7 @@ def read_namespace(text: str) -> str:
 
     Parameters
     ----------
-    text : str
+    text
         The argument `namespace`.
 
     Raises
@@ -177,11 +177,11 @@ def common_arguments(executable: str, log_level: str, use_sim_time: bool,
 
     Parameters
     ----------
-    executable : str
+    executable
         The executable, whose enclave the security policy names.
-    log_level : str
+    log_level
         Least level that a node logs.
-    use_sim_time : bool
+    use_sim_time
         Whether its clock is `/clock`.
 
     Returns

@@ -68,11 +68,11 @@ def check_sections(path: str, sections: Mapping[str, Mapping[str, Any]],
 
     Parameters
     ----------
-    path : str
+    path
         The parameter file, for the message.
-    sections : mapping of str to mapping
+    sections
         Sections of the file, by the name of the node.
-    nodes : iterable of tuple of str and str
+    nodes
         Executable and name of each node.
 
     Raises

@@ -58,11 +58,11 @@ class Arrivals(Unwatched):
 
     Parameters
     ----------
-    node : Node
+    node
         Has the subscriptions in this group.
-    take : callable
+    take
         Takes all messages of these subscriptions; also called ten times a second without any.
-    hold_off_s : float
+    hold_off_s
         How long to wait for further messages after the first one, seconds.
 
     Attributes

@@ -32,7 +32,7 @@ class GraphNode(Node):
 
     Parameters
     ----------
-    name : str
+    name
         Name of the node, unless it is remapped.
     **kwargs
         As for `Node`.
@@ -43,7 +43,7 @@ class GraphNode(Node):
         Its work is finished.
     ended : bool
         Everything is published and written. After `end`, the node is spun until then.
-    health : Health
+    health
         Its state, which is muted before `end`.
 
     """

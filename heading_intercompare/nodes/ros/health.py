@@ -54,9 +54,9 @@ class Health:
 
     Parameters
     ----------
-    node : Node
+    node
         The node whose state it reports.
-    name : str, optional
+    name
         What to call it within its graph; by default its name. Nodes of one graph that have the
         same name in several namespaces need one each.
 
@@ -104,20 +104,20 @@ class Health:
 
         Parameters
         ----------
-        part : str
+        part
             The part: an input, a file.
-        level : int
+        level
             `OK`, `WARN` or `ERROR`.
-        message : str
+        message
             The state in words.
-        latch : bool
+        latch
             Keep showing this state until `acknowledge`, unless it is OK or a worse one is
             latched already.
-        log : bool
+        log
             Log a change.
-        figures : mapping of str to object
+        figures
             Figures to show with it, by names that are not known here.
-        **values : object
+        **values
             More of them, shown before those.
 
         """

@@ -55,9 +55,9 @@ def leave_if_hung(seconds: float, code: int) -> Iterator[None]:
 
     Parameters
     ----------
-    seconds : float
+    seconds
         The longest time that the block may take, > 0.
-    code : int
+    code
         The exit code then.
 
     Raises

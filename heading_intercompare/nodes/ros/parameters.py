@@ -58,11 +58,11 @@ def declare(node: Node, *classes: type | Used,
 
     Parameters
     ----------
-    node : Node
+    node
         A `GraphNode`.
-    *classes : type or Used
+    *classes
         Settings classes without a setting name in common.
-    followed : sequence of str
+    followed
         Settings that can be changed while the node runs; see `follow`. All others are read-only.
 
     Returns

@@ -144,15 +144,15 @@ def run(name: str, make: Callable[..., GraphNode], args: Sequence[str] | None = 
 
     Parameters
     ----------
-    name : str
+    name
         Name of the executable, for messages.
-    make : callable
+    make
         Makes the node, given `context`.
-    args : sequence of str, optional
+    args
         Arguments; by default those of the process.
-    beside : callable, optional
+    beside
         Makes a node that runs as long as the first one, given that one and `context`.
-    more : bool
+    more
         The caller has more to do afterwards.
 
     Returns

@@ -48,11 +48,11 @@ def published_names(node: Node, topics: Sequence[str],
 
     Parameters
     ----------
-    node : Node
+    node
         The node that publishes the topics.
-    topics : sequence of str
+    topics
         Names before remapping.
-    remapped : collection of str
+    remapped
         Topics that the user renames.
 
     Raises

@@ -47,13 +47,13 @@ class DriverMotion:
     ----------
     node, health
         As for `MotionSender`.
-    analysis : Settings
+    analysis
         Names the topics. Without `motion.compare` nothing is published.
-    driver : DriverSettings
+    driver
         How lines are read.
-    own : DriverNode
+    own
         Without `motion` nothing is published.
-    alone : bool
+    alone
         The source has nothing else to tell, so it waits for no other driver.
 
     Notes

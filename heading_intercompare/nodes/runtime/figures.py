@@ -42,11 +42,11 @@ class Figures:
 
     Parameters
     ----------
-    node : Node
+    node
         The node that publishes.
-    compliance : Compliance
+    compliance
         Has the figures.
-    scalars_hz : float
+    scalars_hz
         As for `Scalars`.
 
     """

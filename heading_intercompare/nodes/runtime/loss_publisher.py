@@ -35,9 +35,9 @@ class LossPublisher:
 
     Parameters
     ----------
-    node : Node
+    node
         The node that publishes the headings.
-    heading_topic : str
+    heading_topic
         Full name of the topic of the headings.
 
     """
@@ -55,9 +55,9 @@ class LossPublisher:
 
         Parameters
         ----------
-        counts : mapping of str to int
+        counts
             How many readings were lost so far, by one of `LOST_AS`.
-        headings : Headings
+        headings
             The next headings; without any, the losses wait.
 
         """

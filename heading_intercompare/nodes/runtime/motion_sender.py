@@ -46,13 +46,13 @@ class MotionSender:
 
     Parameters
     ----------
-    node : Node
-    health : Health
-    rule : MotionRule
+    node
+    health
+    rule
         Names the topics. Without `compare` nothing is published.
-    after_s : float
+    after_s
         How long to wait, from the first row that tells a thing, for another node to publish it.
-    is_first : bool
+    is_first
         Make all publishers at once, even where another node has one.
 
     Attributes

@@ -46,11 +46,11 @@ def publish_note(text: str, namespace: str = '/', patience_s: float = _PATIENCE_
 
     Parameters
     ----------
-    text : str
+    text
         The note.
-    namespace : str
+    namespace
         That of the graph of the recorder, with a leading slash.
-    patience_s : float
+    patience_s
         How long to wait for a recorder, seconds.
 
     Raises

@@ -67,22 +67,22 @@ class Audience:
 
     Parameters
     ----------
-    node : Node
+    node
         The node that publishes.
-    publishers : sequence of Publisher
+    publishers
         Publishers of the topics.
-    wanted : int
+    wanted
         Nodes that must have subscribed to each; 0: do not wait.
-    health : Health
+    health
         Shows that the node waits.
-    further : mapping of str to int, optional
+    further
         How many more a topic must have, by its name before remapping.
-    judged : mapping of str to sequence of str, optional
+    judged
         For a topic, the topics of those that judge it, by their names before remapping. Every
         node that publishes one of these must have subscribed, too: a recorder will not do. While
         no node publishes them, and the subscribers are nodes of a graph, the others may be about
         to come: without `patience_s`, these are waited for, 5 s.
-    patience_s : float
+    patience_s
         Go on without the subscriptions after this time, seconds.
 
     Attributes
@@ -235,13 +235,13 @@ class FlowControl:
 
     Parameters
     ----------
-    publishers : iterable of Publisher
+    publishers
         Each keeps more messages than the window.
-    health : Health
+    health
         Shows that it waits.
-    window : int
+    window
         Most messages sent and perhaps not acknowledged.
-    patience_s : float
+    patience_s
         Publish without room after this time, seconds: a subscriber that hangs, or whose
         connection broke, must not stop the others.
 
@@ -329,13 +329,13 @@ class Backlog:
 
     Parameters
     ----------
-    publisher : Publisher
+    publisher
         Publishes them.
-    health : Health
+    health
         Shows subscribers that do not keep up.
-    burst : int
+    burst
         Most messages published at once.
-    patience_s : float
+    patience_s
         As for `FlowControl`.
 
     """

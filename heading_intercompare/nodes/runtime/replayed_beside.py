@@ -53,9 +53,9 @@ class ReplayedMotion:
 
     Parameters
     ----------
-    reader : BagReader
+    reader
         The bag.
-    rule : MotionRule
+    rule
         Names the topics. Without `compare` nothing is published.
 
     Attributes
@@ -64,7 +64,7 @@ class ReplayedMotion:
         Names of the topics in the settings, of those that the bag has.
     in_bag : list of str
         Their names in the bag.
-    publishers : dict of str to Publisher
+    publishers
         By the names in the bag.
 
     Raises
@@ -103,13 +103,13 @@ class ReplayedLosses:
 
     Parameters
     ----------
-    node : Node
+    node
         The node that publishes the headings.
-    reader : BagReader
+    reader
         The bag.
-    names : mapping of str to str
+    names
         Full name under which a topic of the bag is published.
-    whole : bool
+    whole
         The replay begins with the bag, so what was sent before its first heading counts.
 
     Attributes

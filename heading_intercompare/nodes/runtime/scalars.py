@@ -49,11 +49,11 @@ class Scalars:
 
     Parameters
     ----------
-    node : Node
+    node
         The node that publishes.
-    settings : Settings
+    settings
         The installation offset and the seam of the differences.
-    rate_hz : float
+    rate_hz
         Most messages per second and topic; 0: there are no such topics.
 
     """

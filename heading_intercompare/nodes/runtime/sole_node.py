@@ -49,11 +49,11 @@ class SoleNode:
 
     Parameters
     ----------
-    node : Node
+    node
         The node that starts.
-    topics : sequence of str
+    topics
         Topics that only one node may publish.
-    health : Health
+    health
         Names this node and its start on /diagnostics, and shows another one that lives.
 
     Notes

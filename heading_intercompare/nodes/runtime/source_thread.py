@@ -49,16 +49,16 @@ class Reading:
 
     Parameters
     ----------
-    settings : DriverSettings
+    settings
         Names the source; it is opened here and closed by `stop`.
-    max_rate_hz : float
+    max_rate_hz
         Most lines per second from a file that is played as fast as possible.
-    notify : callable
+    notify
         Called from the thread when lines have arrived or reading is over.
 
     Attributes
     ----------
-    source : Source
+    source
         The source.
     from_file : bool
         It is a log, which can wait for `start`.
@@ -152,9 +152,9 @@ class ReadingNode(GraphNode):
 
     Parameters
     ----------
-    name : str
+    name
         Name of the node.
-    record : str
+    record
         What the source tells, in a word.
     **kwargs
         As for `Node`.

@@ -62,11 +62,11 @@ class NowPublisher:
     ----------
     node, health
         The node, and its state.
-    settings : Settings
+    settings
         With `sensors`.
-    comparison : SensorsComparison
+    comparison
         Has the pairs without the reference.
-    stale_s : float
+    stale_s
         Age after which the figures of a compliance node count no more, seconds.
 
     Attributes
@@ -102,11 +102,11 @@ class NowPublisher:
 
         Parameters
         ----------
-        views : mapping of str to SensorView
+        views
             Each sensor as it reports.
-        newest_ns : int or None
+        newest_ns
             The newest stamp.
-        judged : Vote or None
+        judged
             The vote on the judged runs, if there is one.
 
         """

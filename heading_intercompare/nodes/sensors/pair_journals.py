@@ -62,13 +62,13 @@ class PairJournals:
     ----------
     node, health
         The node, and its state.
-    settings : Settings
+    settings
         With `sensors`.
-    own : SensorsNode
+    own
         Settings `journal`, `report_dir`, `resume_within_s` and `bag`.
-    comparison : SensorsComparison
+    comparison
         Its pairs without the reference go on from their journals.
-    headings : HeadingsIntake
+    headings
         The headings by sensor, before the first is taken. It begins where the journals end.
 
     Attributes

@@ -80,11 +80,11 @@ def remap_rules(sensors: tuple[Sensor, ...], namespace: str,
 
     Parameters
     ----------
-    sensors : tuple of Sensor
+    sensors
         The sensors of the settings.
-    namespace : str
+    namespace
         Namespace of the graph.
-    motion : MotionRule, optional
+    motion
         Names the topics of the motion of the ship, unless they are those of the defaults.
 
     Returns

@@ -40,13 +40,13 @@ class SensorsIntake:
     ----------
     node, health, taking
         As for `Intake`.
-    comparison : SensorsComparison
+    comparison
 
     Attributes
     ----------
     heard : HeadingsIntake
         The headings by sensor.
-    newest_ns : int or None
+    newest_ns
         The newest stamp of any sensor; None before the first reading.
 
     """

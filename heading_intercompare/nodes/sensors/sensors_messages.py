@@ -45,11 +45,11 @@ def encode_sensors_figures(sensors: Mapping[str, Mapping[str, Any]], pairs: Sequ
 
     Parameters
     ----------
-    sensors : mapping of str to mapping
+    sensors
         The figures of each sensor, by name.
-    pairs : sequence of PairNow
+    pairs
         Each becomes a status ``first - second``.
-    ns : int
+    ns
         The newest stamp, nanoseconds.
 
     """

@@ -65,19 +65,19 @@ class SensorsReporting:
     ----------
     node, health
         The node, and its state.
-    settings : Settings
+    settings
         With `sensors`.
-    own : SensorsNode
-    comparison : SensorsComparison
+    own
+    comparison
         Has the pairs without the reference.
-    journals : PairJournals
+    journals
         Have the runs of these pairs, and what they missed.
-    headings : SensorsIntake
+    headings
         Have the newest stamp.
 
     Attributes
     ----------
-    verdict : SensorsVerdict or None
+    verdict
         The last verdict; None before the first.
 
     """

@@ -68,14 +68,14 @@ class BridgeIntake:
 
     Parameters
     ----------
-    node : Node
+    node
         The node that shows the view.
-    health : Health
+    health
         Its state.
-    settings : Settings
+    settings
         Of the analysis.
-    taking : Taking
-    trend_limit_deg : float, optional
+    taking
+    trend_limit_deg
         As for `Bridge`.
 
     """

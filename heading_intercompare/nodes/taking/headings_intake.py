@@ -48,10 +48,10 @@ class HeadingsIntake:
         As for `Intake`.
     streams : mapping of str to (str, str, str or None)
         Topic, convention and known type of each stream, by its name.
-    lose : callable
+    lose
         Called with the name of a stream, the fate of some readings (`LOST_AS`), and how many there
         are: lost on the way, and those that a driver says it never published.
-    arrivals : Unwatched, optional
+    arrivals
         As for `Intake`.
 
     Attributes

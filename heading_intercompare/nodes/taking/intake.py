@@ -61,41 +61,41 @@ class Intake:
 
     Parameters
     ----------
-    node : Node
+    node
         The node that takes the messages.
-    topic : str
+    topic
         Relative or absolute name.
-    types : mapping of str to type
+    types
         Accepted message types, by name; the publisher's decides.
-    qos : QoSProfile
+    qos
         Quality of service of the subscription.
-    unreliable : QoSProfile, optional
+    unreliable
         The same where a publisher is best effort, which a reliable subscription does not hear.
-    kept : QoSProfile, optional
+    kept
         The same once a first message has come, where the publishers keep their newest messages:
         what they send while they cannot be reached comes later.
-    health : Health
+    health
         Shows the state of this input.
-    stale_s : float, optional
+    stale_s
         Silence after which the state is a warning, seconds.
-    first_wait_s : float
+    first_wait_s
         How long after its start nothing is wrong with an input that was never heard, seconds.
-    lost_shown_s : float
+    lost_shown_s
         How long messages lost or refused are a warning, seconds.
-    sole : bool
+    sole
         More than one publisher is an error.
-    needed : bool
+    needed
         A missing publisher is a warning.
-    stamped : bool
+    stamped
         The messages begin with a header, so `take_losses` can say where some are missing.
-    counted : bool
+    counted
         Count what is missing; not where any number of publishers may come and go.
-    whole : bool
+    whole
         Begin with what the publishers keep from before, if all of them keep their newest messages.
-    known_type : str, optional
+    known_type
         The type, where it is known before a publisher is seen. Then the subscription is made at
         the start, as one that hears publishers of any quality of service.
-    arrivals : Unwatched, optional
+    arrivals
         Callback group of the subscription: what a `QuickExecutor` does when a message arrives.
 
     Attributes
@@ -106,7 +106,7 @@ class Intake:
         Type of the subscription; None while there is none.
     received, last_sequence : int
         Number of messages taken; number that the publisher gave the newest.
-    received_ns : int or None
+    received_ns
         When the newest message arrived, UTC ns; None before the first.
     refused : int
         Messages that could not be read.
@@ -114,7 +114,7 @@ class Intake:
         Publishers seen at the last `look`.
     resubscribed : int
         How often the subscription was made again for a publisher that joined and offers less.
-    counted : bool
+    counted
         Messages that are missing are counted.
     open : bool
         Subscribe when a publisher is seen. While this is False, no subscription is made.
@@ -210,7 +210,7 @@ class Intake:
 
         Parameters
         ----------
-        read : callable
+        read
             Returns the rows, and what is wrong with others, of messages of a type.
 
         """

@@ -44,12 +44,12 @@ class JudgedHeadings:
 
     Parameters
     ----------
-    topics : mapping of str to Recorded
+    topics
         All topics of the recorder.
 
     Attributes
     ----------
-    left_out : Counter of str
+    left_out
         Headings that nobody has judged, by full name of their topic.
 
     """
@@ -69,13 +69,13 @@ class JudgedHeadings:
 
         Parameters
         ----------
-        topic : str
+        topic
             Name of the topic.
-        messages : sequence of Message
+        messages
             The messages in the order in which they came.
-        now_s : float
+        now_s
             Steady time, seconds.
-        ending : bool
+        ending
             The graph ends: headings are kept until `release`.
 
         Returns

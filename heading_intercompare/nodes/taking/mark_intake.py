@@ -36,7 +36,7 @@ def explain_mark(kind: str, state: CutterState) -> str:
     ----------
     kind : {'start', 'stop'}
         Of the mark.
-    state : CutterState
+    state
         Of the cutter of runs, before the mark.
 
     """
@@ -58,9 +58,9 @@ class MarkIntake:
 
     Parameters
     ----------
-    health : Health
+    health
         Shows marks that are refused.
-    taken : iterable of (str, int)
+    taken
         Marks that have taken effect already, by kind and stamp.
 
     """

@@ -51,9 +51,9 @@ def make_motion_intake(node: Node, health: Health, what: str, topic: str,
         As for `Intake`.
     what : {'fix', 'velocity', 'rate'}
         What the topic tells.
-    topic : str
+    topic
         Its name before remapping.
-    taking : Taking
+    taking
         How messages are taken.
 
     """
@@ -77,13 +77,13 @@ class MotionIntake:
     ----------
     node, health
         As for `Intake`.
-    taking : Taking
+    taking
         Settings.
-    rule : MotionRule
+    rule
         Names the topics. Without `compare` nothing is taken.
-    takers : sequence of MotionTaker
+    takers
         Are given, in this order, the rows that have come.
-    known_ns : mapping of str to int, optional
+    known_ns
         The newest stamps that an earlier process took, as of `find_newest`.
 
     """

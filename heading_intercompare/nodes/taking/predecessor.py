@@ -47,15 +47,15 @@ class Predecessor:
 
     Parameters
     ----------
-    node : Node
+    node
         The synchronizer.
-    health : Health
+    health
         Shows messages that cannot be read.
-    intakes : mapping of str to Intake
+    intakes
         The headings, by sensor; not open yet.
-    started_ns : int
+    started_ns
         When this synchronizer was started, UTC ns.
-    pairs : str
+    pairs
         Full name of the topic that the compliance node subscribes to.
 
     Notes

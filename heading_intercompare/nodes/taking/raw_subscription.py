@@ -37,19 +37,19 @@ def subscribe(node: Node, kind: type, topic: str, profile: QoSProfile, health: H
 
     Parameters
     ----------
-    node : Node
+    node
         The node that subscribes.
-    kind : type
+    kind
         Type of the messages.
-    topic : str
+    topic
         Relative or absolute name.
-    profile : QoSProfile
+    profile
         Quality of service of the subscription.
-    health : Health
+    health
         Shows rejected messages and QoS mismatches.
-    read : callable
+    read
         Decodes the bytes of a message, or raises MessageError.
-    act : callable
+    act
         Called with the decoded message.
 
     """

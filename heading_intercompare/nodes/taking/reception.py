@@ -48,13 +48,13 @@ class Reception:
 
     Parameters
     ----------
-    node : Node
+    node
         The node that takes the messages.
-    topic : str
+    topic
         Relative or absolute name.
-    group : Unwatched
+    group
         Callback group of the subscriptions.
-    whole : bool
+    whole
         Take also what was sent before the first message that was taken.
 
     Attributes
@@ -101,13 +101,13 @@ class Reception:
 
         Parameters
         ----------
-        kind : type
+        kind
             Message type.
-        profile : QoSProfile
+        profile
             Quality of service.
-        after : int
+        after
             Leave out the first messages up to this number.
-        since_ns : int
+        since_ns
             Leave out what publishers keep from before this time. They usually keep what the
             subscription that was set aside held, too.
 
@@ -136,9 +136,9 @@ class Reception:
 
         Parameters
         ----------
-        profile : QoSProfile
+        profile
             Quality of service.
-        seamless : bool
+        seamless
             Keep the first one until it has brought all that was sent before the other one began.
 
         """

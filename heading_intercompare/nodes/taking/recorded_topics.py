@@ -70,19 +70,19 @@ class Recorded(NamedTuple):
 
     Attributes
     ----------
-    offered : Qos
+    offered
         The QoS that a player of the bag should offer.
-    intake : Intake
+    intake
         Its messages.
-    expected : bool
+    expected
         It belongs to every recording, and at the end the recorder waits for its publishers.
-    count_published : callable
+    count_published
         Returns how many messages others have counted; 0 if nobody counts them.
-    is_heading : bool
+    is_heading
         It comes from a sensor, whose publisher may go on when the graph ends.
-    is_ledger : bool
+    is_ledger
         A synchronizer says in it which headings it took.
-    spans : tuple of callable
+    spans
         Each returns the numbers of the first and the last message that a synchronizer took; None
         where it does not know yet.
 

@@ -37,7 +37,7 @@ def make_deviation_card(fit: HeadingDependence) -> Table | None:
 
     Parameters
     ----------
-    fit : HeadingDependence
+    fit
         The harmonics of the run.
 
     Returns

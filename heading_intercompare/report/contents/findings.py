@@ -50,16 +50,16 @@ class Finding:
 
     Attributes
     ----------
-    block : str
+    block
         The block of a `RunVerdict`, whose words are the title.
-    meaning : str
+    meaning
         How to read the figures.
-    assumptions : str
+    assumptions
         Letters of the assumptions that it supports, which conclude from the figures.
-    rows, columns : str
+    rows, columns
         Keys within the block: figures, a row each; lists that belong together, a column each,
         whose items are the rows.
-    side_by_side : str
+    side_by_side
         Keys of blocks with the figures of a `Shape`, a column each.
 
     """
@@ -213,7 +213,7 @@ def rows_of_block(figures: Figures,
     ----------
     figures : mapping of str to Figure
         The figures to show, by their keys.
-    blocks : sequence of (int, mapping)
+    blocks
         Number of the run, and its figures by their dotted names.
 
     """

@@ -55,13 +55,13 @@ class FirstPage:
 
     Attributes
     ----------
-    kind : str
+    kind
         The outcome as the name of a style; 'void' or 'doubtful' replace it.
-    sign, word, means, headline : str
+    sign, word, means, headline
         The outcome as a sign, a word, a sentence, and in the one line of the verdict.
-    facts : sequence of (str, str)
+    facts
         What the verdict rests on and covers, its validity, and what would decide.
-    runs : sequence of str
+    runs
         A line for each run, if there are several.
 
     """

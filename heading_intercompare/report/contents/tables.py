@@ -56,12 +56,12 @@ class Row(Generic[Thing]):
 
     Attributes
     ----------
-    name : str
-    unit : str
+    name
+    unit
         '1' for a number without dimension, '' for anything but a number.
-    figure : callable
+    figure
         Takes the subject of the table; returns a figure, or words.
-    holds : callable
+    holds
         Tells whether the figure may stand beside the outcome of the subject; otherwise the cell
         is a dash.
 

@@ -41,9 +41,9 @@ def budget_of(run: RunVerdict, settings: Settings) -> Table:
 
     Parameters
     ----------
-    run : RunVerdict
+    run
         The judged run.
-    settings : Settings
+    settings
         With the norm of the RS.
 
     """

@@ -64,14 +64,14 @@ class Subject:
 
     Attributes
     ----------
-    sketch : SeriesSketch
+    sketch
         Holds at least one difference.
-    start_ns : int
+    start_ns
         Stamp of the first difference.
-    settings : Settings
-    runs : sequence of RunVerdict
+    settings
+    runs
         Those of the record.
-    bands : sequence of Band
+    bands
         Their limits.
 
     """
@@ -170,19 +170,19 @@ class Drawing:
 
     Attributes
     ----------
-    name : str
+    name
         Its name among the figures of a record, such as 'histogram'.
-    title : str
+    title
         Says what, of which run, and of how many values; a screen reader reads it aloud.
-    caption : str
+    caption
         How to read it, in a sentence.
-    x_label, y_label : str
+    x_label, y_label
         With the units.
-    fill : callable
+    fill
         Draws into given axes of matplotlib. Everything it labels gets a legend below them.
-    is_time : bool
+    is_time
         Whether the x axis is time: days since 1970, from `days`.
-    height_mm : float
+    height_mm
         Height without the legend; the width is that of the text on A4.
 
     """

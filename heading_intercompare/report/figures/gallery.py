@@ -48,11 +48,11 @@ class Drawn(NamedTuple):
 
     Attributes
     ----------
-    id : str
+    id
         Unique on the page.
-    title, caption : str
+    title, caption
         The caption says how to read the figure or, if it is left out, why.
-    svg : str
+    svg
         Empty if the figure is left out.
 
     """
@@ -70,11 +70,11 @@ def collect(sketch: SeriesSketch, verdict: Verdict, name: str | None = None,
 
     Parameters
     ----------
-    sketch : SeriesSketch
+    sketch
         The record in as many points as a page can show.
-    verdict : Verdict
+    verdict
         Gives the runs and their limits.
-    name : str, optional
+    name
         One of `NAMES`; default all.
 
     """
@@ -95,9 +95,9 @@ def draw_figures(sketch: SeriesSketch, verdict: Verdict, prefix: str,
     ----------
     sketch, verdict
         As for `collect`.
-    prefix : str
+    prefix
         Letters and digits with which the ids begin; each record of the page has its own prefix.
-    progress : callable
+    progress
         Called after each figure with how many of `NAMES` are done.
 
     """

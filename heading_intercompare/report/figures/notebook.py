@@ -55,7 +55,7 @@ class Plotter:
 
     Attributes
     ----------
-    sketches : tuple of SeriesSketch
+    sketches
         One per record.
 
     """
@@ -68,9 +68,9 @@ class Plotter:
 
         Parameters
         ----------
-        verdict : Verdict
+        verdict
             The verdict whose figures are drawn.
-        name : str, optional
+        name
             One of `NAMES`; default all.
 
         Returns

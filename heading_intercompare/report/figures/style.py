@@ -126,9 +126,9 @@ def to_svg(drawing: Drawing, name: str) -> str:
 
     Parameters
     ----------
-    drawing : Drawing
+    drawing
         As drawn by matplotlib.
-    name : str
+    name
         Letters and digits, unique on the page. Every id begins with it. The same drawing with the
         same name gives the same bytes.
 
@@ -149,7 +149,7 @@ def draw(fill: Callable[[Axes], object], *, name: str, title: str, x_label: str,
 
     Parameters
     ----------
-    fill : callable
+    fill
         Draws into the given axes; everything it labels gets a legend below them.
     name, title, x_label, y_label, height_mm
         As for `to_svg` and `Drawing`.

@@ -39,9 +39,9 @@ def draw_trace(trace: Trace, number: int) -> tuple[str, str]:
 
     Parameters
     ----------
-    trace : Trace
+    trace
         What it showed.
-    number : int
+    number
         Number of the sensor on the page.
 
     """

@@ -33,9 +33,9 @@ class ShiftScan:
 
     Parameters
     ----------
-    range_s : float
+    range_s
         Largest shift in either direction, seconds.
-    max_gap_s : float
+    max_gap_s
         Longest bracket in which the RS is interpolated, seconds.
 
     Attributes

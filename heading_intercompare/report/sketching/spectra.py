@@ -46,13 +46,13 @@ class Level:
 
     Attributes
     ----------
-    joined : int
+    joined
         Samples of the series in each sample of the level: a power of 8.
-    segments : int
+    segments
     power_deg2 : ndarray, shape (k,)
         One-sided spectrum times the rate: square degrees per cycle a sample of the level. Entry
         j is at j / length cycles a sample.
-    length : int
+    length
         Samples in a segment.
     covariance_deg2 : ndarray, shape (m + 1,)
         Autocovariance at lags of 0 to m samples of the level, about the mean of each end.

@@ -30,9 +30,9 @@ class Trace:
 
     Attributes
     ----------
-    name : str
+    name
         The sensor.
-    n : int
+    n
         Its readings.
     t_h : ndarray, shape (m,)
         Middle of each column, hours since the start.
@@ -42,7 +42,7 @@ class Trace:
         Least and greatest error of the readings in each column.
     sigma_deg : ndarray, shape (m,)
         Greatest standard deviation that the sensor claims.
-    modes : tuple of (float, str)
+    modes
         Hour at which each mode begins, and its name; empty for sensors without.
 
     """

@@ -48,14 +48,14 @@ class LampView:
 
     Attributes
     ----------
-    word : str
+    word
         The outcome in capitals; or 'NONE YET'.
-    tone : Tone
-    given_ns : int or None
+    tone
+    given_ns
         Stamp of the data at which the verdict was given.
-    what : str
+    what
         Which look or run gave it, in words; without a verdict, when the next one comes.
-    headline : str
+    headline
         The result in one line; '' without a verdict.
 
     """
@@ -82,12 +82,12 @@ class AlarmView:
 
     Attributes
     ----------
-    name : str
+    name
         Node and alarm, as `compliance/acknowledge` takes it.
-    priority, state : str
+    priority, state
         As on the topic.
-    words : str
-    raised_ns : int or None
+    words
+    raised_ns
         Stamp at which it was last raised.
 
     """
@@ -127,13 +127,13 @@ class WindowView:
 
     Attributes
     ----------
-    n : int
-    mean_deg, std_deg : float or None
+    n
+    mean_deg, std_deg
         Degrees.
-    limit_deg : float or None
+    limit_deg
         The norm for the scatter of the differences, degrees: root of GK (5).
-    age_s : float or None
-    stale : bool
+    age_s
+    stale
 
     """
 
@@ -152,19 +152,19 @@ class RunView:
 
     Attributes
     ----------
-    number : int
+    number
         Number of the run, from 1; 0: no run is in progress.
-    n : int
+    n
         Differences analysed.
-    span_s, needed_s : float or None
+    span_s, needed_s
         As on `compliance/run`.
-    next_look_ns : int or None
+    next_look_ns
         When the next look is due.
-    lacking : str
+    lacking
         What is missing, in words.
-    age_s : float or None
-    stale : bool
-    ends_ns : int or None
+    age_s
+    stale
+    ends_ns
         When the clock ends the run.
 
     """

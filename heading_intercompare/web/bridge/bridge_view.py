@@ -59,38 +59,38 @@ class BridgeView:
 
     Attributes
     ----------
-    ts, rs : SensorView
+    ts, rs
         The two sensors.
-    difference_deg : float or None
+    difference_deg
         TS - RS of the newest pair, wrapped, the installation offset removed, degrees; None if
         it is stale.
-    last_difference_deg, difference_age_s : float or None
+    last_difference_deg, difference_age_s
         The last difference, however old, degrees; its age, seconds.
-    difference_stale : bool
-    turn_deg_min : float or None
+    difference_stale
+    turn_deg_min
         Rate of turn by the RS, otherwise by the TS, degrees per minute, positive to starboard.
-    paired_share : float or None
+    paired_share
         Share of the readings that were paired in the last minute.
-    paired, rejected : int or None
+    paired, rejected
         Pairs made, and readings rejected, by the newest ledger.
-    lamp : LampView
-    validity : ValidityView
+    lamp
+    validity
         What speaks against the comparison now.
-    window : WindowView
-    run : RunView
-    trend : TrendView
-    alarms : tuple of AlarmView
+    window
+    run
+    trend
+    alarms
         Those that are not normal, the gravest first.
-    nodes : tuple of NodeView
+    nodes
         By name.
-    mode : str or None
+    mode
         Mode of an AHRS, in words; None if there is none.
-    bag : BagView
-    graph_age_s : float or None
+    bag
+    graph_age_s
         Time since anything came from the graph, seconds; None before the first message.
-    judged : bool
+    judged
         The node that judges is heard.
-    sensors : SensorsView or None
+    sensors
         With several sensors: all of them; then there are neither TS and RS nor their difference.
 
     """
@@ -147,13 +147,13 @@ class Bridge:
 
     Parameters
     ----------
-    settings : Settings
+    settings
         Of the analysis.
-    trend_limit_deg : float, optional
+    trend_limit_deg
         Limit of a single difference, degrees; drawn about the centre of the trend.
-    stale_s : float
+    stale_s
         Age after which a figure is stale, seconds; a slow sensor has longer.
-    namespace : str
+    namespace
         Namespace of the graph; nodes of others on /diagnostics are left out.
 
     Notes

@@ -40,20 +40,20 @@ class SensorRow:
 
     Attributes
     ----------
-    name : str
-    reference : bool
+    name
+    reference
         It is the reference of all others.
-    now : SensorView
+    now
         What it reports.
-    against : str
+    against
         The other sensor of the figures: the reference, or without one the sensor that it is
         nearest to. '' if there are none.
-    mean_deg, std_deg, share : float or None
+    mean_deg, std_deg, share
         Mean and standard deviation of its difference from that sensor in the window, degrees, and
         the latter as a share of what the norms of both explain.
-    lamp : LampView
+    lamp
         Its last outcome.
-    named : bool
+    named
         The vote on the window names it as wrong.
 
     """
@@ -76,14 +76,14 @@ class SensorsView:
 
     Attributes
     ----------
-    rows : tuple of SensorRow
+    rows
         In the order of the settings.
-    vote : str
+    vote
         The vote on the rolling window, in words; '' before the first.
-    vote_tone : Tone
-    age_s : float or None
+    vote_tone
+    age_s
         Age of all this, seconds.
-    stale : bool
+    stale
 
     """
 
@@ -100,9 +100,9 @@ class SensorsPanel:
 
     Parameters
     ----------
-    sensors : sequence of Sensor
+    sensors
         Nothing is shown of others.
-    stale_s : float
+    stale_s
         Age after which figures are stale, seconds.
 
     """

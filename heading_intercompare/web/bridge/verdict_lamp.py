@@ -39,11 +39,11 @@ def light_lamp(statuses: Sequence[Status], stamp_ns: int, next_look_ns: int | No
 
     Parameters
     ----------
-    statuses : sequence of Status
+    statuses
         Statuses of that message; none if no message has come.
-    stamp_ns : int
+    stamp_ns
         Stamp of that message, nanoseconds.
-    next_look_ns, ends_ns : int or None
+    next_look_ns, ends_ns
         When the next look is due, and when the clock ends the run.
 
     Returns

@@ -39,21 +39,21 @@ class SensorView:
 
     Attributes
     ----------
-    heading_deg : float or None
+    heading_deg
         Newest valid heading, degrees; None if there is none or the sensor is silent.
-    last_deg : float or None
+    last_deg
         The last valid heading, however old, degrees.
-    age_s : float or None
+    age_s
         Time since the last reading came, seconds; None before the first.
-    rate_hz : float or None
+    rate_hz
         Readings per second lately; None before the second reading.
-    offset_s : float or None
+    offset_s
         Stamp of the last reading minus the time of day at its receipt, seconds.
-    turn_deg_min : float or None
+    turn_deg_min
         Rate of turn, degrees per minute, positive to starboard; None if not known now.
-    stale : bool
+    stale
         The sensor is silent: nothing of this is the state of the ship.
-    flagged : bool
+    flagged
         The sensor flags its newest reading as invalid.
 
     """
@@ -74,7 +74,7 @@ class StreamWatch:
 
     Parameters
     ----------
-    stale_s : float
+    stale_s
         Silence after which the sensor is called silent, seconds; longer for a slow sensor.
 
     """
@@ -98,11 +98,11 @@ class StreamWatch:
 
         Parameters
         ----------
-        headings : Headings
+        headings
             n readings in order of arrival; n = 0 changes nothing.
-        received_ns : int
+        received_ns
             Time of day at which the last one came, UTC nanoseconds.
-        now_s : float
+        now_s
             The same on a steady clock, seconds.
 
         """

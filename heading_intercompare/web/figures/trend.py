@@ -31,9 +31,9 @@ class TrendColumn(NamedTuple):
 
     Attributes
     ----------
-    age_s : float
+    age_s
         Time from the middle of the column to the end of the newest one, seconds.
-    low_deg, high_deg : float
+    low_deg, high_deg
         Least and greatest difference in it, degrees.
 
     """
@@ -49,9 +49,9 @@ class Trend:
 
     Parameters
     ----------
-    span_s : float
+    span_s
         Length of the stretch, seconds.
-    columns : int
+    columns
         Number of columns, at least 2.
 
     Examples

@@ -34,7 +34,7 @@ class Voyage(NamedTuple):
     ----------
     stamp_ns, heading_deg : ndarray
         The true heading, five times a second.
-    courses, rates, positions : Motion
+    courses, rates, positions
         Once a second, with the noise of a receiver.
 
     """

@@ -39,9 +39,9 @@ def read_web(arguments: argparse.Namespace,
 
     Parameters
     ----------
-    arguments : Namespace
+    arguments
         Arguments of the command, with the option `web`.
-    section : mapping
+    section
         The section `dashboard` of the parameter file; the option goes before it.
 
     Raises
