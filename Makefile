@@ -58,10 +58,11 @@ ifneq ($(PYTHON312),)
 	@nice -n 10 $(MAKE) --no-print-directory .venv-pins/.test >/dev/null 2>&1 &
 endif
 	@.ci/step '1/5 form' $(BIN)/ruff check .
+	@# One core each.
 	@if $(BIN)/python -c 'import numpy; numpy.strings.slice' 2>/dev/null; \
 		then .ci/step '2/5 types' $(BIN)/mypy; \
-		else echo '== 2/5 left out: types are checked with numpy 2.3 or later'; fi
-	@.ci/step '3/5 documentation' $(SITE)
+		else echo '== 2/5 left out: types are checked with numpy 2.3 or later'; fi & types=$$!; \
+	.ci/step '3/5 documentation' $(SITE); site=$$?; wait $$types && exit $$site
 	@.ci/step '4/5 tests, examples in docstrings, installation with pip and with colcon' \
 		$(BIN)/python $(TESTS) -m 'not endurance' --durations=10 $(PYTEST)
 ifeq ($(PYTHON312),)

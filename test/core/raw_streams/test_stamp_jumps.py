@@ -228,7 +228,7 @@ def test_pairs_and_ledger_are_the_same_for_every_chunking(method, ts, rs, data):
     pairer, at, found = Pairer(settings), {'ts': 0, 'rs': 0}, []
     while any(at[name] < len(streams[name]) for name in at):
         name = data.draw(st.sampled_from([s for s in at if at[s] < len(streams[s])]))
-        n = data.draw(st.integers(1, 60))
+        n = data.draw(st.integers(1, 200))
         found.append(pairer.update(**{name: streams[name][at[name]:at[name] + n]}))
         at[name] += n
         assert pairer.ledger.balance() == {'ts': 0, 'rs': 0}
