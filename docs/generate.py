@@ -22,6 +22,7 @@ tests compare the files with its output.
 from __future__ import annotations
 
 import ast
+import inspect
 import json
 from pathlib import Path
 import textwrap
@@ -29,7 +30,7 @@ from typing import Any, Iterator, Mapping, NamedTuple
 
 from heading_intercompare.ahrs.settings import Scenario, Sensor
 from heading_intercompare.bags.settings import BagSettings
-from heading_intercompare.core.declared_figures import list_figures
+from heading_intercompare.core.declared_figures import Figure, list_figures
 from heading_intercompare.core.sensors.sensors_verdict import (
     PairFigures,
     SensorResult,
@@ -39,6 +40,7 @@ from heading_intercompare.core.sensors.sensors_verdict import (
 )
 from heading_intercompare.core.settings import list_settings, Setting, Settings
 from heading_intercompare.core.verdict.validity import CONDITIONS
+from heading_intercompare.core.verdict.verdict_document import RunVerdict
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.nodes.settings import (
     ComplianceNode,
@@ -54,6 +56,7 @@ from heading_intercompare.nodes.settings import (
     Taking,
 )
 from heading_intercompare.report.json_schema import make_schema
+from heading_intercompare.report.runs_csv import COLUMNS
 
 ROOT = Path(__file__).resolve().parent.parent
 YAML = ROOT / 'config' / 'heading_intercompare.yaml'
@@ -62,6 +65,7 @@ TABLES = ROOT / 'docs' / 'settings.md'
 REFUSALS = ROOT / 'docs' / 'refusals.md'
 SCHEMA = ROOT / 'schema' / 'verdict.schema.json'
 KEYS = ROOT / 'docs' / 'verdict_json.md'
+RUNS = ROOT / 'docs' / 'howto' / 'judge_many.md'
 
 
 class Section(NamedTuple):
@@ -272,6 +276,21 @@ def keys(text: str) -> str:
     return text
 
 
+def columns(text: str) -> str:
+    """Return docs/howto/judge_many.md with the columns of the table of runs."""
+    figures = list_figures(RunVerdict)
+    rows = ''.join(f'| `{column}` | {_cell(_describe(column, key, figures))} |\n'
+                   for column, key in COLUMNS.items())
+    return _fill(text, 'columns', f'| column | holds |\n|---|---|\n{rows}')
+
+
+def _describe(column: str, key: str, figures: Mapping[str, Figure]) -> str:
+    if key not in figures:
+        return inspect.getdoc(getattr(RunVerdict, key)).removeprefix('Return the ').replace(
+            '``', '`').rstrip('.')
+    return f'{figures[key].words} as text in UTC' if column.endswith('_utc') else figures[key].text
+
+
 def _module_rows() -> Iterator[str]:
     package = ROOT / 'heading_intercompare'
     order = ('core', 'drivers', 'ahrs', 'messages', 'bags', 'report', 'nodes', 'app', 'cli')
@@ -327,5 +346,6 @@ if __name__ == '__main__':
     ARCHITECTURE.write_text(architecture(ARCHITECTURE.read_text('utf-8')), 'utf-8')
     REFUSALS.write_text(refusals(REFUSALS.read_text('utf-8')), 'utf-8')
     KEYS.write_text(keys(KEYS.read_text('utf-8')), 'utf-8')
+    RUNS.write_text(columns(RUNS.read_text('utf-8')), 'utf-8')
     print('wrote', *(str(p.relative_to(ROOT)) for p in (
-        YAML, TABLES, SCHEMA, ARCHITECTURE, REFUSALS, KEYS)))
+        YAML, TABLES, SCHEMA, ARCHITECTURE, REFUSALS, KEYS, RUNS)))

@@ -31,8 +31,7 @@ __all__ = ['COLUMNS', 'write_runs']
 Cell = str | int | float | None
 
 
-#: Columns, and the key of the figure if it differs; docs/howto/judge_many.md explains them.
-_COLUMNS = dict((column.split('=') * 2)[:2] for column in """
+COLUMNS = dict((column.split('=') * 2)[:2] for column in """
     recording=source run start_utc=start_ns end_utc=end_ns start_ns end_ns duration_s
     pairs=pairing.paired n nu=guarded.nu mean_deg max_abs_deg sd_deg=std_deg variance_deg2
     lower_bound_deg2=guarded.lower_bound_deg2 upper_bound_deg2=guarded.upper_bound_deg2
@@ -40,8 +39,7 @@ _COLUMNS = dict((column.split('=') * 2)[:2] for column in """
     rejection_limit_deg2=guarded.rejection_limit_deg2 n_plus=count_criterion.n_plus
     n_plus_plus=count_criterion.n_plus_plus outcome validity=validity_effect
     conditions=conditions_in_doubt reason outcome_as_printed=paper_outcome headline""".split())
-COLUMNS = tuple(_COLUMNS)
-"""Names of the columns."""
+"""The columns, each with the key of its figure; in the text after = where it differs."""
 
 
 def write_runs(verdict: Verdict | SensorsVerdict, path: str | Path) -> None:
@@ -62,7 +60,7 @@ def write_runs(verdict: Verdict | SensorsVerdict, path: str | Path) -> None:
 
     """
     if isinstance(verdict, Verdict):
-        _write(path, COLUMNS, _list_rows(verdict))
+        _write(path, [*COLUMNS], _list_rows(verdict))
         return
     _write(path, ('sensor', *COLUMNS), (
         [name, *row] for name, of_sensor in verdict.verdicts.items()
@@ -72,7 +70,7 @@ def write_runs(verdict: Verdict | SensorsVerdict, path: str | Path) -> None:
 def _list_rows(verdict: Verdict) -> Iterator[list[Cell]]:
     for run in verdict.runs:
         yield [utc(find_figure(run, key)) if name.endswith('_utc') else
-               make_plain(find_figure(run, key)) for name, key in _COLUMNS.items()]
+               make_plain(find_figure(run, key)) for name, key in COLUMNS.items()]
     for recording in verdict.inputs:
         if recording.why_no_run:
             row: dict[str, Cell] = dict.fromkeys(COLUMNS, '')

@@ -52,9 +52,11 @@ def test_the_file_is_what_the_classes_declare():
     assert GENERATED['SCHEMA'].read_text('utf-8') == GENERATED['schema'](), 'run: make docs'
 
 
-def test_the_page_of_the_json_is_what_the_classes_declare():
+def test_the_pages_of_json_and_csv_are_what_the_classes_declare():
     page = GENERATED['KEYS'].read_text('utf-8')
     assert page == GENERATED['keys'](page), 'run: make docs'
+    page = GENERATED['RUNS'].read_text('utf-8')
+    assert page == GENERATED['columns'](page), 'run: make docs'
 
 
 @pytest.mark.slow

@@ -122,10 +122,10 @@ class Guarded:
     slow_allowance_deg2: float | None = figure('allowance for the slow part in U', default=None)
     stated_times: float | None = figure('length in slowest errors stated, if U rests on them',
                                         'S.17', absent='otherwise')
-    upper_bound_deg2: float | None = figure("its upper bound U, at the consumer's risk",
-                                            'the bound of the variance, S.10, S.17', default=None)
-    lower_bound_deg2: float | None = figure("its lower bound L, at the producer's risk",
-                                            'the bound of the variance, S.11', default=None)
+    upper_bound_deg2: float | None = figure(
+        "upper bound U of the variance, at the consumer's risk", 'S.10, S.17', default=None)
+    lower_bound_deg2: float | None = figure(
+        "lower bound L of the variance, at the producer's risk", 'S.11', default=None)
     acceptance_limit_deg2: float = figure('acceptance limit A', row='  acceptance limit')
     rejection_limit_deg2: float = figure('rejection limit R', row='  rejection limit')
     sigma_ts_lower_deg: float | None = figure('TS standard deviation, bounds', default=None,
@@ -152,9 +152,10 @@ class Guarded:
     bias_significant: bool | None = figure('mean difference significant', default=None)
     rate_plus: float | None = figure('rate beyond the limit, n+ / n', default=None)
     rate_plus_plus: float | None = figure('rate beyond the tightened limit, n++ / n', default=None)
-    rate_plus_lower: float | None = figure('its lower bound', 'of `rate_plus`', default=None)
-    rate_plus_plus_upper: float | None = figure('its upper bound', 'of `rate_plus_plus`',
-                                                default=None)
+    rate_plus_lower: float | None = figure('lower bound of the rate beyond the limit',
+                                           default=None)
+    rate_plus_plus_upper: float | None = figure(
+        'upper bound of the rate beyond the tightened limit', default=None)
     count_outcome: Outcome = figure('outcome on the counts')
     outcome: Outcome = figure('outcome on the variance')
     reason: str = figure('why the outcome on the variance is as it is', 'see risk.md')

@@ -96,7 +96,7 @@ def test_no_figure_speaks_against_the_headline(kind, n, runs, settings, rng):
             assert meets is None or meets < 1.0 - risk.alpha_consumer
         if run.outcome is not Outcome.NON_COMPLIANT:
             assert broken is None or broken < 1.0 - 0.9 * risk.alpha_producer
-        upper = number(shown["its upper bound U, at the consumer's risk"])
+        upper = number(shown["upper bound U of the variance, at the consumer's risk"])
         if run.outcome is Outcome.INDETERMINATE and run.reason == run.guarded.reason:
             assert upper is None or upper > run.guarded.acceptance_limit_deg2
         factor = number(shown['length with which the run alone decides, times this one'])
