@@ -80,7 +80,7 @@ class Section(NamedTuple):
     comment
     given
         Values that differ from the defaults.
-    examples
+    examples : mapping or None
         Example values of the settings without a default. None: write only the values in `given`.
 
     """

@@ -64,7 +64,7 @@ class Judgement:
         sensor is the reference.
     sensors
         The verdict on all together; None without the setting `sensors`.
-    notes
+    notes : tuple of str
         What the user should know about the inputs: unfinished bag, no run, not judged again.
     sketches
         Data for the figures of each tested sensor, one per input that was read; empty unless

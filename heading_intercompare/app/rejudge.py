@@ -96,7 +96,7 @@ class Rejudged:
         Settings of both verdicts whose values differ.
     error
         Why the recording could not be judged.
-    notes
+    notes : tuple of str
         What else the user should know about it.
 
     """

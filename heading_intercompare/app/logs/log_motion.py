@@ -39,7 +39,7 @@ class FoundMotion:
     ----------
     rows
         In the order of the logs; empty if no log has any.
-    notes
+    notes : tuple of str
         What was used, and what else there was; empty without motion.
     origin
         The provenance as a bag keeps it.

@@ -65,7 +65,7 @@ class ObservationTable:
     Attributes
     ----------
     observations
-    notes
+    notes : tuple of str
         What the observer wrote, one per row; may be empty.
     common_u_deg
         Largest entry of the column of that name; None without one.

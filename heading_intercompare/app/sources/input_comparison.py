@@ -158,7 +158,7 @@ class InputComparison:
             Entries of the input in the verdict on several sensors.
         entries_of_pair
             Returns the entries of the input in the verdict on a pair of sensors.
-        notes
+        notes : sequence of str
             What the user should know, before what is said of pairs without a run.
         path
             The input.
@@ -207,7 +207,7 @@ def describe_two(results: list[RunResult], earlier: Sequence[RunResult], entry: 
         The runs of the verdict, and those that are too old for it.
     entry
         Its entry in the verdict, and the name that its notes begin with.
-    notes
+    notes : sequence of str
         What the user should know about it.
     ledger
         The account of its readings.

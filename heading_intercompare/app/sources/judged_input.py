@@ -55,7 +55,7 @@ class JudgedInput:
         Its entries in the verdict on several sensors.
     entries_of_tested
         Its entries in the verdict on each tested sensor, by its name.
-    notes
+    notes : list of str
         What the user should know about it: unfinished bag, no run, not judged again.
     earlier
         Runs of each tested sensor that are too old for the verdict (`runs.keep`).

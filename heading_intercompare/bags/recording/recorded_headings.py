@@ -51,7 +51,7 @@ class RecordedHeadings:
         All readings of the two sensors, in the order of the bag.
     marks
         Marks of runs: 'start' or 'stop' and the stamp, nanoseconds; in the order of the bag.
-    notes
+    notes : tuple of Note
         Notes of the operator, with `stamp_ns` and `text`.
     problems
         What is missing from the recording, or odd, in words; empty if it is whole.

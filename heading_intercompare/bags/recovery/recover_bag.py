@@ -73,7 +73,7 @@ class Recovered:
         Messages kept though the checksum of their chunk is wrong; only if that was asked for.
     counts
         Messages kept, by topic.
-    notes
+    notes : list of str
         What was wrong, and where; at most the first hundred.
 
     """

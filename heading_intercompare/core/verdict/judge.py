@@ -142,7 +142,7 @@ class RunResult:
             Share of the whole ledger, in which every reading belongs to a run.
         inside
             The part of the share between the first and the last pair of the run.
-        warnings
+        warnings : sequence of str
             Warnings to add.
         set_backs
             Clocks that were set back within the run.
