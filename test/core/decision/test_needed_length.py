@@ -25,6 +25,7 @@ from heading_intercompare.core.decision.campaign import Together
 from heading_intercompare.core.decision.coverage import Coverage
 from heading_intercompare.core.decision.guarded import Guarded
 from heading_intercompare.core.decision.needed_length import (
+    _in_all,
     describe_need,
     describe_need_together,
 )
@@ -170,3 +171,11 @@ def test_runs_together_need_a_total_length():
     assert describe_need_together('reference_limited', together(), None) == 'no length helps'
     assert describe_need_together('data_limited', None, None) == ''
     assert describe_need_together('a_run_void', together(), COVERED) == ''
+
+
+@pytest.mark.parametrize('span_s, words', [
+    (60.0, '60 s (0.02 h) in all'), (60.5, '61 s (0.02 h) in all'),
+    (600.0, '10 min (0.17 h) in all'), (601.0, '11 min (0.17 h) in all'),
+    (7200.0, '2.0 h in all'), (7201.0, '2.1 h in all')])
+def test_a_length_in_words_suffices_and_a_whole_one_is_itself(span_s, words):
+    assert _in_all(span_s) == words

@@ -161,3 +161,12 @@ def test_the_bits_do_not_depend_on_the_pieces(rng, kernel, step_s):
             at = [at[0] + n, at[1] + m]
         assert Pairs.concatenate([*found, pairer.flush()]) == whole
         assert pairer.ledger.segments == ledger.segments
+
+
+def test_a_sensor_with_just_four_readings_a_second_is_fast():
+    """By hand: 1 - (1 - f) 2^k / C(2k, k) in the middle, 1 - (1 - f) 4^k / C(2k, k) at the end."""
+    frequency = np.array([0.5, 1.0])
+    fast, slow = (interpolated_response(0.9, step_ns, frequency)
+                  for step_ns in (250_000_000, 250_000_001))
+    assert fast == pytest.approx([1.0 - 0.1 * 4 / 6, 1.0 - 0.1 * 16 / 6])
+    assert slow == pytest.approx([1.0 - 0.1 * 256 / 12870, 1.0 - 0.1 * 65536 / 12870])
