@@ -41,8 +41,6 @@ from made_up_ships import KINDS, norms_of, raised, voyage, watch
 import numpy as np
 import scipy
 
-__all__ = ['Alarms', 'count_alarms', 'most_per_1000_h', 'main']
-
 _VOYAGE_S = 600.0
 
 

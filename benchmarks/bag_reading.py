@@ -56,7 +56,8 @@ import numpy as np
 import zstandard
 
 from heading_intercompare.app.campaign import count_cores, MOST_READERS
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.mcap.chunk_writer import Rows
+from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.core.angles import quaternion_from_heading

@@ -45,8 +45,6 @@ from risk_campaigns import Campaign, CAMPAIGNS
 from risk_measures import COLUMNS, measure_row, Result, STATED_COLUMNS
 from risk_rows import Row, ROWS
 
-__all__ = ['columns', 'main', 'measure', 'rows_of']
-
 
 def rows_of(table: str) -> list[Row | Campaign]:
     """Return the rows of a table."""

@@ -31,11 +31,6 @@ import numpy as np
 from scipy.signal import lfilter
 from scipy.special import ndtr, stdtrit
 
-__all__ = ['ar1', 'as_laplace', 'as_student5', 'as_uniform', 'blue', 'calm_then_rough', 'Errors',
-           'five_gaps', 'half_missing', 'jittered', 'mixed', 'narrow_band', 'one_in_four',
-           'one_missing', 'polynomial', 'quantised', 'ramp', 'Sampling', 'sea_state',
-           'seconds_on_and_off', 'some_lost', 'white', 'without_drift']
-
 Errors = Callable[[np.random.Generator, int, int], np.ndarray]
 """Called with generator, runs, n: an array of shape (runs, n) of errors of variance 1."""
 

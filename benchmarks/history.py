@@ -39,8 +39,6 @@ from typing import Iterator, Mapping
 import numpy
 import scipy
 
-__all__ = ['add_option', 'describe_trend', 'keep', 'read_runs']
-
 HISTORY = Path(__file__).with_name('history.jsonl')
 
 _BARS = '▁▂▃▄▅▆▇█'

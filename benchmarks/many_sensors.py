@@ -24,7 +24,8 @@ import tempfile
 import numpy as np
 
 from heading_intercompare.app.analysis import judge_bags
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.mcap.chunk_writer import Rows
+from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.heading_messages import encode_imu, IMU

@@ -28,9 +28,6 @@ import math
 import numpy as np
 from scipy.stats import chi2, norm, t as student
 
-__all__ = ['between_runs', 'lower_bound', 'Plain', 'pool', 'scatter_of_runs', 'spread',
-           'stated_bound', 'stated_bound_of_runs', 'upper_bound']
-
 
 @dataclass(frozen=True, slots=True)
 class Plain:

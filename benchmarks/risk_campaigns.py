@@ -46,8 +46,6 @@ from heading_intercompare.core.statistics.variance_uncertainty import (
     upper_bound,
 )
 
-__all__ = ['CAMPAIGNS', 'Campaign']
-
 
 @dataclass(frozen=True, slots=True)
 class Campaign:

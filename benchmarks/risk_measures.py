@@ -32,9 +32,6 @@ from heading_intercompare.core.statistics.variance_uncertainty import (
     upper_bound,
 )
 
-__all__ = ['batches', 'Bounds', 'COLUMNS', 'fails', 'measure_row', 'rate', 'Result', 'runs_of',
-           'SIGMAS', 'STATED_COLUMNS']
-
 SIGMAS = (0.5, 0.7, 0.85)
 """True standard deviations, as shares of the limit, for which acceptance is counted."""
 

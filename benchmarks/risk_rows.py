@@ -43,8 +43,6 @@ from error_processes import (
     white,
 )
 
-__all__ = ['AUTO', 'JUDGED_FROM', 'Row', 'ROWS']
-
 AUTO = -1
 """Drift order chosen from the data, at most 3; the bounds are then those of order 3."""
 

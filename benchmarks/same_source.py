@@ -41,11 +41,12 @@ from scipy.interpolate import CubicSpline
 from scipy.signal import lfilter
 
 from heading_intercompare.core.conditions.one_source import find_one_source, OneSource
+from heading_intercompare.core.declared_settings import from_mapping
 from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.pairing.pairer import pair
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.runs.run_series import RunSeries
-from heading_intercompare.core.settings import from_mapping, Settings
+from heading_intercompare.core.settings import Settings
 
 Motion = Callable[[np.ndarray], np.ndarray]
 

@@ -48,8 +48,6 @@ from sound_ships import draw_pair, SoundPair
 from heading_intercompare import Outcome, Verdict
 from heading_intercompare.core.pipeline import Intercomparison
 
-__all__ = ['describe', 'judge', 'Judged', 'main']
-
 _AT_NORM = 10_000
 """Added to the seed for the pairs at the norm, which are others."""
 _GOOD = ('holds', 'not_testable')

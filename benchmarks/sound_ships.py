@@ -36,8 +36,6 @@ from same_source import Motion as Course, rounded, seaway, turn
 
 from heading_intercompare import Headings, Motion, Settings
 
-__all__ = ['BURDENS', 'draw_pair', 'SHIPS', 'SoundPair']
-
 
 @dataclass(frozen=True, slots=True)
 class Ship:

@@ -33,8 +33,6 @@ import subprocess
 import sys
 from typing import Iterator
 
-__all__ = ['EMPTY_NAMES', 'main', 'measure', 'Sources']
-
 EMPTY_NAMES = frozenset((
     'found', 'one', 'some', 'own', 'told', 'given', 'said', 'known', 'made', 'each', 'taken',
     'kept', 'wanted', 'other', 'here', 'there'))

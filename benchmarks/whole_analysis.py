@@ -83,7 +83,8 @@ def write_bag(path: Path, seconds: int) -> None:
     import numpy as np
     import scipy
 
-    from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+    from heading_intercompare.bags.mcap.chunk_writer import Rows
+    from heading_intercompare.bags.recording.bag_writer import BagWriter
     from heading_intercompare.bags.settings import BagSettings
     from heading_intercompare.core.records import Headings
 

@@ -31,6 +31,7 @@ from typing import Any, Iterator, Mapping, NamedTuple
 from heading_intercompare.ahrs.settings import Scenario, Sensor
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.core.declared_figures import Figure, list_figures
+from heading_intercompare.core.declared_settings import list_settings, Setting
 from heading_intercompare.core.sensors.sensors_verdict import (
     PairFigures,
     SensorResult,
@@ -38,7 +39,7 @@ from heading_intercompare.core.sensors.sensors_verdict import (
     SensorVariance,
     Vote,
 )
-from heading_intercompare.core.settings import list_settings, Setting, Settings
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.validity import CONDITIONS
 from heading_intercompare.core.verdict.verdict_document import RunVerdict
 from heading_intercompare.drivers.settings import DriverSettings
@@ -306,13 +307,10 @@ def _module_rows() -> Iterator[str]:
         if path.stem == '__init__':
             if path.parent != package:
                 room = path.parent.relative_to(package).as_posix()
-                yield f'| **`{room}`** | {_cell(summary)} | |'
+                yield f'| **`{room}`** | {_cell(summary)} |'
             continue
-        public = [name for node in tree.body if isinstance(node, ast.Assign)
-                  and getattr(node.targets[0], 'id', '') == '__all__'
-                  for name in ast.literal_eval(node.value)]
         yield (f'| `{path.relative_to(package).with_suffix("").as_posix()}` '
-               f'| {_cell(summary)} | {", ".join(f"`{n}`" for n in public) or "–"} |')
+               f'| {_cell(summary)} |')
 
 
 def _fill(text: str, place: str, table: str) -> str:
@@ -324,7 +322,7 @@ def _fill(text: str, place: str, table: str) -> str:
 def architecture(text: str) -> str:
     """Return docs/ARCHITECTURE.md with an updated list of modules."""
     rows = '\n'.join(_module_rows())
-    return _fill(text, 'modules', f'| module | is for | public names |\n|---|---|---|\n{rows}\n')
+    return _fill(text, 'modules', f'| module | is for |\n|---|---|\n{rows}\n')
 
 
 def refusals(text: str) -> str:

@@ -27,8 +27,6 @@ from unittest.mock import patch
 import heading_intercompare
 from heading_intercompare.cli import program
 
-__all__ = ['FOLDERS', 'write_pages']
-
 PACKAGE = Path(heading_intercompare.__file__).resolve().parent
 FOLDERS = ('core', 'drivers', 'ahrs', 'messages', 'bags', 'report', 'logbook', 'app', 'nodes',
            'cli')

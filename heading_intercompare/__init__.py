@@ -58,6 +58,9 @@ def __dir__() -> list[str]:
 
 if TYPE_CHECKING:
     # The same names for type checkers and editors.
+    from heading_intercompare.core.declared_settings import SettingsError as SettingsError
+    from heading_intercompare.core.verdict.all_runs import join as join
+
     from .app.analysis import (
         analyze as analyze,
         analyze_bag as analyze_bag,
@@ -74,11 +77,7 @@ if TYPE_CHECKING:
     from .core.diagnostics.three_cornered_hat import three_cornered_hat as three_cornered_hat
     from .core.outcome import Outcome as Outcome
     from .core.pairing.pairer import pair as pair, Pairer as Pairer
-    from .core.pipeline import (
-        Compliance as Compliance,
-        Intercomparison as Intercomparison,
-        join as join,
-    )
+    from .core.pipeline import Compliance as Compliance, Intercomparison as Intercomparison
     from .core.records import (
         Differences as Differences,
         Headings as Headings,
@@ -97,7 +96,6 @@ if TYPE_CHECKING:
         RunCutting as RunCutting,
         Sequential as Sequential,
         Settings as Settings,
-        SettingsError as SettingsError,
         Trial as Trial,
     )
     from .core.verdict.verdict_document import RunVerdict as RunVerdict, Verdict as Verdict

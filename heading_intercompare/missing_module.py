@@ -16,8 +16,6 @@
 
 from __future__ import annotations
 
-__all__ = ['explain_missing']
-
 _OF_ROS = {'rclpy', 'sensor_msgs', 'geometry_msgs', 'nav_msgs', 'std_msgs', 'std_srvs',
            'diagnostic_msgs', 'rosgraph_msgs', 'rcl_interfaces', 'builtin_interfaces'}
 # What is needed without any extra: name of the module, and of its package.

@@ -19,8 +19,6 @@ from __future__ import annotations
 import os
 import re
 
-__all__ = ['natural_key']
-
 _DIGITS = re.compile(r'(\d+)')
 
 

@@ -34,9 +34,7 @@ from typing import Any, Iterator
 
 import yaml
 
-from heading_intercompare.core.settings import SettingsError
-
-__all__ = ['load_settings', 'load_yaml', 'parse_yaml', 'YamlError']
+from heading_intercompare.core.declared_settings import SettingsError
 
 #: More than any parameter file or scenario needs.
 _MOST_BYTES = 2**20

@@ -44,9 +44,9 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
 from heading_intercompare.app.config import load_config, settings_for
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.sensor_table import describe_driver, list_tested, read_sensors
 from heading_intercompare.core.sensors.pair_settings import check_norms
-from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.nodes.launching.arguments import (
     check_path,
     common_arguments,

@@ -20,7 +20,8 @@ from checksums import with_checksum
 import numpy as np
 from scipy.signal import lfilter
 
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.mcap.chunk_writer import Rows
+from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.provenance import RECORD, SENSORS_REPORT_TOPIC
 from heading_intercompare.core.records import Headings
 from heading_intercompare.messages.heading_messages import encode_imu, IMU

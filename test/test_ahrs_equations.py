@@ -24,7 +24,7 @@ import re
 import pytest
 
 from heading_intercompare.ahrs.settings import Scenario
-from heading_intercompare.core.settings import list_settings
+from heading_intercompare.core.declared_settings import list_settings
 
 ROOT = Path(__file__).resolve().parent.parent
 TEXT = (ROOT / 'docs' / 'ahrs.md').read_text(encoding='utf-8')

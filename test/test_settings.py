@@ -25,15 +25,13 @@ import runpy
 import pytest
 import yaml
 
-from heading_intercompare.core.settings import (
+from heading_intercompare.core.declared_settings import (
     from_mapping,
     list_settings,
-    Norms,
-    Risk,
-    Settings,
     SettingsError,
     to_mapping,
 )
+from heading_intercompare.core.settings import Norms, Risk, Settings
 
 ROOT = Path(__file__).resolve().parent.parent
 YAML = ROOT / 'config' / 'heading_intercompare.yaml'

@@ -21,7 +21,7 @@ from pathlib import Path
 
 import pytest
 
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.yaml_file import load_settings, load_yaml, parse_yaml, YamlError
 
 yaml = pytest.importorskip('yaml')

@@ -22,7 +22,8 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from heading_intercompare import analyze
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.mcap.chunk_writer import Rows
+from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.records import Headings, Motion, Pairs

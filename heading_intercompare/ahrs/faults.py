@@ -26,8 +26,6 @@ import numpy as np
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.records import Integers, Reals
 
-__all__ = ['Fault', 'FAULTS', 'Faults']
-
 FAULTS = {
     'freeze': ('repeats its last reading; the value is not used', 0.0),
     'jump': ('adds the value [deg]', 5.0),

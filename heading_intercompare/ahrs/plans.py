@@ -21,13 +21,10 @@ from datetime import datetime, timezone
 import math
 import re
 
-from heading_intercompare.ahrs.ship.ship_motion import Leg
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.ahrs.ship.steering import Leg
+from heading_intercompare.core.declared_settings import SettingsError
 
 from .faults import Fault, FAULTS
-
-__all__ = ['Event', 'EVENTS', 'FIXED', 'parse_deviation', 'parse_events', 'parse_faults',
-           'parse_fixed', 'parse_legs', 'parse_utc']
 
 EVENTS = {
     'gyrocompass': 'command: seek the meridian',

@@ -25,8 +25,6 @@ import numpy as np
 
 from heading_intercompare.core.records import Reals
 
-__all__ = ['Markov', 'open_stream', 'Outages', 'recur']
-
 
 def open_stream(seed: int, name: str) -> np.random.Generator:
     """

@@ -22,8 +22,6 @@ from typing import Any
 
 from .settings import Errors, Sensor
 
-__all__ = ['ERRORS', 'errors_of', 'ModelErrors', 'terms_of']
-
 _SENSORS: dict[str, dict[str, float]] = {
     'ideal': {},
     'gnss_compass': {'white_deg': 0.05, 'markov_deg': 0.08, 'markov_tau_s': 200.0},

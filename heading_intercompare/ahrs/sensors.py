@@ -33,7 +33,6 @@ from .random_noise import Markov, open_stream, Outages
 from .sensor_presets import terms_of
 from .settings import AHRS_MODELS, Sensor
 
-__all__ = ['Readings', 'SimulatedSensor']
 
 @dataclass(frozen=True, slots=True)
 class Readings:

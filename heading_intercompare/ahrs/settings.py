@@ -22,14 +22,14 @@ from typing import Any, Mapping
 from heading_intercompare.ahrs.ship.course import Current
 from heading_intercompare.ahrs.ship.seaway import SEAWAYS
 from heading_intercompare.ahrs.ship.wave_sea import Hull, Waves
-from heading_intercompare.core.sensor_table import read_rows
-from heading_intercompare.core.settings import (
+from heading_intercompare.core.declared_settings import (
     Checked,
     from_mapping,
     setting,
     SettingsError,
     to_mapping,
 )
+from heading_intercompare.core.sensor_table import read_rows
 
 from .faults import FAULTS
 from .plans import (
@@ -42,9 +42,6 @@ from .plans import (
     parse_legs,
     parse_utc,
 )
-
-__all__ = ['Ahrs', 'AHRS_MODELS', 'CurrentSettings', 'Errors', 'Scenario', 'SeaSettings', 'Sensor',
-           'SettingsError', 'TrackSettings']
 
 AHRS_MODELS = ('dtg_precision', 'marine_0p1', 'imo')
 _STREAMS = ('ts', 'rs', 'truth')

@@ -27,13 +27,14 @@ from heading_intercompare.ahrs.inertial.compiled_loop import compile_steering
 from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
 from heading_intercompare.ahrs.ship.steering import Steering
 from heading_intercompare.ahrs.ship.track_course import Track
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.records import Headings, Motion, Reals
 
 from .faults import Fault, FAULTS, Faults
 from .plans import EVENTS, parse_faults, parse_legs, parse_utc
 from .random_noise import open_stream
 from .sensors import Readings, SimulatedSensor
-from .settings import AHRS_MODELS, Scenario, Sensor, SettingsError
+from .settings import AHRS_MODELS, Scenario, Sensor
 
 POSITION_SIGMA_M = 1.0
 """Standard deviation of a position to the north and to the east, metres; white."""
@@ -284,8 +285,9 @@ class Trial:
                       for name, sender in self._senders.items()}
         self.now_s = end_s
         (ts, ts_said), (rs, rs_said) = deliveries.pop('ts'), deliveries.pop('rs')
-        return SimulatedChunk(end_s, self._true.take(end_s), ts, rs, ts_said, rs_said, deliveries,
-                              self._motion.take(end_s))
+        return SimulatedChunk(end_s=end_s, truth=self._true.take(end_s), ts_readings=ts,
+                              rs_readings=rs, ts_statuses=ts_said, rs_statuses=rs_said,
+                              others=deliveries, motion=self._motion.take(end_s))
 
     def command(self, role: str, kind: str, t_s: float | None = None) -> float:
         """

@@ -21,16 +21,14 @@ import math
 
 import numpy as np
 
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.motion.smoothing import bridge_gaps, find_spikes, fit_smooth, Smooth
 from heading_intercompare.core.motion.tangent_plane import steps_m
 from heading_intercompare.core.records import Attitude, Headings, Integers, Motion, Reals
-from heading_intercompare.core.settings import SettingsError
 
 from .settings import TrackSettings
 from .ship.earth import KNOT_M_S
 from .ship.track_course import Track, TrackCourse
-
-__all__ = ['Smoothed', 'fit_track', 'SmoothTrack', 'TrackRecord']
 
 #: A sample is no spike unless it is further than this from its neighbours, by unit.
 _LEAST = {'deg': 2.0, 'm/s': 1.0}
@@ -229,8 +227,9 @@ class _Maker:
         full_s, full = bridge_gaps(*_reach_ends(t_s, values, self._duration_s), period_s)
         smooth = fit_smooth(full_s, full, period_s)
         removed = float(np.std(values - smooth.read(t_s)))
-        self.accounts.append(Smoothed(what, unit, t_s.size, repeated, int(spikes.sum()),
-                                      gaps.size, longest_s, period_s, removed))
+        self.accounts.append(Smoothed(what=what, unit=unit, n=t_s.size, repeated=repeated,
+                                      spikes=int(spikes.sum()), gaps=gaps.size,
+                                      longest_gap_s=longest_s, period_s=period_s, removed=removed))
         return smooth
 
 

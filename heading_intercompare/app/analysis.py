@@ -23,7 +23,6 @@ from typing import Callable, Container, Mapping, Sequence
 import warnings
 
 from heading_intercompare.bags.csv.pairs_account import PairsAccount
-from heading_intercompare.core.pipeline import join
 from heading_intercompare.core.records import Headings, Motion
 from heading_intercompare.core.sensors.judging import judge_sensors
 from heading_intercompare.core.sensors.pair_settings import (
@@ -36,6 +35,7 @@ from heading_intercompare.core.sensors.pair_settings import (
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.units.angle_units import AngleWatch
+from heading_intercompare.core.verdict.all_runs import join
 from heading_intercompare.core.verdict.judge import RunResult
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 from heading_intercompare.report import SeriesSketch
@@ -45,9 +45,6 @@ from .campaign import judge_inputs
 from .run_table import assign_runs, name_unused, read_run_table, RunTable
 from .sources.input_comparison import InputComparison, PairTakers
 from .sources.judged_input import JudgedInput
-
-__all__ = ['analyze', 'analyze_bag', 'analyze_bags', 'analyze_sensors', 'conclude',
-           'judge_bags', 'Judgement']
 
 Place = str | os.PathLike[str]
 

@@ -45,8 +45,6 @@ from .run_table import RunTable
 from .sources.input_comparison import PairTakers
 from .sources.judged_input import JudgedInput
 
-__all__ = ['count_cores', 'judge_inputs', 'MOST_READERS']
-
 #: Inputs of a smaller total size are judged here: starting processes would take longer.
 _WORTH_BYTES = 100_000_000
 #: More processes than this would wait for the one that judges what they read.

@@ -42,8 +42,6 @@ from distributed.versions import VersionMismatchWarning
 
 from heading_intercompare.core.version import VERSION
 
-__all__ = ['open_cluster']
-
 #: How long scheduler and workers may take to answer.
 _CONNECT_S = 15.0
 #: How often to check that there is a worker, and how long to wait without any: the nanny of a

@@ -21,12 +21,11 @@ from pathlib import Path
 import re
 from typing import Any, Mapping, Sequence
 
+from heading_intercompare.core.declared_settings import flatten, list_settings, SettingsError
 from heading_intercompare.core.sensor_table import read_sensors
 from heading_intercompare.core.sensors.pair_settings import settings_of_pair
-from heading_intercompare.core.settings import flatten, list_settings, Settings, SettingsError
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.yaml_file import load_settings, parse_yaml, YamlError
-
-__all__ = ['choose_pair', 'Config', 'load_config', 'settings_for']
 
 SHARED = '/**'
 """The section whose settings apply to every node and every command."""

@@ -23,8 +23,6 @@ from typing import Any, Sequence
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.logbook.history import History, Point
 
-__all__ = ['write_page']
-
 _DAY_NS = 86_400_000_000_000
 _MARKERS, _DASHES = 'osv^D', ('-', '--', ':', '-.')
 _NAMES = {'mean': 'mean difference', 'sd': 'standard deviation'}

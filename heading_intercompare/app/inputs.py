@@ -44,6 +44,7 @@ from heading_intercompare.bags.rosbag2.bag_files import find_files
 from heading_intercompare.bags.rosbag2.motion_topics import read_bag_motion, read_fixes
 from heading_intercompare.bags.rosbag2.provenance import read_notes
 from heading_intercompare.bags.rosbag2.readable import Readable
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.kept_state import KeptState
 from heading_intercompare.core.motion.antennas import find_baseline_headings
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
@@ -51,7 +52,7 @@ from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.records import Headings, Motion, Pairs
 from heading_intercompare.core.sensor_table import Sensor
 from heading_intercompare.core.sensors.pair_settings import pair_with_reference
-from heading_intercompare.core.settings import Settings, SettingsError
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import Input, OperatorNote
 from heading_intercompare.readers.registry import open_recording, sources_of
@@ -64,8 +65,6 @@ from .run_table import RunTable
 from .sources.csv_source import has_pairs, judge_csv
 from .sources.input_comparison import describe_two, InputComparison, PairTakers, Spans
 from .sources.judged_input import JudgedInput
-
-__all__ = ['describe_recording', 'judge_input', 'load_config_or_journal', 'sha256']
 
 #: Its settings are at the start of a journal.
 _HEAD_BYTES = 1_000_000
@@ -253,8 +252,8 @@ def _judge_journal(path: str, name: str, settings: Settings, runs: Spans | None,
         n = dict.fromkeys((LedgerKey.PAIRED, LedgerKey.TS_PAIRED, LedgerKey.RS_USED),
                           trial.n_pairs)
         total = Ledger.from_segments([LedgerSegment(None, n)])
-    described = Input(name, contents.sha256, origin.settings.get('ts_topic'),
-                      origin.settings.get('rs_topic'), ledger_problems=tuple(problems))
+    described = Input(path=name, sha256=contents.sha256, ts_topic=origin.settings.get('ts_topic'),
+                      rs_topic=origin.settings.get('rs_topic'), ledger_problems=tuple(problems))
     return describe_two(results, earlier, described, problems, total, settings, table=runs,
                         marks=sorted(trial.marks), sketch=sketch)
 
@@ -324,9 +323,9 @@ def _list_conventions(comparison: InputComparison, settings: Settings) -> dict[s
 
 def describe_recording(path: str, entry: Input, settings: Settings) -> JudgedInput:
     """Return a recording without runs of its own, with its entries in the verdicts."""
-    return JudgedInput(path, {}, [entry], {
-        sensor.name: [_name_topics(entry, sensor, reference, settings)]
-        for sensor, reference in pair_with_reference(settings)})
+    return JudgedInput(path=path, results={}, entries=[entry], entries_of_tested={
+                           sensor.name: [_name_topics(entry, sensor, reference, settings)]
+                           for sensor, reference in pair_with_reference(settings)})
 
 
 def _name_topics(entry: Input, ts: Sensor, rs: Sensor, settings: Settings) -> Input:

@@ -170,4 +170,5 @@ class Job:
         note = f'not judged: {why}'
         if Path(path).suffix != '.csv':
             return describe_recording(path, entry, self.settings).without_runs(note)
-        return JudgedInput(path, {}, [entry], {'ts': [entry]}).without_runs(note)
+        return JudgedInput(path=path, results={}, entries=[entry],
+                           entries_of_tested={'ts': [entry]}).without_runs(note)

@@ -35,8 +35,6 @@ from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
 
-__all__ = ['check_outputs', 'name_file', 'open_tables', 'Outputs']
-
 
 @dataclass(frozen=True, slots=True)
 class Outputs:

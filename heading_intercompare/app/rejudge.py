@@ -21,21 +21,20 @@ from typing import Any, Callable, Mapping, Sequence
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import find_report, RECORD
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.sensors.pair_settings import check_sensors
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
-from heading_intercompare.core.settings import Settings, SettingsError
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.typed_reader import VerdictError
 from heading_intercompare.core.validity.condition import is_doubtful
 from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
-from heading_intercompare.core.verdict.verdict_document import Verdict, VerdictError
+from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.report.json import parse_any
 
 from .analysis import judge_bags
 from .config import Config, settings_for
 from .job import explain_unreadable, UNREADABLE
-
-__all__ = ['CHANGED', 'FormerVerdict', 'rejudge', 'rejudge_bag', 'Rejudged', 'SAME', 'UNJUDGED',
-           'WITHOUT_REPORT']
 
 CHANGED, UNJUDGED, WITHOUT_REPORT, SAME = 'changed', 'not_judged', 'no_report', 'same'
 _ORDER = (CHANGED, UNJUDGED, WITHOUT_REPORT, SAME)
@@ -206,9 +205,10 @@ def _compare(path: str, report: Verdict | SensorsVerdict | None, verdict: Verdic
         before = report.settings.to_mapping()
         changed = [name for name, value in verdict.settings.to_mapping().items()
                    if before[name] != value]
-    return Rejudged(path, status, former, verdict.outcome, verdict.headline,
-                    verdict.validity_effect, verdict.rule_version, verdict.settings_sha256,
-                    tuple(changed), None, notes)
+    return Rejudged(path=path, status=status, former=former, outcome=verdict.outcome,
+                    headline=verdict.headline, validity_effect=verdict.validity_effect,
+                    rule_version=verdict.rule_version, settings_sha256=verdict.settings_sha256,
+                    settings_changed=tuple(changed), error=None, notes=notes)
 
 
 def _read_report(reader: BagReader) -> tuple[Verdict | SensorsVerdict | None, list[str]]:

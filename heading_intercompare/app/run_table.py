@@ -25,9 +25,6 @@ from typing import Iterable, Mapping, Sequence
 from heading_intercompare.core.time_rules.exclusions import read_exclusions
 from heading_intercompare.core.verdict.verdict_document import RunVerdict
 
-__all__ = ['assign_runs', 'name_unused', 'parse_stamp', 'read_exclusion_table', 'read_run_table',
-           'RunTable']
-
 #: Start and stop in nanoseconds, and the source.
 Run = tuple[int, int, str]
 RunTable = Sequence[Run]

@@ -21,10 +21,8 @@ from pathlib import Path
 from typing import NamedTuple
 
 from heading_intercompare.ahrs.settings import Scenario
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.yaml_file import parse_yaml
-
-__all__ = ['list_scenarios', 'read_scenario', 'ScenarioFile']
 
 
 class ScenarioFile(NamedTuple):

@@ -18,9 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from heading_intercompare.core.settings import Checked, setting
-
-__all__ = ['BagSettings']
+from heading_intercompare.core.declared_settings import Checked, setting
 
 
 @dataclass(frozen=True, slots=True)

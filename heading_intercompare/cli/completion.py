@@ -19,9 +19,8 @@ from __future__ import annotations
 import argparse
 from typing import Any, Callable, Iterator
 
-from heading_intercompare.core.settings import list_settings, Settings
-
-__all__ = ['complete', 'complete_setting']
+from heading_intercompare.core.declared_settings import list_settings
+from heading_intercompare.core.settings import Settings
 
 #: Suffixes of the files that an argument takes besides folders, by its name in the parser.
 _FILES = {'bag': ('mcap',), 'bags': ('mcap',), 'input': ('mcap', 'csv', 'log'),

@@ -23,8 +23,6 @@ from typing import Any, Callable, Mapping
 from heading_intercompare.app.config import load_config
 from heading_intercompare.bags.rosbag2.topic_names import clean_namespace
 
-__all__ = ['add_namespace_argument', 'run_node']
-
 _WATCH_S, _BESIDE_S = 0.1, 0.3
 
 

@@ -27,8 +27,6 @@ from heading_intercompare.cli.terminal.standard_streams import safe_stderr, safe
 from heading_intercompare.core.version import VERSION
 from heading_intercompare.missing_module import explain_missing
 
-__all__ = ['main']
-
 PROGRAM = 'heading-intercompare'
 
 _CRASHED = 70

@@ -26,10 +26,6 @@ from numpy.typing import ArrayLike
 
 from heading_intercompare.core.records import Reals
 
-__all__ = ['circular_mean', 'heading_from_quaternion', 'quaternion_from_heading',
-           'roll_pitch_from_quaternion', 'unwrap_deg', 'wrap180', 'wrap360']
-
-
 #: Angles processed at once: intermediate results stay in the cache.
 _PIECE = 32768
 

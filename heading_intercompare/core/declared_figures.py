@@ -21,8 +21,6 @@ from functools import cache
 from types import UnionType
 from typing import Any, get_args, get_origin, get_type_hints, Iterator, Mapping, Union
 
-__all__ = ['Figure', 'figure', 'find_figure', 'is_left_out', 'list_figures', 'list_keys', 'no_key']
-
 _FIGURE, _UNIT, _NO_KEY = 'figure', 'unit', 'no_key'
 
 #: The end of a key carries its unit; the first that fits.

@@ -36,10 +36,6 @@ from typing import (
     Union,
 )
 
-__all__ = ['Checked', 'explain_unknown', 'flatten', 'from_mapping', 'list_settings',
-           'name_keywords', 'Setting', 'setting', 'settings_sha256', 'SettingsError',
-           'to_mapping', 'Used']
-
 
 class SettingsError(ValueError):
     """A setting has an unknown name or a value that is not allowed."""
@@ -121,9 +117,9 @@ def list_settings(settings_class: type, prefix: str = '') -> tuple[Setting, ...]
             continue
         union = get_origin(hint) in (Union, types.UnionType)
         default = f.default if f.default is not MISSING else None
-        declared.append(Setting(prefix + f.name, default, f.metadata['help'],
-                                get_args(hint) if union else (hint,),
-                                f.metadata['lo'], f.metadata['hi'], f.metadata['choices']))
+        declared.append(Setting(name=prefix + f.name, default=default, help=f.metadata['help'],
+                                kinds=get_args(hint) if union else (hint,), lo=f.metadata['lo'],
+                                hi=f.metadata['hi'], choices=f.metadata['choices']))
     return tuple(declared)
 
 

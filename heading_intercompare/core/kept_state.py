@@ -34,8 +34,6 @@ from heading_intercompare.core.verdict.verdict_document import RunVerdict
 from .outcome import Outcome
 from .settings import Settings
 
-__all__ = ['KeptRun', 'KeptState']
-
 
 @dataclass(frozen=True, slots=True)
 class KeptRun:

@@ -33,8 +33,6 @@ from .pipeline import Intercomparison
 from .records import Headings, Integers, Losses, Motion
 from .settings import LARGEST_SKEW_S, Pairing, Settings
 
-__all__ = ['judge_aligned', 'name_apart']
-
 #: Readings of the TS that are paired at once.
 _AT_ONCE = 1 << 16
 _LEAST_READINGS = 64

@@ -19,8 +19,6 @@ from __future__ import annotations
 from enum import Enum
 from typing import Iterable
 
-__all__ = ['Outcome', 'worst']
-
 
 class Outcome(str, Enum):
     """The norm is met, the data cannot tell, or it is broken: from the best to the worst."""

@@ -48,8 +48,6 @@ from .kept_state import KeptRun, KeptState
 from .records import Differences, Headings, Losses, Motion, Pairs
 from .settings import Settings
 
-__all__ = ['Compliance', 'Intercomparison', 'join']
-
 
 class Compliance:
     """

@@ -31,10 +31,6 @@ from .units.angle_units import fold_angles
 from .units.given_stamps import integer_stamps, utc_stamps
 from .utc_text import utc
 
-__all__ = ['Attitude', 'ColumnBuffer', 'Differences', 'FASTEST_M_S', 'FASTEST_TURN_DEG_S',
-           'Headings', 'Integers', 'KNOT_M_S', 'Losses', 'Motion', 'MOTION_COLUMNS', 'Pairs',
-           'Reals']
-
 KNOT_M_S = 1852.0 / 3600.0
 """One knot, m/s."""
 FASTEST_M_S, FASTEST_TURN_DEG_S = 80.0, 60.0

@@ -28,26 +28,15 @@ from heading_intercompare.core.sensor_table import read_sensors, SENSOR_CLASS_NA
 
 from .declared_settings import (
     Checked,
-    explain_unknown,
-    flatten,
     from_mapping,
-    list_settings,
     name_keywords,
-    Setting,
     setting,
-    settings_sha256,
     SettingsError,
     to_mapping,
-    Used,
 )
 from .time_rules.clock_cuts import ClockCuts
 from .time_rules.exclusions import read_exclusions
 from .units.full_turns import ANGLE_UNITS
-
-__all__ = ['Alignment', 'Antennas', 'CampaignRule', 'Checked', 'Detectors', 'explain_unknown',
-           'flatten', 'from_mapping', 'LARGEST_SKEW_S', 'list_settings', 'MotionRule', 'Norms',
-           'Pairing', 'Risk', 'RunCutting', 'Sequential', 'Setting', 'setting', 'Settings',
-           'settings_sha256', 'SettingsError', 'to_mapping', 'Trial', 'Used']
 
 
 @dataclass(frozen=True, slots=True)

@@ -28,8 +28,6 @@ from typing import Any, get_args, get_origin, get_type_hints, Literal, TypeGuard
 from heading_intercompare.core.declared_figures import is_left_out, list_keys
 from heading_intercompare.core.outcome import Outcome
 
-__all__ = ['check_schema', 'make_plain', 'read_plain', 'VerdictError']
-
 _WORDS = {bool: 'true or false', float: 'a number', int: 'an integer', str: 'text',
           NoneType: 'null'}
 _LONGEST = 60

@@ -18,8 +18,6 @@ from __future__ import annotations
 
 import numpy as np
 
-__all__ = ['utc', 'utc_span']
-
 #: Milliseconds at the beginning of the years 1 and 10000.
 _FIRST_MS, _END_MS = -62_135_596_800_000, 253_402_300_800_000
 

@@ -14,7 +14,6 @@
 
 """The versions of the software and of its decision rule, as verdicts state them."""
 
-__all__ = ['RULE_VERSION', 'VERSION']
 
 #: setup.py reads it here, and bags state it.
 VERSION = '0.1.0'

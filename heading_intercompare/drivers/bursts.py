@@ -26,8 +26,6 @@ from statistics import median
 
 from .sentences import Name
 
-__all__ = ['BurstFinder']
-
 #: Steps and latencies remembered, and how many of them are needed.
 _REMEMBERED, _NEEDED = 31, 3
 #: A stamp may be late by this many usual steps.

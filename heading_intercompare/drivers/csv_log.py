@@ -34,8 +34,6 @@ from .log_lines.log_order import holds_sentences
 from .sentences import Rejected
 from .settings import DriverError, DriverSettings
 
-__all__ = ['CsvDecoder', 'is_csv_file', 'open_csv']
-
 _NEEDED = ('t_ns', 'heading_deg')
 
 

@@ -31,8 +31,6 @@ from typing import Callable
 from .framing import Received
 from .settings import Address, DriverSettings
 
-__all__ = ['UdpSource']
-
 _MAX_READ = 1000
 #: Constants of Linux that the module `socket` does not have.
 _SO_TIMESTAMPNS, _SO_RCVBUFFORCE, _SO_MEMINFO = 35, 33, 55

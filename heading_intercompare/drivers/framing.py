@@ -29,8 +29,6 @@ from typing import NamedTuple, Optional, Tuple
 
 import numpy as np
 
-__all__ = ['Frame', 'Framer', 'KEPT_PREFIX', 'MAX_SENTENCE', 'Received', 'split']
-
 #: Most bytes of a sentence; a longer one is `too_long`.
 MAX_SENTENCE = 1024
 #: Bytes before a sentence that are searched for a stamp and TAG blocks.

@@ -30,8 +30,6 @@ from .log_lines.log_order import holds_sentences, open_log
 from .nmea import NmeaDecoder
 from .settings import DriverError, DriverSettings
 
-__all__ = ['is_log', 'LogReader', 'read_log']
-
 
 def is_log(path: str | PathLike[str]) -> bool:
     """

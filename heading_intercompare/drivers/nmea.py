@@ -35,9 +35,6 @@ from .sentence_choice import accepts, choose_instrument, find_sentence, Heard, L
 from .sentences import heading_of, identify, may_lack_checksum, Name, Rejected
 from .settings import DriverError, DriverSettings, SENTENCES
 
-__all__ = ['NmeaDecoder']
-
-
 #: Talkers counted each by itself; a flood may have thousands.
 _MOST_OTHERS = 32
 #: Readings held until a sentence is chosen; a flood does not wait for the end of `learn_s`.

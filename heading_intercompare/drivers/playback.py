@@ -28,8 +28,6 @@ from .nmea import NmeaDecoder
 from .sentences import Rejected
 from .settings import DriverError, DriverSettings
 
-__all__ = ['FileSource']
-
 _MAX_READ = 1000
 
 

@@ -30,8 +30,6 @@ from .nmea import NmeaDecoder
 from .sentences import identify, Rejected
 from .settings import DriverSettings, SENTENCES
 
-__all__ = ['describe_start', 'explain_no_heading']
-
 _LONGEST_SHOWN = 160
 _OTHERS = ('other_talker', 'other_sentence', 'other_instrument')
 _LEAST = ('not_heading', 'no_sentence')

@@ -35,9 +35,6 @@ from .log_lines.line_words import InstrumentChoice
 from .sentences import identify, may_lack_checksum, Name
 from .settings import DriverSettings, SENTENCES
 
-__all__ = ['accepts', 'choose_instrument', 'choose_sentence', 'find_sentence', 'Heard',
-           'Listening']
-
 _TOKENS = {'THS': b'THS,', 'HDT': b'HDT,', 'PASHR': b'PASHR,', 'PSXN,23': b'PSXN,23,',
            'PUHAW,UVH': b'PUHAW,UVH,', 'HDG': b'HDG,'}
 #: Bytes framed at once; of the first line that may hold a heading no more than that line.

@@ -26,9 +26,6 @@ from typing import Callable, NamedTuple
 
 from heading_intercompare.core.angles import wrap360
 
-__all__ = ['field_of', 'heading_of', 'identify', 'is_number', 'may_lack_checksum', 'Name',
-           'PARSERS', 'Rejected']
-
 
 class Rejected(Exception):
     """A sentence gives no heading; `reason` names the count it goes to."""

@@ -23,10 +23,7 @@ import re
 from urllib.parse import parse_qsl, urlsplit
 from zoneinfo import ZoneInfo
 
-from heading_intercompare.core.settings import Checked, setting, SettingsError
-
-__all__ = ['Address', 'DriverError', 'DriverSettings', 'parse_address', 'SENTENCES',
-           'STAMP_FORMATS']
+from heading_intercompare.core.declared_settings import Checked, setting, SettingsError
 
 #: Kinds of heading sentence; 'auto' uses the first of those present.
 SENTENCES = ('THS', 'HDT', 'PASHR', 'PSXN,23', 'PUHAW,UVH', 'HDG')

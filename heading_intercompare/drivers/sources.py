@@ -32,8 +32,6 @@ from .framing import Received
 from .playback import FileSource
 from .settings import Address, DriverError, DriverSettings
 
-__all__ = ['FileSource', 'LineSource', 'open_source', 'Source', 'TcpLine', 'UdpSource']
-
 _LINE_END = b'\r\n'
 
 

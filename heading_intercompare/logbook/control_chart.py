@@ -31,9 +31,6 @@ import scipy
 
 from heading_intercompare.core.records import Reals
 
-__all__ = ['Chart', 'Design', 'design_chart', 'estimate_correlation', 'LEAST_BASELINE',
-           'make_chart']
-
 LEAST_BASELINE = 8
 """Least number of runs in a baseline."""
 

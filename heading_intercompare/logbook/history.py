@@ -28,8 +28,6 @@ from heading_intercompare.core.validity.condition import VOID
 from .control_chart import Chart, make_chart
 from .run_row import RunKey, RunRow
 
-__all__ = ['History', 'is_charted', 'Point', 'tell_histories', 'Trend']
-
 
 @dataclass(frozen=True, slots=True)
 class Trend:

@@ -31,8 +31,6 @@ from typing import Any, get_args, get_type_hints, Iterator, Sequence
 
 from .run_row import RunRow
 
-__all__ = ['Logbook', 'LogbookBusy', 'LogbookError', 'merge_logbooks', 'VERSION']
-
 VERSION = 1
 """Version of the table (PRAGMA user_version)."""
 #: 'HILB', which `file` and SQLite show (PRAGMA application_id).

@@ -24,8 +24,6 @@ from heading_intercompare.core.declared_figures import find_figure
 from heading_intercompare.core.typed_reader import make_plain
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 
-__all__ = ['make_rows', 'RunKey', 'RunRow']
-
 
 class RunKey(NamedTuple):
     """What a run is known by; the fields are those of `RunRow`."""

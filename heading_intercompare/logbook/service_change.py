@@ -29,8 +29,6 @@ from .control_chart import estimate_correlation, LEAST_BASELINE
 from .history import is_charted
 from .run_row import RunRow
 
-__all__ = ['compare_service', 'ServiceChange']
-
 
 @dataclass(frozen=True, slots=True)
 class ServiceChange:

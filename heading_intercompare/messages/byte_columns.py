@@ -41,10 +41,6 @@ from .cdr import encode
 from .errors import MessageError
 from .stamps import TIME_LIMIT_NS
 
-__all__ = ['align', 'BytesLike', 'check_size', 'decode_readable', 'decode_stamped',
-           'end_of_strings', 'gather', 'gather_reals', 'join_messages', 'read_sound',
-           'read_stamps', 'split_rows', 'stamped_rows']
-
 #: Some data that holds messages.
 BytesLike = bytes | bytearray | memoryview
 

@@ -29,8 +29,6 @@ from .errors import MessageError
 from .fields import CODES, Field, SEQUENCE, short_name
 from .schemas import definitions_of
 
-__all__ = ['decode', 'encode']
-
 _LITTLE = b'\x00\x01\x00\x00'
 _BYTE_ORDER = {b'\x00\x00': '>', b'\x00\x01': '<'}
 #: Format of the lengths of strings and sequences, by byte order.

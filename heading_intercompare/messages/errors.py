@@ -18,8 +18,6 @@ from __future__ import annotations
 
 from typing import Sequence
 
-__all__ = ['MessageError']
-
 
 class MessageError(ValueError):
     """

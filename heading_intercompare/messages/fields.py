@@ -22,9 +22,6 @@ from typing import Iterator, Mapping
 
 from .errors import MessageError
 
-__all__ = ['CODES', 'Definitions', 'Field', 'SEQUENCE', 'definitions_in', 'full_name', 'leaves',
-           'short_name']
-
 #: Letters of `struct` for the primitive types; 's' stands for strings here.
 CODES = {'bool': '?', 'byte': 'B', 'octet': 'B', 'char': 'B', 'uint8': 'B', 'int8': 'b',
          'int16': 'h', 'uint16': 'H', 'int32': 'i', 'uint32': 'I', 'int64': 'q', 'uint64': 'Q',

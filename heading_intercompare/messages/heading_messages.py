@@ -46,10 +46,6 @@ from .byte_columns import (
 from .errors import MessageError
 from .stamps import fits_message
 
-__all__ = ['AZIMUTH_TYPES', 'decode_attitude', 'decode_headings', 'decode_pairs', 'encode_imu',
-           'encode_pairs', 'HEADING_TYPES', 'imu_messages', 'IMU', 'ORIENTATION_TYPES',
-           'pair_messages', 'PAIRS_TYPE', 'read_attitude', 'read_headings', 'read_pairs']
-
 IMU = 'sensor_msgs/msg/Imu'
 PAIRS_TYPE = 'geometry_msgs/msg/TwistStamped'
 _QUATERNION_STAMPED = 'geometry_msgs/msg/QuaternionStamped'

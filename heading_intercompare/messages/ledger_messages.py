@@ -31,9 +31,6 @@ from heading_intercompare.core.records import Losses
 from .errors import MessageError
 from .status_messages import decode_statuses, encode_statuses, OK, Status, WARN
 
-__all__ = ['decode_ledger', 'decode_losses', 'encode_ledger', 'encode_losses', 'LedgerMessage',
-           'LOST_AS', 'lost_topic']
-
 LOST_AS = ('lost.on_the_way', 'lost.at_source', 'lost.before_start', 'rejected.burst')
 """What may have become of the readings: the keys of the ledger without the sensor."""
 

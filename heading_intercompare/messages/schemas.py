@@ -33,9 +33,6 @@ from typing import Callable
 from .errors import MessageError
 from .fields import CODES, Definitions, definitions_in, leaves, short_name
 
-__all__ = ['DEFINITIONS', 'definitions_of', 'layout_problem', 'Schema', 'schema_of',
-           'shipped_schema', 'TYPE_HASHES']
-
 _AZIMUTH = (
     'std_msgs/Header header\nfloat64 azimuth\nfloat64 variance\n'
     'uint8 UNIT_RAD=0\nuint8 UNIT_DEG=1\nuint8 unit\n'

@@ -23,9 +23,6 @@ import numpy as np
 
 from .cdr import encode
 
-__all__ = ['CLOCK_TYPE', 'encode_clock', 'fits_message', 'header_frame', 'header_stamp_ns',
-           'stamp_fields', 'stamp_ns', 'TIME_LIMIT_NS']
-
 CLOCK_TYPE = 'rosgraph_msgs/msg/Clock'
 
 TIME_LIMIT_NS = 2 ** 31 * 1_000_000_000

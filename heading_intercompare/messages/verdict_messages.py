@@ -26,8 +26,6 @@ from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdi
 
 from .status_messages import encode_statuses, ERROR, OK, Status, WARN
 
-__all__ = ['encode_no_verdict', 'encode_verdict', 'NO_VERDICT', 'OUTCOME_LEVELS', 'verdict_level']
-
 OUTCOME_LEVELS = {Outcome.COMPLIANT: OK, Outcome.INDETERMINATE: WARN,
                   Outcome.NON_COMPLIANT: ERROR}
 

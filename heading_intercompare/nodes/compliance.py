@@ -51,8 +51,6 @@ from heading_intercompare.nodes.taking.raw_subscription import subscribe
 
 from .settings import ComplianceNode, Taking
 
-__all__ = ['Compliance', 'main']
-
 # How long the last messages of a synchronizer that has ended, and of a batch, may be under way.
 _ALONE_S, _HOLD_OFF_S = 0.3, 0.002
 

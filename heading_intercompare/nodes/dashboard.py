@@ -34,8 +34,6 @@ from heading_intercompare.web.server import PageServer
 
 from .settings import DashboardNode, SHOWN, Taking
 
-__all__ = ['Dashboard', 'main']
-
 _VIEW_S = 0.2
 
 

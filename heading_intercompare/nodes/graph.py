@@ -62,8 +62,6 @@ from .sensors_watch import SensorsWatch
 from .synchronizer import Synchronizer
 from .watcher import Watcher
 
-__all__ = ['intercompare', 'Source']
-
 _SHOW_S = 0.3
 
 _JUDGES = (Compliance, SensorsWatch)

@@ -22,8 +22,6 @@ from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.runtime.publishing import Audience
 from heading_intercompare.nodes.runtime.source_thread import ReadingNode
 
-__all__ = ['main', 'MotionDriver']
-
 
 class MotionDriver(ReadingNode):
     """Publish the motion in the sentences of a source, whatever headings they tell."""

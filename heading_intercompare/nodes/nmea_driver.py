@@ -41,8 +41,6 @@ from heading_intercompare.nodes.runtime.publishing import (
 from heading_intercompare.nodes.runtime.source_thread import ReadingNode
 from heading_intercompare.nodes.sensors import places
 
-__all__ = ['main', 'NmeaDriver']
-
 
 class NmeaDriver(ReadingNode):
     """Publish the headings of a source; a file waits for subscribers, and ends the node."""

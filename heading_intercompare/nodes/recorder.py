@@ -51,8 +51,6 @@ from heading_intercompare.nodes.taking.recorded_topics import (
 
 from .settings import HeadingTypes, RecorderNode, Taking
 
-__all__ = ['main', 'Recorder']
-
 # Nobody waits for what is recorded, and its subscriptions hold more than a second at 1 kHz.
 _QUIET_S, _DRAIN_S = 0.3, 0.2
 

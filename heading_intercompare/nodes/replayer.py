@@ -27,7 +27,7 @@ from std_srvs.srv import Trigger
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.paced_replay import Replay
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.messages.stamps import encode_clock
 from heading_intercompare.messages.status_messages import MARKER_TOPIC, OK, WARN
 from heading_intercompare.nodes.ros import qos
@@ -48,8 +48,6 @@ from heading_intercompare.nodes.runtime.publishing import (
 from heading_intercompare.nodes.sensors import places
 
 from .settings import REPLAYED, ReplayerNode, Sending
-
-__all__ = ['main', 'Replayer']
 
 _TICK_S = 0.02
 _MARK_WAIT_S = 5.0  # For those who judge; then the replay starts without them.

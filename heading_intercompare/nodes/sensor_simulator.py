@@ -51,8 +51,6 @@ from heading_intercompare.nodes.sensors import places
 
 from .settings import PUBLISHED, Sending, SimulatorNode
 
-__all__ = ['main', 'SensorSimulator']
-
 _TICK_S, _STEP_S = 0.05, 0.5  # the latter: simulated time of a step as fast as possible
 
 

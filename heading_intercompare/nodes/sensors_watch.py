@@ -53,8 +53,6 @@ from heading_intercompare.nodes.taking.raw_subscription import subscribe
 
 from .settings import HeadingTypes, SensorsNode, Taking
 
-__all__ = ['main', 'SensorsWatch']
-
 # Nobody waits for the pairs, and few large batches cost less than many small ones.
 _DRAIN_S = 0.25
 # A mark reaches every node before the readings at its stamp do, so all runs begin at one stamp.

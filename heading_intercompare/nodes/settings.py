@@ -18,12 +18,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from heading_intercompare.core.settings import Checked, setting, Settings, Used
+from heading_intercompare.core.declared_settings import Checked, setting, Used
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.heading_messages import HEADING_TYPES
-
-__all__ = ['ComplianceNode', 'DashboardNode', 'DriverNode', 'HeadingTypes', 'PAIRED',
-           'PUBLISHED', 'RecorderNode', 'REPLAYED', 'ReplayerNode', 'Sending', 'SensorsNode',
-           'SHOWN', 'SimulatorNode', 'SynchronizerNode', 'Taking']
 
 PUBLISHED = Used(Settings, ('ts_topic', 'rs_topic', 'sensors', 'motion'))
 """What a node that publishes headings uses of the settings of the analysis."""

@@ -49,8 +49,6 @@ from heading_intercompare.nodes.taking.raw_subscription import subscribe
 
 from .settings import HeadingTypes, PAIRED, SynchronizerNode, Taking
 
-__all__ = ['main', 'Synchronizer']
-
 # A subscriber of the pairs that hangs holds up the others no longer than this.
 # What a driver that has ended said last, such as its losses, may still be under way.
 _PATIENCE_S, _LAST_S = 10.0, 0.3

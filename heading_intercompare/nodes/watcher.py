@@ -26,8 +26,6 @@ from heading_intercompare.web.bridge.bridge_view import BridgeView
 
 from .settings import SHOWN, Taking
 
-__all__ = ['Watcher']
-
 
 class Watcher(GraphNode):
     """Hear a graph, and say what to show of it; publish nothing but its own state."""

@@ -34,8 +34,6 @@ from .registry import has_one_sensor
 from .stream_recording import ReaderError
 from .tables import find_time_column, read_stamp
 
-__all__ = ['attitude_of_bag', 'attitude_of_table', 'find_attitude']
-
 _ROLLS, _PITCHES = ('roll_deg', 'roll'), ('pitch_deg', 'pitch')
 
 

@@ -33,8 +33,6 @@ from heading_intercompare.core.units.angle_units import find_named_unit
 
 from .stream_recording import Collected
 
-__all__ = ['is_heading_name', 'is_openrvdas', 'is_signalk', 'read_openrvdas', 'read_signalk']
-
 _DELTA = re.compile(rb'^[^{\n]*\{.*"updates"\s*:', re.MULTILINE)
 _RECORD = re.compile(rb'^\s*\{(?=.*"fields"\s*:)(?=.*"timestamp"\s*:)', re.MULTILINE)
 _HEADING = re.compile(r'heading|hdg|hdt', re.IGNORECASE)

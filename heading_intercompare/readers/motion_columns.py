@@ -29,8 +29,6 @@ from heading_intercompare.core.records import (
     Reals,
 )
 
-__all__ = ['find_motion_columns', 'make_motion', 'MotionColumn']
-
 _LATITUDES = ('latitude_deg', 'latitude', 'lat_deg', 'lat')
 _LONGITUDES = ('longitude_deg', 'longitude', 'lon_deg', 'lon', 'long')
 _COURSES = ('course_over_ground_deg', 'course_over_ground', 'cog_deg', 'cog')

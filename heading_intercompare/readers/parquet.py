@@ -35,8 +35,6 @@ from .motion_columns import find_motion_columns, make_motion
 from .stream_recording import Collected, ReaderError
 from .tables import find_time_column, TIMES
 
-__all__ = ['has_pairs', 'PairsParquet', 'read_parquet']
-
 _ROWS = 65536
 #: Rows by which the unit of nanoseconds is doubted.
 _FIRST_ROWS = 100

@@ -42,8 +42,6 @@ if TYPE_CHECKING:
 
     Recording = BagReader | StreamRecording | RosbagRecording
 
-__all__ = ['find_format', 'Format', 'FORMATS', 'has_one_sensor', 'has_pairs', 'has_streams',
-           'open_log_of_streams', 'open_recording', 'refuse_unreadable', 'sources_of']
 
 _HEAD_BYTES = 1 << 16
 _ROS1, _SQLITE, _PARQUET = b'#ROSBAG V2.0\n', b'SQLite format 3\0', b'PAR1'

@@ -52,8 +52,6 @@ from heading_intercompare.natural_order import natural_key
 
 from .stream_recording import ReaderError
 
-__all__ = ['RosbagRecording', 'SENTENCE']
-
 SENTENCE = 'nmea_msgs/msg/Sentence'
 """The type of a topic with NMEA sentences."""
 

@@ -30,8 +30,6 @@ from .json_lines import is_heading_name
 from .motion_columns import find_motion_columns, make_motion, MotionColumn
 from .stream_recording import Collected, ReaderError
 
-__all__ = ['find_time_column', 'is_table', 'parse_time', 'read_stamp', 'read_table', 'TIMES']
-
 TIMES = ('t_ns', 'stamp_ns', 'stamp_s', 'stamp_utc', 'timestamp', 'utc', 'datetime', 'date_time',
          'time', 't', 'epoch', 'unixtime', 'u_dday', 'dday')
 """Names of columns of times, in the order in which one is chosen."""

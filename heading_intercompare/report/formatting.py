@@ -21,10 +21,7 @@ from typing import Any, Iterator, Mapping
 
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.typed_reader import make_plain
-from heading_intercompare.core.verdict.vocabulary import OUTCOME_WORDS
-
-__all__ = ['ABSENT', 'bounds', 'exact', 'flatten', 'interval', 'number', 'outcome', 'rounded',
-           'value', 'with_uncertainty']
+from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
 
 ABSENT = '-'
 

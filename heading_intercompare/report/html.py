@@ -28,13 +28,9 @@ from heading_intercompare.core.declared_figures import list_figures
 from heading_intercompare.core.statistics.stationarity import Homogeneity
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.validity.condition import VOID
+from heading_intercompare.core.verdict.validity import CONDITION_WORDS
 from heading_intercompare.core.verdict.verdict_document import Verdict
-from heading_intercompare.core.verdict.vocabulary import (
-    CONDITION_WORDS,
-    EFFECT_WORDS,
-    NO_RUN,
-    STATE_WORDS,
-)
+from heading_intercompare.core.verdict.vocabulary import EFFECT_WORDS, NO_RUN, STATE_WORDS
 
 from .contents.decision_rule import describe_norms, describe_uncertainty, state_conformity
 from .contents.findings import describe_findings, rows_of_block
@@ -55,8 +51,6 @@ from .contents.uncertainty_budget import budget_of
 from .figures.gallery import draw_figures, Drawn, NAMES
 from .formatting import exact, flatten, value
 from .series_sketch import SeriesSketch
-
-__all__ = ['load_template', 'render', 'write']
 
 #: Characters that HTML or UTF-8 cannot hold: control characters, undecodable bytes of a file name.
 #: Also what turns the direction of the text around it, and what has no width.

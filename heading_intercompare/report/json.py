@@ -23,9 +23,8 @@ from heading_intercompare.core.sensors.sensors_verdict import (
     is_of_sensors,
     SensorsVerdict,
 )
-from heading_intercompare.core.verdict.verdict_document import Verdict, VerdictError
-
-__all__ = ['parse', 'parse_any', 'read', 'read_any', 'render', 'write']
+from heading_intercompare.core.typed_reader import VerdictError
+from heading_intercompare.core.verdict.verdict_document import Verdict
 
 
 def render(verdict: Verdict | SensorsVerdict) -> str:

@@ -23,7 +23,8 @@ from types import NoneType, UnionType
 from typing import Any, cast, get_args, get_origin, get_type_hints, Literal, Union
 
 from heading_intercompare.core.declared_figures import is_left_out, list_figures, list_keys
-from heading_intercompare.core.settings import list_settings, Setting, Settings
+from heading_intercompare.core.declared_settings import list_settings, Setting
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.validity.condition import (
     DOUBTFUL,
     Finding,
@@ -33,8 +34,6 @@ from heading_intercompare.core.validity.condition import (
 )
 from heading_intercompare.core.verdict.validity import CONDITION_WORDS
 from heading_intercompare.core.verdict.verdict_document import SCHEMA, SCHEMA_VERSION, Verdict
-
-__all__ = ['make_schema']
 
 _PLAIN = {bool: 'boolean', float: 'number', int: 'integer', str: 'string', NoneType: 'null'}
 _MAJOR = SCHEMA_VERSION.partition('.')[0]

@@ -29,8 +29,6 @@ from heading_intercompare.core.verdict.verdict_document import Verdict
 from . import html
 from .series_sketch import SeriesSketch
 
-__all__ = ['print_page', 'write']
-
 _STEP = re.compile(r'Step (\d)(?:.*Page (\d+))?')
 #: Part of the time before each step of WeasyPrint, and that of a page of a usual protocol.
 _BEFORE = {2: 0.05, 3: 0.1, 4: 0.25, 5: 0.3, 6: 0.65, 7: 1.0}

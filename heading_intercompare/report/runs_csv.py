@@ -26,8 +26,6 @@ from heading_intercompare.core.typed_reader import make_plain
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import Verdict
 
-__all__ = ['COLUMNS', 'write_runs']
-
 Cell = str | int | float | None
 
 

@@ -26,14 +26,12 @@ from heading_intercompare.core.sensors.sensors_verdict import (
     split_words,
 )
 from heading_intercompare.core.validity.condition import VOID
+from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
 from heading_intercompare.core.verdict.verdict_document import Verdict
-from heading_intercompare.core.verdict.vocabulary import OUTCOME_WORDS
 
 from . import check_form, json, write
 from .contents.first_page import SIGNS
 from .series_sketch import SeriesSketch
-
-__all__ = ['sensor_path', 'write_protocols']
 
 
 def sensor_path(path: str | Path, name: str) -> Path:

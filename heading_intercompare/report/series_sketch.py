@@ -30,8 +30,6 @@ from .sketching.spectra import Spectra
 from .sketching.track import Track
 from .sketching.turning import Turning
 
-__all__ = ['HEADING_BINS', 'SeriesSketch']
-
 HEADING_BINS = 36
 
 

@@ -24,8 +24,6 @@ from heading_intercompare.core.records import Reals
 from .figures.trial_figures import draw_seeds, draw_trace
 from .sketching.track import Trace
 
-__all__ = ['compose_trial_page']
-
 _STYLE = """
 body { font-family: Helvetica, Arial, sans-serif; margin: 2em auto; max-width: 190mm; }
 svg { width: 100%; height: auto; }

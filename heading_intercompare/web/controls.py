@@ -22,8 +22,6 @@ from typing import Callable
 
 from heading_intercompare.web.bridge.bridge_view import BridgeView
 
-__all__ = ['Controls']
-
 
 @dataclass(frozen=True, slots=True)
 class Controls:

@@ -22,8 +22,6 @@ import ipaddress
 from typing import Any
 from urllib.parse import urlsplit
 
-__all__ = ['check_token', 'Guard', 'is_loopback']
-
 _Scope = MutableMapping[str, Any]
 _Receive = Callable[[], Awaitable[Any]]
 _Send = Callable[[_Scope], Awaitable[None]]

@@ -23,12 +23,10 @@ import threading
 import time
 from typing import Any
 
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.declared_settings import SettingsError
 
 from .controls import Controls
 from .guard import Guard, is_loopback
-
-__all__ = ['make_token', 'PageServer']
 
 _LEAST_TOKEN = 8
 _START_S = 20.0

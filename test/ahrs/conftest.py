@@ -26,7 +26,8 @@ from heading_intercompare.ahrs.gimballed.modes import AhrsStatus, Mode
 from heading_intercompare.ahrs.sensor_presets import errors_of
 from heading_intercompare.ahrs.settings import Ahrs, Errors
 from heading_intercompare.ahrs.ship.course import NO_CURRENT
-from heading_intercompare.ahrs.ship.ship_motion import Leg, ShipTruth
+from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
+from heading_intercompare.ahrs.ship.steering import Leg
 
 
 @dataclass

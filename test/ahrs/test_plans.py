@@ -25,7 +25,7 @@ from heading_intercompare.ahrs.plans import (
     parse_legs,
     parse_utc,
 )
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.declared_settings import SettingsError
 
 
 def test_legs_may_be_lines():

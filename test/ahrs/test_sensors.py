@@ -24,10 +24,12 @@ import pytest
 
 from heading_intercompare.ahrs.sensor_presets import ModelErrors
 from heading_intercompare.ahrs.sensors import SimulatedSensor
-from heading_intercompare.ahrs.settings import Errors, Scenario, Sensor, SettingsError
-from heading_intercompare.ahrs.ship.ship_motion import Leg, ShipTruth
+from heading_intercompare.ahrs.settings import Errors, Scenario, Sensor
+from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
+from heading_intercompare.ahrs.ship.steering import Leg
 from heading_intercompare.ahrs.simulator import Simulation
 from heading_intercompare.core.angles import wrap180
+from heading_intercompare.core.declared_settings import SettingsError
 
 START_NS = 1_000_000_000_000_000_000
 

@@ -25,8 +25,8 @@ import pytest
 from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.simulator import Simulation
 from heading_intercompare.core.angles import wrap180
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.records import Headings
-from heading_intercompare.core.settings import SettingsError
 
 TRIAL = {
     'duration_s': 205.3, 'seaway': 'ss3', 'legs': '0 20 12; 60 100 12', 'seed': 9,

@@ -20,7 +20,8 @@ import numpy as np
 import pytest
 
 from heading_intercompare.ahrs.settings import Scenario
-from heading_intercompare.ahrs.ship.ship_motion import Leg, ShipTruth
+from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
+from heading_intercompare.ahrs.ship.steering import Leg
 from heading_intercompare.ahrs.simulator import (
     POSITION_SIGMA_M,
     RATE_SIGMA_DEG_S,

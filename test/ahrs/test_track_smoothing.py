@@ -23,8 +23,8 @@ import pytest
 
 from heading_intercompare.ahrs.settings import TrackSettings
 from heading_intercompare.ahrs.track_smoothing import fit_track, TrackRecord
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.records import Attitude, Headings, Motion
-from heading_intercompare.core.settings import SettingsError
 
 START_NS = 1_400_000_000 * 10**9
 FILE = {'file': 'x'}

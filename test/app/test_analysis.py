@@ -26,7 +26,8 @@ from trials import write_headings
 
 from heading_intercompare import analyze_bag, analyze_bags, Headings, judge_bags, Norms, Settings
 from heading_intercompare.bags.csv.pairs_csv import write_pairs_csv
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.mcap.chunk_writer import Rows
+from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.cli import main
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.messages.heading_messages import encode_imu, IMU

@@ -33,7 +33,8 @@ from heading_intercompare import (
     Settings,
 )
 from heading_intercompare.app.config import choose_pair
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.mcap.chunk_writer import Rows
+from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.provenance import describe_origin, RECORD
 from heading_intercompare.cli import main
 from heading_intercompare.core.motion.tangent_plane import radii_m

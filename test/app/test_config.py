@@ -20,7 +20,7 @@ import pytest
 import yaml
 
 from heading_intercompare.app.config import load_config
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.declared_settings import SettingsError
 
 
 @pytest.fixture

@@ -19,7 +19,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.mcap.chunk_writer import Rows
+from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.core.records import Headings
 from heading_intercompare.messages.heading_messages import encode_imu, IMU

@@ -42,7 +42,8 @@ import pytest
 import zstandard
 
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.mcap.chunk_writer import Rows
+from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.recovery.recover_bag import recover
 from heading_intercompare.bags.recovery.scanner import Salvage, Sound
 from heading_intercompare.bags.rosbag2.bag_check import check_bag

@@ -33,7 +33,8 @@ import numpy as np
 import pytest
 
 from heading_intercompare import analyze, Headings, Settings
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.mcap.chunk_writer import Rows
+from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import Notes
 from heading_intercompare.bags.settings import BagSettings

@@ -28,7 +28,8 @@ from heading_intercompare.cli.completion import complete_setting
 from heading_intercompare.cli.program import COMMANDS
 from heading_intercompare.core.decision.coverage import SENSOR_CLASSES
 from heading_intercompare.core.decision.norm_presets import PRESETS
-from heading_intercompare.core.settings import list_settings, Settings
+from heading_intercompare.core.declared_settings import list_settings
+from heading_intercompare.core.settings import Settings
 
 pytest.importorskip('argcomplete')
 pytestmark = pytest.mark.process

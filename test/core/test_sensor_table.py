@@ -19,12 +19,13 @@ from __future__ import annotations
 import pytest
 
 from heading_intercompare.core.decision.coverage import SENSOR_CLASSES
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.sensor_table import (
     find_reference,
     read_sensors,
     SENSOR_CLASS_NAMES,
 )
-from heading_intercompare.core.settings import Settings, SettingsError
+from heading_intercompare.core.settings import Settings
 
 
 def test_sensors_with_a_reference():

@@ -23,7 +23,7 @@ import time
 from drivers.receiving import DEADLINE_S, free_port, HDT, joined, read_until
 import pytest
 
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.drivers import datagrams
 from heading_intercompare.drivers.datagrams import UdpSource
 from heading_intercompare.drivers.nmea import NmeaDecoder

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import pytest
 
-from heading_intercompare.core.settings import from_mapping, SettingsError, to_mapping
+from heading_intercompare.core.declared_settings import from_mapping, SettingsError, to_mapping
 from heading_intercompare.drivers.sentence_choice import choose_sentence
 from heading_intercompare.drivers.sentences import Name, PARSERS
 from heading_intercompare.drivers.settings import Address, DriverSettings, parse_address, SENTENCES

@@ -26,7 +26,7 @@ import time
 from drivers.receiving import DEADLINE_S, free_port, HDT, joined, read_until
 import pytest
 
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.drivers.nmea import NmeaDecoder
 from heading_intercompare.drivers.settings import DriverError, DriverSettings
 from heading_intercompare.drivers.sources import LineSource, open_source, TcpLine

@@ -41,9 +41,10 @@ from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.app.config import settings_for
 from heading_intercompare.app.inputs import load_config_or_journal
 from heading_intercompare.core import pipeline
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
 from heading_intercompare.core.records import Headings, Pairs
-from heading_intercompare.core.settings import Settings, SettingsError
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.messages.heading_messages import imu_messages, pair_messages
 from heading_intercompare.messages.ledger_messages import decode_ledger, encode_ledger

@@ -23,9 +23,9 @@ import pytest
 from sensor_msgs.msg import Imu
 from std_msgs.msg import String
 
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
 from heading_intercompare.core.records import Headings
-from heading_intercompare.core.settings import SettingsError
 from heading_intercompare.messages.heading_messages import imu_messages
 from heading_intercompare.messages.ledger_messages import encode_ledger
 from heading_intercompare.messages.status_messages import encode_statuses, Status, WARN

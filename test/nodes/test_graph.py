@@ -34,8 +34,9 @@ from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.simulator import Simulation
 from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.records import Headings
-from heading_intercompare.core.settings import Settings, SettingsError
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.logbook.run_row import make_rows
 from heading_intercompare.messages.status_messages import decode_statuses

@@ -29,7 +29,7 @@ from rclpy.parameter import Parameter
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import Imu
 
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.drivers.settings import DriverError
 from heading_intercompare.messages.ledger_messages import decode_losses
 from heading_intercompare.nodes.motion_driver import MotionDriver

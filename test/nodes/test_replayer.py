@@ -36,11 +36,13 @@ from std_srvs.srv import Trigger
 
 from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.mcap.chunk_writer import Rows
+from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.cli import main
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.records import Headings, Losses
-from heading_intercompare.core.settings import Settings, SettingsError
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.heading_messages import encode_imu
 from heading_intercompare.messages.ledger_messages import encode_losses
 from heading_intercompare.nodes.compliance import Compliance

@@ -29,7 +29,7 @@ from heading_intercompare.ahrs.faults import FAULTS
 from heading_intercompare.ahrs.plans import EVENTS
 from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.simulator import Simulation
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.messages.status_messages import ERROR, OK
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.sensor_simulator import SensorSimulator

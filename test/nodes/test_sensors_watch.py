@@ -32,6 +32,7 @@ from std_srvs.srv import Trigger
 
 from heading_intercompare import judge_bags
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.records import Headings
@@ -41,7 +42,7 @@ from heading_intercompare.core.sensors.sensors_verdict import (
     find_sensor_differences,
     SensorsVerdict,
 )
-from heading_intercompare.core.settings import Settings, SettingsError
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.compare_verdicts import find_differences
 from heading_intercompare.messages.status_messages import decode_statuses
 from heading_intercompare.nodes.compliance import Compliance

@@ -32,10 +32,11 @@ from rclpy.qos import QoSProfile, ReliabilityPolicy
 from rclpy.serialization import deserialize_message
 from sensor_msgs.msg import Imu
 
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.pairing.pairer import pair
 from heading_intercompare.core.records import Headings, Losses
-from heading_intercompare.core.settings import Settings, SettingsError
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.heading_messages import IMU, imu_messages
 from heading_intercompare.messages.ledger_messages import encode_losses
 from heading_intercompare.messages.status_messages import encode_mark

@@ -21,7 +21,8 @@ import math
 import numpy as np
 import pytest
 
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.mcap.chunk_writer import Rows
+from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.core.records import Headings
 from heading_intercompare.drivers.settings import DriverSettings

@@ -25,7 +25,8 @@ from command_line import analyze_json
 import numpy as np
 import pytest
 
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.mcap.chunk_writer import Rows
+from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.cli import main
 from heading_intercompare.core.records import Headings
 from heading_intercompare.messages.heading_messages import IMU, imu_messages

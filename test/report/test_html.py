@@ -25,7 +25,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare import analyze, Headings, Outcome, Settings, Verdict
-from heading_intercompare.core.settings import settings_sha256
+from heading_intercompare.core.declared_settings import settings_sha256
 from heading_intercompare.core.statistics.stationarity import Homogeneity
 from heading_intercompare.core.verdict.verdict_document import Input, OperatorNote
 from heading_intercompare.core.version import RULE_VERSION

@@ -24,7 +24,7 @@ import sys
 from deadlines import DEADLINE_S
 import pytest
 
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.web.server import make_token, PageServer
 
 

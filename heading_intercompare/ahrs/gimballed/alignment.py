@@ -44,9 +44,6 @@ from .modes import Mode, Validity
 from .power_on import run_self_test, TEST_S
 from .slew import slew
 
-__all__ = ['count_pairs', 'hold_azimuth', 'PROCEDURES']
-
-
 POST_LIMIT_S = 30.0
 THERMOSTAT_LIMIT_S = 1800.0
 COARSE_S, COARSE_LIMIT_S = 120.0, 600.0

@@ -24,9 +24,6 @@ from numpy.typing import ArrayLike
 
 from heading_intercompare.core.records import Reals
 
-__all__ = ['accelerometer_bias', 'azimuth_from_rates', 'course_drift', 'course_drift_sigma',
-           'drift_correction', 'fit_rotation', 'gps_drift', 'hann', 'RotationFit', 'WindowedMean']
-
 
 class RotationFit(NamedTuple):
     """

@@ -26,9 +26,6 @@ from heading_intercompare.ahrs.ship.earth import (
     RAD_PER_DEG_SQRT_H,
 )
 
-__all__ = ['alignment_sigma', 'FreeAzimuth', 'gyrocompass_sigma', 'output_sigma',
-           'satellite_sigma', 'slew_sigma']
-
 ALIGNMENT_PER_DRIFT = math.radians(1.75 / 60.0) / 0.008
 """An alignment with meter drifts of 0.008 deg/h is accurate to 1.75 arc minutes at the equator."""
 

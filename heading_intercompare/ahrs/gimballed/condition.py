@@ -27,8 +27,6 @@ from .alignment import COARSE_S, count_pairs, METER_TURN_RAD_S
 from .modes import AhrsStatus, Mode, Validity
 from .power_on import TEST_S
 
-__all__ = ['Condition', 'describe_condition', 'progress', 'SELF_TESTS', 'self_tests']
-
 SELF_TESTS = {
     'post': Mode.POST,
     'thermostat': Mode.THERMOSTAT_WAIT,

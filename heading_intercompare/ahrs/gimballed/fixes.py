@@ -25,8 +25,6 @@ from heading_intercompare.ahrs.ship.seaway import GRID_S
 
 from .calibration import drift_correction
 
-__all__ = ['Fixes']
-
 FIX_EVERY_S, FIX_S = 1800.0, 600.0
 
 

@@ -51,8 +51,6 @@ from .modes import AhrsStatus, Mode, Validity
 from .operation import POLE_RAD, PROCEDURES, TOO_NEAR_THE_POLE
 from .power_on import Excitation
 
-__all__ = ['GimballedAhrs', 'Track', 'TRACK_STEPS']
-
 TRACK_STEPS = 100
 UNWATCHED = {'post', 'thermostat', 'servo'}
 THERMOSTAT_K = 2.0
@@ -315,9 +313,11 @@ class GimballedAhrs:
         azimuth, assumed, alpha, beta = np.array(states).T
         error = np.arctan2(np.sin(assumed - azimuth), np.cos(assumed - azimuth))
         lasted, mode, validity, sigma = zip(*spells)
-        return Track(start_s, azimuth, error, alpha, beta, self._flexure_rad[steps],
-                     np.repeat(sigma, lasted), np.repeat(np.array(mode, np.int8), lasted),
-                     np.repeat(np.array(validity, np.int8), lasted), tuple(statuses))
+        return Track(
+            start_s=start_s, azimuth_rad=azimuth, error_rad=error, alpha_rad=alpha, beta_rad=beta,
+            flexure_rad=self._flexure_rad[steps], sigma_rad=np.repeat(sigma, lasted),
+            mode=np.repeat(np.array(mode, np.int8), lasted),
+            validity=np.repeat(np.array(validity, np.int8), lasted), statuses=tuple(statuses))
 
     def _state(self) -> tuple[float, float, float, float]:
         """Return the true and the assumed azimuth, and the two tilts."""

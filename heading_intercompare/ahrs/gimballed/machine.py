@@ -37,9 +37,6 @@ from .fixes import Fixes
 from .modes import Mode, Validity
 from .power_on import Excitation
 
-__all__ = ['FAILURES', 'find_obstacle_to_failure', 'Machine', 'Procedure', 'SECOND', 'Steady',
-           'steps']
-
 FAILURES = {'fail_post': 'post', 'fail_thermostat': 'thermostat', 'fail_gyro': 'gyro',
             'fail_accelerometer': 'accelerometer', 'fail_gimbal': 'gimbal',
             'fail_servo': 'servo'}

@@ -19,8 +19,6 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import IntEnum
 
-__all__ = ['AhrsStatus', 'Mode', 'Validity']
-
 
 class Mode(IntEnum):
     """Modes of S, figure 1, in the order of a cold start."""

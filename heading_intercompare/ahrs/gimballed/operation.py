@@ -29,8 +29,6 @@ from .fixes import Fixes
 from .machine import Machine, Procedure, SECOND, Steady
 from .modes import Mode, Validity
 
-__all__ = ['POLE_RAD', 'PROCEDURES', 'TOO_NEAR_THE_POLE']
-
 POLE_RAD = math.radians(85.0)
 FORGOTTEN = 0.7
 """An error of the azimuth is forgotten at least as fast as by exp(-0.7 sigma t): A6."""

@@ -31,8 +31,6 @@ from heading_intercompare.core.records import Reals
 from .gimballed_ahrs import GimballedAhrs, Track, TRACK_STEPS
 from .modes import AhrsStatus, Validity
 
-__all__ = ['AhrsOutput', 'Indication']
-
 RESOLUTION_DEG = 360.0 / 2**20
 BLOCK_S = TRACK_STEPS * GRID_S
 

@@ -23,8 +23,6 @@ from heading_intercompare.ahrs.inertial.instruments import Thermostat
 from heading_intercompare.ahrs.inertial.platform import Platform
 from heading_intercompare.ahrs.ship.seaway import GRID_S
 
-__all__ = ['Excitation', 'run_self_test', 'TEST_S']
-
 TEST_S = 10.0
 """Length of the self-test, seconds."""
 

@@ -24,8 +24,6 @@ from heading_intercompare.ahrs.inertial.loop import Rates
 from heading_intercompare.ahrs.inertial.platform import MOTOR_1_S, Platform
 from heading_intercompare.ahrs.ship.seaway import GRID_S
 
-__all__ = ['Slew', 'slew']
-
 Slew = Generator[Rates, None, bool]
 
 SLEW_RAD_S = math.radians(10.0)

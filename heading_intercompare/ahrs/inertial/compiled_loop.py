@@ -33,8 +33,6 @@ from . import control_laws, loop
 from .computer import Computer
 from .platform import Platform
 
-__all__ = ['compile_for', 'compile_recursion', 'compile_steering', 'CompiledLoop']
-
 COMPILED = (earth.radii, earth.gravity, loop.set_latitude, loop.resolve, loop.integrate,
             loop.free, loop.hold, loop.fine, loop.gyrocompass, loop.schuler, loop.show,
             loop.step, loop.take, loop.transport_without_azimuth, loop.run, steering.sail)

@@ -26,8 +26,6 @@ from .control_laws import compute_gyrocompass_gains, compute_hold_gains
 from .loop import LOG_MEMORY_S, MOORED_M_S, Rates
 from .platform import Platform
 
-__all__ = ['Computer']
-
 HOLD_1_S = 0.02
 HOLD_ZETA = 0.707
 

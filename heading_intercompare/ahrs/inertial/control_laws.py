@@ -21,10 +21,6 @@ import math
 
 from heading_intercompare.ahrs.ship.earth import earth_rate, gravity, radii
 
-__all__ = ['coarse_rate', 'compute_gyrocompass_gains', 'compute_hold_gains', 'gyrocompass_azimuth',
-           'GyrocompassGains', 'HoldGains', 'settled_rate', 'settled_speed_error', 'speed_error',
-           'torque']
-
 GYRO_MOMENTUM_N_M_S = 0.04
 TORQUE_MOTOR_N_M_A = 0.02
 

@@ -28,8 +28,6 @@ from heading_intercompare.ahrs.ship.earth import RAD_PER_DEG_H, RAD_PER_DEG_SQRT
 from heading_intercompare.ahrs.ship.seaway import GRID_S
 from heading_intercompare.core.records import Reals
 
-__all__ = ['Instruments', 'Thermostat']
-
 _GYROS = ('drift_x', 'drift_y', 'drift_z', 'meter_x', 'meter_y')
 """Gyro channels: the gyro vertical about x and y, the course gyro about z, and the two axes of the
 course gyro as a meter."""

@@ -37,9 +37,6 @@ if TYPE_CHECKING:
     from .instruments import Instruments, Thermostat
     from .platform import Platform
 
-__all__ = ['coarse', 'FINE', 'fine', 'free', 'GYROCOMPASS', 'gyrocompass', 'HOLD', 'hold',
-           'resolve', 'run', 'SCHULER', 'schuler', 'set_latitude', 'show', 'step', 'take',
-           'transport_without_azimuth']
 
 HOLD, FINE, GYROCOMPASS, SCHULER = range(4)
 """The laws that `run` knows."""

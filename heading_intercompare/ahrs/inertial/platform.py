@@ -28,8 +28,6 @@ from heading_intercompare.core.records import Reals
 from . import loop
 from .instruments import Instruments
 
-__all__ = ['Platform', 'rows_of']
-
 FRICTION = 5e-5
 """Share of the rates of the gimbals with which their friction drags the platform along: what the
 feed-forward leaves, k - k_fr in S (2), (7)."""

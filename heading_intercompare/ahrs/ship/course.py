@@ -26,8 +26,6 @@ from heading_intercompare.core.records import Integers, Reals
 
 from .earth import KNOT_M_S
 
-__all__ = ['Course', 'Current', 'interpolate_way', 'NO_CURRENT', 'Push']
-
 
 @dataclass(frozen=True, slots=True)
 class Current:

@@ -18,9 +18,6 @@ from __future__ import annotations
 
 import math
 
-__all__ = ['EARTH_RATE_RAD_S', 'KNOT_M_S', 'RAD_PER_DEG_H', 'RAD_PER_DEG_SQRT_H', 'UG_M_S2',
-           'earth_rate', 'gravity', 'radii']
-
 EARTH_RATE_RAD_S = 7.292115e-5
 """Rotation of the Earth, rad/s (WGS-84)."""
 

@@ -25,9 +25,6 @@ import numpy as np
 from heading_intercompare.ahrs.random_noise import open_stream
 from heading_intercompare.core.records import Reals
 
-__all__ = ['BLOCK_S', 'BLOCK_STEPS', 'CHANNELS', 'GRID_S', 'KEPT_BLOCKS', 'read_blocks', 'Sea',
-           'Seaway', 'SEAWAYS', 'SeawayPreset']
-
 GRID_S = 0.1
 """Step of the table of the ship's motion, and of the control loop, seconds."""
 

@@ -32,8 +32,6 @@ from .steering import Leg, Steering
 from .track_course import SeaAboard, Track, TrackCourse
 from .wave_sea import Hull, USUAL_HULL, Waves, WaveSea
 
-__all__ = ['Attitude', 'Leg', 'ShipBlock', 'ShipTruth']
-
 SENSOR_HEIGHT_M = 10.0
 
 

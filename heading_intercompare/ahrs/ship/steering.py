@@ -27,8 +27,6 @@ from heading_intercompare.core.records import Integers, Reals
 from .course import Current, interpolate_way, NO_CURRENT, Push
 from .earth import KNOT_M_S, radii
 
-__all__ = ['Leg', 'sail', 'Steering']
-
 State = tuple[float, float, float, float, float, float, float]
 
 STEP_S = 0.5

@@ -31,7 +31,6 @@ from .seaway import BLOCK_S, BLOCK_STEPS, CHANNELS, GRID_S, Sea
 if TYPE_CHECKING:
     from heading_intercompare.core.motion.smoothing import Smooth
 
-__all__ = ['SeaAboard', 'Track', 'TrackCourse']
 
 STEP_S = 0.5
 _BEYOND_S = 120.0

@@ -29,8 +29,6 @@ from heading_intercompare.drivers.settings import DriverError, DriverSettings
 
 from .log_import import ImportedLog
 
-__all__ = ['describe_baseline', 'import_antennas']
-
 
 def import_antennas(paths: Sequence[str], driver: DriverSettings, rule: Antennas) -> ImportedLog:
     """
@@ -68,9 +66,10 @@ def import_antennas(paths: Sequence[str], driver: DriverSettings, rule: Antennas
                           'antennas.baseline_m right?')
     files = [file for path in paths for file in LogFiles(path).paths]
     sentences = ' - '.join(motion.sentences['fix'] for motion in motions)
-    return ImportedLog(name, baseline.headings, hash_files(files),
-                       sum(os.path.getsize(file) for file in files), sentences, baseline.rejected,
-                       replace(driver), len(files), [describe_baseline(baseline)])
+    return ImportedLog(path=name, headings=baseline.headings, sha256=hash_files(files),
+                       size=sum(os.path.getsize(file) for file in files), sentence=sentences,
+                       not_taken=baseline.rejected, driver=replace(driver), files=len(files),
+                       remarks=[describe_baseline(baseline)])
 
 
 def describe_baseline(baseline: BaselineHeadings) -> str:

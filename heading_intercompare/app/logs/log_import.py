@@ -28,8 +28,6 @@ from heading_intercompare.drivers.refused_lines import explain_no_heading
 from heading_intercompare.drivers.settings import DriverError, DriverSettings
 from heading_intercompare.readers.registry import open_log_of_streams, sources_of
 
-__all__ = ['import_log', 'ImportedLog', 'ROLE_SETTINGS']
-
 ROLE_SETTINGS = ('sentence', 'talker', 'instrument')
 """Settings that choose the lines of one sensor; each sensor has options of its own for them."""
 
@@ -128,8 +126,10 @@ def import_log(path: str, driver: DriverSettings,
     streams = open_log_of_streams(path, unit)
     if streams is not None:
         name = streams.only(driver.talker)
-        return ImportedLog(path, streams.streams[name], hash_files(sources_of(path) or [path]),
-                           os.path.getsize(path), name, streams.not_taken, driver)
+        return ImportedLog(path=path, headings=streams.streams[name],
+                           sha256=hash_files(sources_of(path) or [path]),
+                           size=os.path.getsize(path), sentence=name, not_taken=streams.not_taken,
+                           driver=driver)
     try:
         reader = LogReader(path, driver)
         chunks = []
@@ -138,9 +138,10 @@ def import_log(path: str, driver: DriverSettings,
             progress(f'{reader.position / reader.size:.0%}')
     except DriverError as error:
         raise DriverError(_name_options(str(error), role)) from None
-    log = ImportedLog(path, Headings.concatenate(chunks), hash_files(reader.paths),
-                      reader.size, reader.sentence, reader.counts, driver, len(reader.paths),
-                      reader.remarks)
+    log = ImportedLog(path=path, headings=Headings.concatenate(chunks),
+                      sha256=hash_files(reader.paths), size=reader.size, sentence=reader.sentence,
+                      not_taken=reader.counts, driver=driver, files=len(reader.paths),
+                      remarks=reader.remarks)
     if role is not None and not len(log.headings):
         raise DriverError(_no_heading(log, role))
     return log

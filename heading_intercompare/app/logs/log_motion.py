@@ -25,8 +25,6 @@ from heading_intercompare.drivers.motion.motion_sentences import MOTION_WORDS
 from heading_intercompare.drivers.settings import DriverError, DriverSettings
 from heading_intercompare.readers.registry import has_streams, open_log_of_streams
 
-__all__ = ['find_motion', 'FoundMotion']
-
 _WORDS = {'velocity': 'course and speed', 'fix': 'positions', 'rate': 'rate of turn'}
 
 

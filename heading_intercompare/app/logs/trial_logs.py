@@ -40,8 +40,6 @@ from .antenna_logs import import_antennas
 from .log_import import import_log, ImportedLog
 from .log_motion import find_motion, FoundMotion
 
-__all__ = ['find_logs', 'import_sensor', 'judge_logs', 'name_logs', 'plan_logs', 'ROLES']
-
 ROLES = ('ts', 'rs')
 """The sensors, in the order of their logs."""
 
@@ -277,5 +275,5 @@ def _refuse_equal(logs: Mapping[str, ImportedLog], settings: Settings) -> None:
 def _describe(log: ImportedLog, role: str) -> Input:
     """Return the entry of a log in the verdict; its topic is the sentence."""
     sentence = log.sentence or 'csv'
-    return Input(log.path, log.sha256, sentence if role == 'ts' else None,
-                 sentence if role == 'rs' else None, not_taken=dict(log.not_taken))
+    return Input(path=log.path, sha256=log.sha256, ts_topic=sentence if role == 'ts' else None,
+                 rs_topic=sentence if role == 'rs' else None, not_taken=dict(log.not_taken))

@@ -32,8 +32,6 @@ from heading_intercompare.readers.tables import find_time_column, read_stamp, TI
 
 from .targets import OWN_BEARINGS, Target
 
-__all__ = ['COLUMNS', 'ObservationTable', 'read_observation_table']
-
 
 class _Range(NamedTuple):
     low: float
@@ -163,12 +161,12 @@ def read_observation_table(path: str, target: Target | None = None, *, u_deg: fl
         u_deg=np.where(np.isfinite(columns['u_deg']), columns['u_deg'], u_deg),
         time_u_s=np.where(np.isfinite(columns['time_u_s']), columns['time_u_s'], time_u_s))
     return ObservationTable(
-        observations, tuple(row.note for row in rows),
-        float(common.max()) if common.size else None,
-        seen.common_u_deg if by_target.any() else 0.0,
-        seen.words if by_target.any() else OWN_BEARINGS, step,
-        tuple(name for name in names if name and name not in COLUMNS
-              and name not in ('side', 'note', find_time_column(names))))
+        observations=observations, notes=tuple(row.note for row in rows),
+        common_u_deg=float(common.max()) if common.size else None,
+        target_u_deg=seen.common_u_deg if by_target.any() else 0.0,
+        target=seen.words if by_target.any() else OWN_BEARINGS, ts_step_deg=step,
+        ignored=tuple(name for name in names if name and name not in COLUMNS
+            and name not in ('side', 'note', find_time_column(names))))
 
 
 def _read_rows(path: str) -> tuple[list[_Row], list[str], float | None]:

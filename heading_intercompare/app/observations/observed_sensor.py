@@ -36,8 +36,6 @@ from heading_intercompare.readers.stream_recording import ReaderError
 from .observation_table import ObservationTable, read_observation_table
 from .targets import Target
 
-__all__ = ['observe', 'Observed', 'Uncertainties']
-
 
 @dataclass(frozen=True, slots=True)
 class Uncertainties:

@@ -21,8 +21,6 @@ import numpy as np
 
 from heading_intercompare.core.records import Integers, Reals
 
-__all__ = ['find_sun']
-
 _DAY_NS = 86_400_000_000_000
 #: Days of the library count from 1899-12-31 12:00.
 _DAYS_TO_1970 = 25567.5

@@ -29,8 +29,6 @@ from heading_intercompare.core.observations.sight_lines import (
 )
 from heading_intercompare.core.records import Integers, Reals
 
-__all__ = ['OWN_BEARINGS', 'parse_position', 'Target', 'TargetBearings']
-
 OWN_BEARINGS = 'the bearings of the table'
 """What was observed, in words, if each row has its own bearing."""
 

@@ -31,8 +31,6 @@ from heading_intercompare.core.angles import wrap180
 from heading_intercompare.core.records import Headings, Motion, Reals
 from heading_intercompare.core.settings import Settings
 
-__all__ = ['repeat_trial', 'Repeated', 'SeedResult']
-
 _TWO_SIGMA = 2.0
 
 
@@ -203,9 +201,9 @@ def _simulate(simulation: Simulation, settings: Settings) -> SeedResult:
     std_deg = math.nan if run is None or run.std_deg is None else run.std_deg
     interval = None if run is None else run.guarded.bias_interval_deg
     return SeedResult(
-        simulation.scenario.seed, verdict.outcome.value, mean_deg, std_deg,
-        interval or (math.nan, math.nan),
-        float(error_deg.mean()) if error_deg.size else math.nan,
-        float(error_deg.std()) if error_deg.size else math.nan,
-        float(np.mean(np.abs(error_deg[claimed]) <= _TWO_SIGMA * claim_deg[claimed]))
-        if claimed.any() else math.nan)
+        seed=simulation.scenario.seed, outcome=verdict.outcome.value, mean_deg=mean_deg,
+        std_deg=std_deg, interval_deg=interval or (math.nan, math.nan),
+        true_mean_deg=float(error_deg.mean()) if error_deg.size else math.nan,
+        true_std_deg=float(error_deg.std()) if error_deg.size else math.nan,
+        covered=float(np.mean(np.abs(error_deg[claimed]) <= _TWO_SIGMA * claim_deg[claimed]))
+            if claimed.any() else math.nan)

@@ -24,8 +24,6 @@ from heading_intercompare.ahrs.simulator import SimulatedChunk
 from heading_intercompare.core.angles import wrap180
 from heading_intercompare.report.sketching.track import Trace
 
-__all__ = ['TrialTraces']
-
 COLUMNS = 1200
 
 
@@ -91,4 +89,5 @@ class _Gathered:
     def trace(self, name: str, t_h: np.ndarray) -> Trace:
         """Return the trace of the sensor."""
         true, heading, low, high, sigma = self._rows.copy()
-        return Trace(name, self.n, t_h, true, heading, low, high, sigma, tuple(self.modes))
+        return Trace(name=name, n=self.n, t_h=t_h, true_deg=true, heading_deg=heading, low_deg=low,
+                     high_deg=high, sigma_deg=sigma, modes=tuple(self.modes))

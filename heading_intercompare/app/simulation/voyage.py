@@ -32,16 +32,15 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.rosbag2.motion_topics import read_bag_motion
 from heading_intercompare.bags.rosbag2.provenance import TRUTH_TOPIC
 from heading_intercompare.bags.rosbag2.topic_names import find_topic
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.records import Headings, Motion
-from heading_intercompare.core.settings import MotionRule, SettingsError
+from heading_intercompare.core.settings import MotionRule
 from heading_intercompare.drivers.settings import DriverError, DriverSettings
 from heading_intercompare.messages.heading_messages import HEADING_TYPES
 from heading_intercompare.readers.attitude import attitude_of_bag, find_attitude
 from heading_intercompare.readers.registry import has_one_sensor, open_recording
 from heading_intercompare.readers.stream_recording import StreamRecording
 from heading_intercompare.readers.tables import read_table
-
-__all__ = ['read_voyage', 'Voyage']
 
 
 @dataclass(frozen=True, slots=True)

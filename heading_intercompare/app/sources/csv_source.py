@@ -52,8 +52,6 @@ from heading_intercompare.report import SeriesSketch
 from .input_comparison import describe_two, Spans
 from .judged_input import hash_files, JudgedInput
 
-__all__ = ['has_pairs', 'judge_csv']
-
 _HEAD_BYTES = 1 << 12
 _NAME = re.compile(rb'[a-z_]+')
 _NAMES = {b'ts_deg', b'rs_deg'}
@@ -291,6 +289,6 @@ def _describe(name: str, digest: str, account: PairsAccount | None) -> Input:
         return Input(name, digest)
     ts = next((recording.ts_topic for recording in account.inputs if recording.ts_topic), None)
     rs = next((recording.rs_topic for recording in account.inputs if recording.rs_topic), None)
-    return Input(name, digest, ts, rs, notes=account.inputs[0].notes,
-                 made_from={os.fspath(recording.path): recording.sha256
-                            for recording in account.inputs})
+    return Input(
+        path=name, sha256=digest, ts_topic=ts, rs_topic=rs, notes=account.inputs[0].notes,
+        made_from={os.fspath(recording.path): recording.sha256 for recording in account.inputs})

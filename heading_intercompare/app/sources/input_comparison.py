@@ -34,8 +34,6 @@ from heading_intercompare.report import SeriesSketch
 
 from .judged_input import JudgedInput
 
-__all__ = ['describe_two', 'InputComparison', 'PairTakers', 'Spans']
-
 PairTakers = Mapping[str, Sequence[Callable[[Pairs], None]]]
 """Who takes the pairs of each tested sensor with the reference, chunk by chunk, by its name."""
 
@@ -189,8 +187,9 @@ class InputComparison:
             entries = [replace(entries[0], no_run='no pair of sensors has a run'), *entries[1:]]
         earlier = {name: [result.verdict for result in pair.compliance.take_earlier(pair.ledger)]
                    for name, pair in self.comparison.tested.items()}
-        return JudgedInput(path, results, entries, entries_of_tested, notes, earlier,
-                           self._sketches, accounts)
+        return JudgedInput(path=path, results=results, entries=entries,
+                           entries_of_tested=entries_of_tested, notes=notes, earlier=earlier,
+                           sketches=self._sketches, accounts=accounts)
 
 
 def describe_two(results: list[RunResult], earlier: Sequence[RunResult], entry: Input,
@@ -227,10 +226,10 @@ def describe_two(results: list[RunResult], earlier: Sequence[RunResult], entry: 
         notes.append(f'{entry.path}: no run: {entry.no_run}')
     if account is None:
         account = _make_account([entry], settings, ledger, marks, table)
-    return JudgedInput(
-        entry.path, {('ts', 'rs'): results}, [entry], {'ts': [entry]}, notes,
-        {'ts': [result.verdict for result in earlier]}, {} if sketch is None else {'ts': sketch},
-        {'ts': account})
+    return JudgedInput(path=entry.path, results={('ts', 'rs'): results}, entries=[entry],
+                       entries_of_tested={'ts': [entry]}, notes=notes,
+                       earlier={'ts': [result.verdict for result in earlier]},
+                       sketches={} if sketch is None else {'ts': sketch}, accounts={'ts': account})
 
 
 def _make_account(entries: Sequence[Input], settings: Settings, ledger: Ledger,
@@ -238,9 +237,9 @@ def _make_account(entries: Sequence[Input], settings: Settings, ledger: Ledger,
                  motion: Mapping[str, str] | None = None) -> PairsAccount:
     """Return the account to lay beside a csv of the pairs of two sensors."""
     set_backs = tuple(step for steps in ledger.set_backs.values() for step in steps)
-    return PairsAccount(tuple(entries), settings.to_mapping(), tuple(marks),
-                        None if table is None else tuple(table), ledger.newest_ns,
-                        ledger.segments, set_backs, motion=motion)
+    return PairsAccount(inputs=tuple(entries), settings=settings.to_mapping(), marks=tuple(marks),
+                        table=None if table is None else tuple(table), newest_ns=ledger.newest_ns,
+                        segments=ledger.segments, set_backs=set_backs, motion=motion)
 
 
 def _explain_no_run(ledger: Ledger, settings: Settings, table: Spans | None) -> str:

@@ -93,6 +93,8 @@ class JudgedInput:
     def without_runs(self, note: str, **changes: Any) -> 'JudgedInput':
         """Return the input without its runs, with a note that says why, and changed entries."""
         return JudgedInput(
-            self.path, {}, [replace(entry, **changes) for entry in self.entries],
-            {name: [replace(entry, **changes) for entry in entries]
-             for name, entries in self.entries_of_tested.items()}, [f'{self.path}: {note}'])
+            path=self.path, results={},
+            entries=[replace(entry, **changes) for entry in self.entries],
+            entries_of_tested={name: [replace(entry, **changes) for entry in entries]
+                for name, entries in self.entries_of_tested.items()},
+            notes=[f'{self.path}: {note}'])

@@ -29,8 +29,6 @@ from typing import Iterator, TextIO
 
 from heading_intercompare.bags.errors import BagError
 
-__all__ = ['CsvRows']
-
 _SEPARATORS = ',;\t'
 _UTF16 = (codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE)
 _SHOWN = 80

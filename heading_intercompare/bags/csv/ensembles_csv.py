@@ -29,8 +29,6 @@ import os
 from heading_intercompare.core.pairing.ensembles import Ensembles, Ensembling
 from heading_intercompare.core.records import Pairs
 
-__all__ = ['COLUMNS', 'EnsemblesCsvWriter']
-
 COLUMNS = ('dday', 'mean_hdg', 'last_hdg', 'mean_dh', 'std_dh', 'num', 'badflag')
 
 _SECOND_NS = 1_000_000_000

@@ -36,8 +36,6 @@ from .stamp_cells import (
     STAMP_COLUMNS,
 )
 
-__all__ = ['COLUMNS', 'PairsCsv', 'PairsCsvWriter', 'read_pairs_csv', 'write_pairs_csv']
-
 #: Columns written; the difference follows from the others.
 COLUMNS = ('stamp_ns', 'ts_deg', 'rs_deg', 'difference_deg', 'lag_s', 'rs_variance_factor',
            'ts_variance_factor')

@@ -24,9 +24,6 @@ from typing import Callable, Mapping, NamedTuple, Sequence
 from heading_intercompare.core.units.given_stamps import find_unit
 from heading_intercompare.core.utc_text import utc
 
-__all__ = ['explain_stamp', 'looks_like_days', 'looks_like_unit', 'nanoseconds',
-           'STAMP_COLUMNS', 'StampColumn', 'utc_nanoseconds']
-
 _SECOND_NS = 1_000_000_000
 _DAY_NS = 86400 * _SECOND_NS
 _DIGITS = 60

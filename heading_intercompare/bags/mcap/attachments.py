@@ -27,8 +27,6 @@ from heading_intercompare.bags.errors import BagError
 
 from .record_stream import RecordStream
 
-__all__ = ['find_records', 'parse_attachment', 'read_attachment']
-
 #: Log time and time of creation; length of a text, and of the data.
 _TIMES, _COUNT, _SIZE = struct.Struct('<QQ'), struct.Struct('<I'), struct.Struct('<Q')
 

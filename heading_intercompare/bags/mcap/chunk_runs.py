@@ -46,8 +46,6 @@ from .message_blocks import (
     MESSAGE_HEAD,
 )
 
-__all__ = ['Chunk', 'ChunkRun', 'ChunkRuns', 'count_messages', 'Counts']
-
 #: Small chunks are checked together, up to this many bytes of records, or this many chunks.
 _RUN_BYTES, _RUN_CHUNKS = 2**20, 256
 #: Bytes read at once after a chunk, in search of message indexes.
@@ -276,11 +274,12 @@ class ChunkRuns:
                 counts = count_messages(block.heads['channel'][lo:hi][timed])
                 untimed += int((~timed).sum())
             chunks.append(Chunk(
-                part.start, part.start + HEAD.size + head.length, part.index_end, begin_ns, end_ns,
-                head.size, part.crc, head.compression, head.packed, counts,
-                self._intern(others.get(i, ())),
-                bool(plain[i]) and not is_packed(block.data, block.start[lo:hi]), indexed[i],
-                head.crc > 0))
+                start=part.start, end=part.start + HEAD.size + head.length,
+                index_end=part.index_end, first_ns=begin_ns, last_ns=end_ns, size=head.size,
+                crc=part.crc, compression=head.compression, packed=head.packed, counts=counts,
+                definitions=self._intern(others.get(i, ())),
+                plain=bool(plain[i]) and not is_packed(block.data, block.start[lo:hi]),
+                indexed=indexed[i], protected=head.crc > 0))
         return chunks, untimed
 
     def _intern(self, records: list[bytes] | tuple[()]) -> frozenset[bytes]:

@@ -31,9 +31,6 @@ from heading_intercompare.messages.byte_columns import BytesLike
 from .checksum import crc32
 from .message_blocks import Block, block_of, HEAD, measure_whole, refuse_definitions
 
-__all__ = ['begin_chunk', 'BegunChunk', 'CHUNK_HEAD', 'Gathering', 'LARGE_BYTES', 'LargeChunk',
-           'UNFIT', 'unpack']
-
 #: First and last log time, size and checksum of the decompressed records, length of the
 #: compression's name.
 CHUNK_HEAD = struct.Struct('<QQQII')

@@ -31,9 +31,6 @@ from .chunks import CHUNK_HEAD
 from .message_blocks import HEAD, INVALID_OPCODE, MESSAGE_HEAD
 from .record_stream import MAGIC
 
-__all__ = ['BARE', 'CHUNK_BYTES', 'ChunkHead', 'decompress_begun', 'find_candidates',
-           'find_chunk_head', 'HEAD_BYTES', 'measure_leading', 'MESSAGE_LEAST']
-
 #: Records that may be inside or outside a chunk.
 BARE = (Opcode.MESSAGE, Opcode.SCHEMA, Opcode.CHANNEL)
 #: Length of a message without payload.
@@ -77,8 +74,9 @@ def find_chunk_head(data: bytes) -> ChunkHead | None:
     packed = _LENGTH.unpack_from(data, start + letters)[0]
     if CHUNK_HEAD.size + letters + 8 + packed != length or max(size, length) > CHUNK_BYTES:
         return None
-    return ChunkHead(length, first, last, size, crc,
-                     data[start:start + letters].decode(errors='replace'), packed)
+    return ChunkHead(length=length, first_ns=first, last_ns=last, size=size, crc=crc,
+                     compression=data[start:start + letters].decode(errors='replace'),
+                     packed=packed)
 
 
 def _is_plausible(begun: bytearray, size: int) -> bool:

@@ -43,8 +43,6 @@ from .attachments import find_records, parse_attachment
 from .message_blocks import Block, HEAD, Record, walk
 from .record_stream import MAGIC, parse_record, RecordStream
 
-__all__ = ['ChunkRow', 'mcap_files', 'NeverBegun', 'Part', 'read_chunk_index', 'Stretch']
-
 _FOOTER = HEAD.size + 20
 _DATA_END = HEAD.pack(Opcode.DATA_END, 4)
 #: Records that cannot come after the end of the data.

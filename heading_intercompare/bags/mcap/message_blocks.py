@@ -33,10 +33,6 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.records import Integers
 from heading_intercompare.messages.byte_columns import BytesLike, gather
 
-__all__ = ['Block', 'block_of', 'ENTRY_BYTES', 'HEAD', 'INDEX_HEAD', 'INDEX_LEAST',
-           'INVALID_OPCODE', 'measure_whole', 'MESSAGE_HEAD', 'MESSAGE_HEADS', 'Record',
-           'refuse_definitions', 'walk']
-
 #: Opcode and length of a record.
 HEAD = struct.Struct('<BQ')
 #: The same for a message, then channel, sequence, log time, publish time; the payload follows.

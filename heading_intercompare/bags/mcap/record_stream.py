@@ -31,8 +31,6 @@ from heading_intercompare.messages.byte_columns import BytesLike
 from .chunks import begin_chunk, BegunChunk, Gathering, LargeChunk, UNFIT
 from .message_blocks import Block, block_of, ENTRY_BYTES, HEAD, INDEX_LEAST, measure_whole, Record
 
-__all__ = ['MAGIC', 'parse_record', 'RecordStream']
-
 MAGIC = b'\x89MCAP0\r\n'
 
 _BARE = (Opcode.MESSAGE, Opcode.SCHEMA, Opcode.CHANNEL)

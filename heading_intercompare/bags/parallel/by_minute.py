@@ -24,8 +24,6 @@ from heading_intercompare.core.records import Headings, Integers
 
 from .decoding import Found
 
-__all__ = ['Window']
-
 _MINUTE_NS = 60_000_000_000
 
 

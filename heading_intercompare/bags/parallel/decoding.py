@@ -32,9 +32,6 @@ from heading_intercompare.messages.byte_columns import decode_readable
 from heading_intercompare.messages.heading_messages import decode_headings
 from heading_intercompare.messages.schemas import layout_problem
 
-__all__ = ['add_unreadable', 'count_falls', 'Decoded', 'Decoder', 'find_channel_problem', 'Found',
-           'Kind', 'order_by_time']
-
 #: At most this many bytes of records, and this many messages, are decoded at once.
 _MOST_BYTES = 2**26
 _MOST_MESSAGES = 2**20

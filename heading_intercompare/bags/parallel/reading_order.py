@@ -33,8 +33,6 @@ from heading_intercompare.core.records import Integers
 
 from .decoding import count_falls, Decoded, Decoder, Found
 
-__all__ = ['cut_pieces', 'is_in_order', 'merge_by_time', 'Piece', 'read_by_time', 'rises_by_time']
-
 #: Recorders take their topics by turns, so that chunks overlap by this much.
 _SLACK_NS = 1_000_000_000
 #: Bytes of records in a piece, at least, unless the log times go back earlier.

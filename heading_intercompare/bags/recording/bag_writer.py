@@ -41,8 +41,6 @@ from heading_intercompare.messages.schemas import Schema, schema_of
 
 from .disk_sync import replace_file, Syncing
 
-__all__ = ['BagWriter', 'Rows']
-
 #: Numbers of a channel and its schema.
 _Numbers = tuple[int | None, int | None]
 

@@ -23,8 +23,6 @@ from math import inf
 import os
 from pathlib import Path
 
-__all__ = ['replace_file', 'Syncing']
-
 
 def replace_file(target: Path, text: str) -> None:
     """Replace a file, synced to the disk; nobody ever sees half of it, and no draft is left."""

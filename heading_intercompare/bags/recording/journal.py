@@ -39,9 +39,6 @@ from heading_intercompare.core.records import Motion, Pairs
 
 from .disk_sync import Syncing
 
-__all__ = ['decode_columns', 'encode_columns', 'is_journal', 'Journal', 'JournalContents',
-           'name_journal', 'read_journal', 'Record']
-
 _MAGIC = b'heading_intercompare journal 1\n'
 _KIND = _MAGIC[:-3]
 #: A journal, also one that was set aside.

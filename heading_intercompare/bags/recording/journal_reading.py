@@ -35,10 +35,6 @@ from heading_intercompare.messages.status_messages import MARKS
 
 from .journal import decode_columns, JournalContents, Record
 
-__all__ = ['ABOUT', 'compare_settings', 'describe_gaps', 'HOLE', 'JournalOrigin', 'JournalReader',
-           'Judge', 'Kept', 'LEDGER', 'LENGTH', 'MARK', 'MOTION', 'Numbers', 'PAIRS',
-           'read_origin', 'read_state', 'RUN', 'STATE', 'Unjudged']
-
 ABOUT, STATE, RUN, PAIRS, MARK, LEDGER, HOLE = b'H', b'S', b'R', b'P', b'M', b'L', b'G'
 MOTION = b'V'
 LENGTH = struct.Struct('<I')

@@ -36,7 +36,6 @@ from heading_intercompare.messages.status_messages import (
 if TYPE_CHECKING:
     from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 
-__all__ = ['DIAGNOSTICS_TOPIC', 'PartStates', 'read_states', 'STATES']
 
 DIAGNOSTICS_TOPIC = '/diagnostics'
 

@@ -37,8 +37,6 @@ from heading_intercompare.messages.status_messages import (
 
 from .recorder_losses import RECORDING, tell_missing
 
-__all__ = ['find_problems', 'read_bag', 'read_marks', 'RecordedHeadings']
-
 
 @dataclass(frozen=True, slots=True)
 class RecordedHeadings:

@@ -34,8 +34,6 @@ from heading_intercompare.bags.settings import BagSettings
 
 from .bag_writer import BagWriter
 
-__all__ = ['Recording']
-
 _MB = 1_000_000
 #: Recording resumes when `free_space_mb` times this is free.
 _AGAIN = 1.1

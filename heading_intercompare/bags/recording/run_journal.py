@@ -29,10 +29,11 @@ import shlex
 from typing import Any, Iterator, Mapping
 
 from heading_intercompare.bags.errors import BagError
+from heading_intercompare.core.declared_settings import settings_sha256
 from heading_intercompare.core.motion.motion_record import find_newest
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.records import Motion, Pairs
-from heading_intercompare.core.settings import Settings, settings_sha256
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.version import VERSION
 from heading_intercompare.messages.ledger_messages import LedgerMessage
@@ -54,8 +55,6 @@ from .journal_reading import (
     RUN,
     STATE,
 )
-
-__all__ = ['find_bag', 'RunJournal']
 
 #: Pairs wait at most this long for the system to take them.
 _PERIOD_S = 0.25

@@ -24,8 +24,6 @@ from typing import Callable
 
 import numpy as np
 
-__all__ = ['Spool']
-
 #: Usually on disk; the default folder of temporary files may itself be in memory.
 _ON_DISK = '/var/tmp'
 

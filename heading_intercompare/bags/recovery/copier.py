@@ -50,8 +50,6 @@ from .large_chunks import read_blocks
 from .scanner import Salvage
 from .unreadable_sectors import open_with_holes
 
-__all__ = ['Transfer']
-
 #: Most bytes of chunks to pass on, or to gather, at once.
 _PASSED_BYTES = 2**22
 _GATHERED_BYTES = 2**20

@@ -187,9 +187,10 @@ class Pieces:
                  packed, counts, definitions, flags) = row
                 if kind >= 0:
                     yield Piece(Kind(kind), section, Chunk(
-                        start, end, index_end, first_ns, last_ns, size, crc, things[compression],
-                        packed, things[counts], things[definitions], bool(flags & 2),
-                        bool(flags & 1), flags > 3))
+                        start=start, end=end, index_end=index_end, first_ns=first_ns,
+                        last_ns=last_ns, size=size, crc=crc, compression=things[compression],
+                        packed=packed, counts=things[counts], definitions=things[definitions],
+                        plain=bool(flags & 2), indexed=bool(flags & 1), protected=flags > 3))
 
 
 class Damage(NamedTuple):
@@ -452,7 +453,9 @@ def _take_block(inventory: Inventory, item: Sound, block: Block) -> None:
 
 def _make_row(start: int, end: int, counts: Counts) -> Chunk:
     """Return the table row of a piece that is not a whole chunk."""
-    return Chunk(start, end, end, 0, 0, 0, 0, '', 0, counts, frozenset(), False, False, False)
+    return Chunk(start=start, end=end, index_end=end, first_ns=0, last_ns=0, size=0, crc=0,
+                 compression='', packed=0, counts=counts, definitions=frozenset(), plain=False,
+                 indexed=False, protected=False)
 
 
 def _define(inventory: Inventory, block: Block, which: slice, checked: bool) -> None:

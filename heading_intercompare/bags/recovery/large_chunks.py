@@ -30,8 +30,6 @@ from heading_intercompare.bags.mcap.chunks import begin_chunk, LargeChunk
 from heading_intercompare.bags.mcap.fragments import ChunkHead, measure_leading
 from heading_intercompare.bags.mcap.message_blocks import Block, HEAD
 
-__all__ = ['find_fault', 'Large', 'read_blocks', 'survey']
-
 
 class Large(NamedTuple):
     """

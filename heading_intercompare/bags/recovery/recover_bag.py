@@ -40,8 +40,6 @@ from heading_intercompare.bags.settings import BagSettings
 from .copier import Transfer
 from .inventory import Inventory, take_inventory
 
-__all__ = ['recover', 'Recovered']
-
 _NOTES = 100
 #: Counts that are added up when a recovered bag is recovered again.
 _LOSSES = ('bytes_lost', 'chunks_lost', 'messages_lost')

@@ -63,8 +63,6 @@ from heading_intercompare.messages.byte_columns import BytesLike
 from .large_chunks import find_fault, Large, survey
 from .unreadable_sectors import HOLE_BYTES
 
-__all__ = ['Gap', 'Salvage', 'Sound']
-
 _HIGHEST = int(Opcode.DATA_END)
 #: MCAP leaves opcodes from here on to applications.
 _PRIVATE = 0x80
@@ -393,8 +391,8 @@ class Salvage:
             fault = 'chunk damaged: a record in it has a wrong length'
         length = end - at - HEAD.size
         lost = end - at - HEAD.size - length * large.size // max(large.decompressed, 1)
-        return Sound(Record(Opcode.CHUNK, at + HEAD.size, length), end, None, fault, sure=end,
-                     lost=lost if fault else 0, large=large)
+        return Sound(record=Record(Opcode.CHUNK, at + HEAD.size, length), end=end, block=None,
+                     fault=fault, sure=end, lost=lost if fault else 0, large=large)
 
     def fragment(self, at: int, end: int) -> Sound | None:
         """Return the intact beginning of a chunk that ends early or has wrong records."""
@@ -420,8 +418,8 @@ class Salvage:
             fault = 'chunk damaged: a record in it has a wrong length'
         leading = measure_leading(data, (head.first_ns, head.last_ns))
         lost = end - at - (HEAD.size + len(content) * leading // len(data) if data else 0)
-        return Sound(Record(Opcode.CHUNK, at + HEAD.size, len(content)), end,
-                     block_of(data[:leading], at), fault, sure=end, lost=lost)
+        return Sound(record=Record(Opcode.CHUNK, at + HEAD.size, len(content)), end=end,
+                     block=block_of(data[:leading], at), fault=fault, sure=end, lost=lost)
 
     def unproved(self, at: int) -> Sound | None:
         """Return the possible messages of a chunk whose checksum is wrong, if they are wanted."""
@@ -437,13 +435,15 @@ class Salvage:
             large = survey(self._file, at, end, head, proved=False)
             if large is None or not large.messages:
                 return None
-            return Sound(record, end, None, fault, sure=end, large=large, unproven=True)
+            return Sound(record=record, end=end, block=None, fault=fault, sure=end, large=large,
+                         unproven=True)
         data = decompress_begun(self._read(at + HEAD.size, head.length))
         block = block_of(data[:measure_leading(data, (head.first_ns, head.last_ns))], at)
         if not len(block.start):
             return None
         lost = head.packed * (len(data) - len(block.data)) // len(data)
-        return Sound(record, end, block, fault, sure=end, lost=lost, unproven=True)
+        return Sound(record=record, end=end, block=block, fault=fault, sure=end, lost=lost,
+                     unproven=True)
 
     def _find_next(self, at: int) -> int:
         """Return where the next intact record begins after damage at a byte."""

@@ -22,8 +22,6 @@ from io import BufferedReader, RawIOBase
 import os
 from pathlib import Path
 
-__all__ = ['HOLE_BYTES', 'open_with_holes']
-
 #: Unreadable data counts as lost in blocks of this many bytes.
 HOLE_BYTES = 4096
 _BUFFER_BYTES = 2**18

@@ -31,8 +31,6 @@ from heading_intercompare.bags.packed_files import plain_name
 
 from .bag_yaml import list_parts
 
-__all__ = ['BagFiles', 'find_files', 'METADATA']
-
 METADATA = 'metadata.yaml'
 """The file of a rosbag2 that lists the others."""
 

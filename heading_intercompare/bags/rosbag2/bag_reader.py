@@ -71,9 +71,6 @@ from .provenance import RECORD
 from .sequence_gaps import Numbering
 from .topic_names import clean_namespace, find_topic, list_topics, read_namespace
 
-__all__ = ['Attachment', 'BagMessage', 'BagReader', 'TopicInfo']
-
-
 #: Records of the programs that keep the numbers of the publishers. Others may number the messages
 #: of all topics together, or in any other way.
 _NUMBERED_BY = (RECORD, 'rosbag2')

@@ -26,9 +26,6 @@ from typing import Any, Iterator, Mapping, Sequence
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.yaml_file import load_yaml, YamlError
 
-__all__ = ['bag_metadata', 'list_parts', 'metadata_file', 'PartInfo', 'Qos',
-           'TopicRow']
-
 _VERSION = 9
 _DISTRIBUTION = 'jazzy'
 #: The starting time that rosbag2 writes for a bag without messages.

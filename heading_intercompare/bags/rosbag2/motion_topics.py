@@ -30,8 +30,6 @@ from heading_intercompare.messages.motion.motion_messages import (
 from .readable import read_rows, Readable
 from .topic_names import find_elsewhere
 
-__all__ = ['BagMotion', 'find_motion_topics', 'motion_topics', 'read_bag_motion', 'read_fixes']
-
 _WORDS = {'fix': 'positions', 'velocity': 'velocity over ground', 'rate': 'rate of turn'}
 
 

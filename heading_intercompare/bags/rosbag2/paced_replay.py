@@ -20,11 +20,9 @@ import math
 import time
 from typing import Callable, Collection, Iterator
 
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.declared_settings import SettingsError
 
 from .bag_reader import BagMessage, BagReader
-
-__all__ = ['Pace', 'Replay']
 
 # No log time reaches this.
 _NEVER_NS = 2 ** 63

@@ -33,9 +33,6 @@ from heading_intercompare.messages.status_messages import decode_text, TEXT_TYPE
 if TYPE_CHECKING:
     from .readable import Readable
 
-__all__ = ['CONTINUES', 'describe_origin', 'find_report', 'is_note', 'NAMESPACE', 'Note',
-           'note_lines', 'NOTE_TOPIC', 'Notes', 'PublishedReport', 'read_continues', 'read_notes',
-           'read_texts', 'RECORD', 'REPORT_TOPIC', 'SENSORS_REPORT_TOPIC', 'TRUTH_TOPIC']
 
 CONTINUES = 'continues'
 """The key in that record that names the bag before this one."""

@@ -23,8 +23,6 @@ from heading_intercompare.core.records import Headings, Losses
 
 from .bag_reader import BagMessage, TopicInfo
 
-__all__ = ['read_rows', 'Readable']
-
 _BATCH = 20_000
 _Chunk = TypeVar('_Chunk')
 

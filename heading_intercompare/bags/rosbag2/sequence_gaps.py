@@ -25,8 +25,6 @@ from numpy.typing import ArrayLike
 
 from heading_intercompare.core.records import Losses
 
-__all__ = ['Numbering']
-
 #: Publishers and gaps remembered per topic; no topic has more at once.
 _PUBLISHERS, _GAPS = 8, 16
 
@@ -80,7 +78,8 @@ class Numbering:
     @classmethod
     def go_on(cls, first: int, newest: int, missing: int) -> 'Numbering':
         """Return a numbering of one publisher that goes on from an earlier `summary`."""
-        return cls(True, missing, 0, first, [_Message(newest, 0)])
+        return cls(numbered=True, missing=missing, restarts=0, first=first,
+                   _newest=[_Message(newest, 0)])
 
     @property
     def summary(self) -> tuple[int, int, int]:

@@ -26,8 +26,6 @@ from typing import Collection, Mapping, Protocol
 
 from .provenance import NAMESPACE, RECORD
 
-__all__ = ['clean_namespace', 'find_elsewhere', 'find_topic', 'list_topics', 'read_namespace']
-
 _MOST_NAMED = 20
 
 

@@ -24,8 +24,6 @@ from typing import Sequence
 from .bag_reader import BagReader
 from .provenance import read_continues
 
-__all__ = ['find_parts', 'find_place', 'name_first', 'name_next']
-
 
 def find_parts(paths: Sequence[str]) -> dict[str, list[str]]:
     """

@@ -40,6 +40,7 @@ from heading_intercompare.cli.terminal.console import (
     VERDICT_MARKS,
 )
 from heading_intercompare.cli.terminal.progress import Progress
+from heading_intercompare.core.declared_settings import from_mapping
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.sensor_table import read_sensors
 from heading_intercompare.core.sensors.pair_settings import (
@@ -48,7 +49,7 @@ from heading_intercompare.core.sensors.pair_settings import (
     settings_of_pair,
 )
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
-from heading_intercompare.core.settings import from_mapping, Settings
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.validity.condition import is_doubtful
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.drivers.settings import DriverSettings, SENTENCES, STAMP_FORMATS
@@ -58,10 +59,6 @@ from heading_intercompare.readers.registry import has_one_sensor
 from heading_intercompare.report import check_form, json, SeriesSketch, WRITERS
 from heading_intercompare.report.runs_csv import write_runs
 from heading_intercompare.report.sensors_report import sensor_path, write_protocols
-
-__all__ = ['add_analysis_arguments', 'add_antenna_arguments', 'add_arguments', 'add_log_arguments',
-           'add_motion_argument', 'add_settings_arguments', 'add_verdict_arguments',
-           'check_report', 'code_of', 'conclude', 'deliver', 'drivers_for', 'LOG_OPTIONS', 'run']
 
 _CHECK_CODES = {Outcome.COMPLIANT: 0, Outcome.NON_COMPLIANT: 1, Outcome.INDETERMINATE: 3}
 _DOUBTFUL_CODE = 4

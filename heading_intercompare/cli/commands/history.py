@@ -37,8 +37,6 @@ from heading_intercompare.logbook.run_row import RunRow
 from heading_intercompare.logbook.service_change import compare_service, ServiceChange
 from heading_intercompare.report import check_form
 
-__all__ = ['add_arguments', 'run']
-
 SCHEMA = 'heading_intercompare/history/1'
 _DIFFERS_CODE = 1
 _LIMITS = ('mean_low_deg', 'mean_high_deg', 'sd_low_deg', 'sd_high_deg')

@@ -27,7 +27,8 @@ import numpy as np
 from heading_intercompare.app.config import load_config, settings_for
 from heading_intercompare.app.logs.log_motion import find_motion, FoundMotion
 from heading_intercompare.app.logs.trial_logs import import_sensor, name_logs, plan_logs, ROLES
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.mcap.chunk_writer import Rows
+from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.motion_topics import motion_topics
 from heading_intercompare.bags.rosbag2.provenance import describe_origin, Notes, RECORD
 from heading_intercompare.cli.terminal.console import say_lines
@@ -49,8 +50,6 @@ from .analyze import (
     drivers_for,
 )
 from .note import add_note_argument, read_notes
-
-__all__ = ['add_arguments', 'run']
 
 _PIECE = 20_000
 _Rows = TypeVar('_Rows', Headings, Motion)

@@ -44,13 +44,11 @@ from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
 from heading_intercompare.cli.terminal.console import say_lines, VERDICT_MARKS
 from heading_intercompare.cli.terminal.printable import safe_name
 from heading_intercompare.cli.terminal.progress import Progress
+from heading_intercompare.core.typed_reader import VerdictError
 from heading_intercompare.core.utc_text import utc
-from heading_intercompare.core.verdict.verdict_document import VerdictError
 from heading_intercompare.readers.registry import find_format, Format, open_recording
 from heading_intercompare.readers.stream_recording import StreamRecording
 from heading_intercompare.report.json import parse_any
-
-__all__ = ['add_arguments', 'run']
 
 #: Counts by topic in the record of losses, and the heads of their columns.
 _LOSSES = {'received': 'received', 'lost_on_the_way': 'lost on the way',

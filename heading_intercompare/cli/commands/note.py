@@ -23,8 +23,6 @@ from heading_intercompare.bags.rosbag2.provenance import note_lines
 from heading_intercompare.cli.node_command import add_namespace_argument
 from heading_intercompare.cli.terminal.console import say_lines
 
-__all__ = ['add_arguments', 'add_note_argument', 'read_notes', 'run']
-
 _TIMED = 'if it begins with a time such as 2026-03-01T09:00:00Z, it gets that time'
 
 

@@ -28,15 +28,14 @@ from heading_intercompare.app.observations.observed_sensor import observe, Obser
 from heading_intercompare.app.observations.targets import parse_position, Target
 from heading_intercompare.app.outputs import check_outputs, name_file, Outputs
 from heading_intercompare.cli.terminal.console import say, tell, VERDICT_MARKS
+from heading_intercompare.core.declared_settings import settings_sha256
 from heading_intercompare.core.observations.wording import explain_outcome, explain_scatter
-from heading_intercompare.core.settings import Settings, settings_sha256
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.typed_reader import make_plain
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import Software
 
 from .analyze import add_log_arguments, add_settings_arguments, code_of, drivers_for
-
-__all__ = ['add_arguments', 'run']
 
 SCHEMA = 'heading_intercompare/observations/1'
 _TARGETS = {'line': 2, 'mark': 1}

@@ -22,8 +22,6 @@ from heading_intercompare.bags.recovery.recover_bag import recover, Recovered
 from heading_intercompare.cli.terminal.console import say_lines, tell
 from heading_intercompare.cli.terminal.progress import Progress
 
-__all__ = ['add_arguments', 'run']
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""

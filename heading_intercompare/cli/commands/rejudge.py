@@ -40,8 +40,6 @@ from heading_intercompare.core.version import RULE_VERSION
 
 from .analyze import add_settings_arguments
 
-__all__ = ['add_arguments', 'run']
-
 SCHEMA = 'heading_intercompare/rejudge/1'
 _CHANGED_CODE, _UNKNOWN_CODE = 1, 3
 _WORDS = {CHANGED: 'changed', UNJUDGED: 'not judged', WITHOUT_REPORT: 'without a report',

@@ -24,8 +24,6 @@ from heading_intercompare.report import json
 
 from . import analyze
 
-__all__ = ['add_arguments', 'run']
-
 #: Options that need readings, which a verdict lacks.
 _JUDGING = ('ts', 'rs', 'config', 'set', 'runs', 'exclude', 'csv', 'ensembles', 'jobs', 'dask',
             'baseline_m', 'baseline_angle', *analyze.LOG_OPTIONS)

@@ -36,7 +36,8 @@ from heading_intercompare.app.scenarios import read_scenario, ScenarioFile
 from heading_intercompare.app.simulation.seeds import repeat_trial
 from heading_intercompare.app.simulation.trial_traces import TrialTraces
 from heading_intercompare.app.simulation.voyage import read_voyage, Voyage
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.mcap.chunk_writer import Rows
+from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
 from heading_intercompare.bags.rosbag2.motion_topics import motion_topics
 from heading_intercompare.bags.rosbag2.provenance import (
@@ -47,9 +48,10 @@ from heading_intercompare.bags.rosbag2.provenance import (
 )
 from heading_intercompare.cli.terminal.console import say_lines
 from heading_intercompare.cli.terminal.progress import Progress
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.records import Headings, Reals
 from heading_intercompare.core.sensor_table import simulated_topics
-from heading_intercompare.core.settings import Settings, SettingsError
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.heading_messages import encode_imu, IMU
 from heading_intercompare.messages.motion.motion_messages import encode_motion, PUBLISHED_TYPES
 from heading_intercompare.messages.status_messages import (
@@ -63,8 +65,6 @@ from heading_intercompare.report.sketching.track import Trace
 
 from .analyze import add_settings_arguments
 from .note import add_note_argument, read_notes
-
-__all__ = ['add_arguments', 'run']
 
 DIAGNOSTICS = '/diagnostics'
 _MOST_SEEDS = 10_000

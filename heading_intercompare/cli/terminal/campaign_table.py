@@ -24,11 +24,9 @@ from typing import Iterable, Sequence
 from heading_intercompare.core.decision.coverage import span_words
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.validity.condition import DOUBTFUL, HOLDS, NOT_TESTABLE, VOID
+from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
 from heading_intercompare.core.verdict.verdict_document import Input, RunVerdict, Verdict
 from heading_intercompare.core.verdict.verdict_table import describe_together, head_lines
-from heading_intercompare.core.verdict.vocabulary import OUTCOME_WORDS
-
-__all__ = ['campaign_lines', 'is_campaign']
 
 _HEAD = ('recording', 'outcome', 'sd/deg', 'of norm', 'mean/deg', 'run', 'n', 'duration',
          'in doubt')

@@ -23,8 +23,6 @@ from typing import Any, IO, Iterable, Sequence
 
 from .printable import escape, escape_lines
 
-__all__ = ['find_width', 'open_console', 'say', 'say_lines', 'tell', 'VERDICT_MARKS']
-
 # A pattern and the rich style of its matches, or of their first group.
 _Mark = tuple[str, str]
 

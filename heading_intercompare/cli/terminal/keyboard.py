@@ -23,8 +23,6 @@ import sys
 import termios
 from typing import Any, IO
 
-__all__ = ['Keyboard']
-
 _MODES, _CHARACTERS = 3, 6
 
 

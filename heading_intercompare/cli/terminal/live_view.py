@@ -28,8 +28,6 @@ from .screen import can_draw, Screen
 from .status_lines import StatusLines
 from .view_lines import lay_out, one_line
 
-__all__ = ['LiveView']
-
 _NUMBER = re.compile(r'\d[\d.,:]*')
 
 

@@ -16,8 +16,6 @@
 
 from __future__ import annotations
 
-__all__ = ['escape', 'escape_lines', 'safe_name']
-
 #: Bytes that the name of a file may have, with some left for a number before it.
 _NAME_BYTES = 200
 

@@ -24,8 +24,6 @@ from typing import Any
 
 from .console import open_console
 
-__all__ = ['Progress']
-
 _USUAL = 80
 _BAR = 24
 #: Beginnings of a text that say how much of the work is done.

@@ -28,8 +28,6 @@ from typing import IO, Sequence
 from .console import open_console
 from .view_lines import Line
 
-__all__ = ['can_draw', 'Screen']
-
 #: A line that rclpy logs: its level, time, logger and text.
 _LOGGED = re.compile(r'\[(DEBUG|INFO|WARN|ERROR|FATAL)\] \[(\d+)[.\d]*\] \[(.*?)\]: (.*)')
 _STYLES = {'WARN': 'yellow', 'ERROR': 'red', 'FATAL': 'red'}

@@ -21,8 +21,6 @@ import os
 import sys
 from typing import Any, Callable, IO, Iterator
 
-__all__ = ['safe_stderr', 'safe_stdout']
-
 
 class _Stream:
     """

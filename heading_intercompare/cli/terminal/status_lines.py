@@ -19,8 +19,6 @@ from __future__ import annotations
 import sys
 import time
 
-__all__ = ['StatusLines']
-
 #: A line at least this often, and not more often than that.
 _EVERY_S, _AT_MOST_S = 10.0, 1.0
 

@@ -32,8 +32,6 @@ from heading_intercompare.web.bridge.view_texts import (
     vote_words,
 )
 
-__all__ = ['draw_sparkline', 'lay_out', 'Line', 'one_line']
-
 _LABEL = 9
 _BAR = 24
 _LEVELS = '▁▂▃▄▅▆▇█'

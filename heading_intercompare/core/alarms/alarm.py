@@ -20,8 +20,6 @@ from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Any, Mapping
 
-__all__ = ['Alarm', 'AlarmState', 'Priority', 'Rule', 'Sign']
-
 
 class Priority(str, Enum):
     """

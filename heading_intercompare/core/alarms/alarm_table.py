@@ -20,8 +20,6 @@ from typing import Iterable, Mapping
 
 from .alarm import Alarm, Rule, Sign
 
-__all__ = ['AlarmTable']
-
 
 class AlarmTable:
     """

@@ -43,8 +43,6 @@ from .alarm import Priority, Rule, Sign
 from .jump_watch import JumpWatch
 from .pair_window import PairWindow
 
-__all__ = ['COMPARISON_RULES', 'ComparisonWatch']
-
 COMPARISON_RULES = (
     Rule('ts_frozen'), Rule('rs_frozen'), Rule('rotated'), Rule('mirrored'), Rule('jump'),
     Rule('outliers', Priority.CAUTION, 10.0), Rule('same_source', clear_s=5.0),

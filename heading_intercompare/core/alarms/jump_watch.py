@@ -28,8 +28,6 @@ from heading_intercompare.core.utc_text import utc
 from .alarm import Sign
 from .pair_window import PairWindow
 
-__all__ = ['JumpWatch']
-
 _RECENT_S, _FEWEST = 1.5, 3
 # The usual spread is that of readings older than this, over at least this time.
 _OLDER_S, _LEAST_S, _LEAST = 3.0, 10.0, 30

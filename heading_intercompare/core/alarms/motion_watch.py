@@ -26,8 +26,6 @@ from heading_intercompare.core.settings import Settings
 from .alarm import Rule, Sign
 from .pair_window import PairWindow
 
-__all__ = ['MOTION_RULES', 'MotionWatch']
-
 MOTION_RULES = (Rule('motion', clear_s=0.0),)
 """The alarm of a comparison with the motion of the ship."""
 

@@ -21,8 +21,6 @@ import numpy as np
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.records import Differences, Integers, Pairs, Reals
 
-__all__ = ['PairWindow']
-
 _MOST = 1 << 16
 
 

@@ -22,8 +22,6 @@ from heading_intercompare.core.statistics.recent_count import RecentCount
 
 from .alarm import Priority, Rule, Sign
 
-__all__ = ['SENTENCE_RULES', 'SentenceWatch']
-
 SENTENCE_RULES = (
     Rule('checksum', Priority.CAUTION, 10.0), Rule('second_talker', Priority.WARNING, 10.0),
     Rule('burst', Priority.CAUTION, 10.0), Rule('dropped', Priority.CAUTION, 10.0))

@@ -22,8 +22,6 @@ from typing import Sequence
 
 from .alarm import Rule, Sign
 
-__all__ = ['STREAM_RULES', 'StreamWatch']
-
 STREAM_RULES = (Rule('ts_silent', clear_s=2.0), Rule('rs_silent', clear_s=2.0),
                 Rule('clock_step', clear_s=3.0))
 """The alarms of the synchronizer."""

@@ -27,8 +27,6 @@ from heading_intercompare.core.records import Reals
 from heading_intercompare.core.statistics.blocking import pick_stretches
 from heading_intercompare.core.statistics.resolution import find_resolution
 
-__all__ = ['CommonGlitches', 'find_common_glitches']
-
 _LEAST = 200
 _LOOKED_AT = 200_000
 _BESIDE = 3

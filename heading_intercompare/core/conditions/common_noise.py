@@ -32,8 +32,6 @@ from heading_intercompare.core.timing.bracketing_readings import (
 )
 from heading_intercompare.core.timing.heading_track import CubicSpline
 
-__all__ = ['CommonNoise', 'find_common_noise', 'FollowedNoise']
-
 # Spectra. Segments of two minutes resolve a swell, and half an hour gives 28 of them at half
 # overlap; more than 160, or a quarter of a million samples, tell nothing new.
 _SEGMENT_S = 128.0

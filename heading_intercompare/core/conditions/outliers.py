@@ -26,8 +26,6 @@ from heading_intercompare.core.records import Reals
 from heading_intercompare.core.statistics.moments import Moments
 from heading_intercompare.core.statistics.resolution import find_resolution
 
-__all__ = ['find_outliers', 'Outlier', 'Outliers']
-
 _LOOKED_AT = 200_000
 _LEAST = 30
 _QUANTILE = 0.9
@@ -160,13 +158,17 @@ def find_outliers(stamp_ns: ArrayLike, x_deg: ArrayLike, *, longest_s: float = 3
         far = np.flatnonzero(np.abs(x - centre) > least)
     outliers, which, excursions = _find_isolated(stamps, x, centre, far, threshold, longest_s)
     if not outliers:
-        return Outliers('none', none, 0, (), threshold, variance, variance, 0.0, excursions)
+        return Outliers(kind='none', index=none, count=0, largest=(), threshold_deg=threshold,
+                        variance_deg2=variance, variance_without_deg2=variance, share=0.0,
+                        excursions=excursions)
     rest = np.delete(x, which)
     without = float(np.var(rest, ddof=1)) if rest.size > 1 else None
     share = 1.0 - (without or 0.0) * max(0, rest.size - 1) / (variance * (x.size - 1))
     outliers.sort(key=lambda outlier: -abs(outlier.size_deg))
-    return Outliers('found', which, len(outliers), tuple(outliers[:_NAMED]), threshold, variance,
-                    without, min(1.0, max(0.0, share)), excursions)
+    return Outliers(kind='found', index=which, count=len(outliers),
+                    largest=tuple(outliers[:_NAMED]), threshold_deg=threshold,
+                    variance_deg2=variance, variance_without_deg2=without,
+                    share=min(1.0, max(0.0, share)), excursions=excursions)
 
 
 def _quantile(x: np.ndarray) -> tuple[float, float]:

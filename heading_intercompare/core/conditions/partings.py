@@ -24,8 +24,6 @@ from numpy.typing import ArrayLike
 
 from heading_intercompare.core.records import Integers, Reals
 
-__all__ = ['cut_spans', 'find_partings', 'Parting']
-
 LEAST_S = 60.0
 """Shortest stretch, seconds; a shorter excursion is an outlier."""
 

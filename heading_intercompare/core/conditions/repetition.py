@@ -23,8 +23,6 @@ import numpy as np
 from heading_intercompare.core.angles import unwrap_deg
 from heading_intercompare.core.records import Reals
 
-__all__ = ['Windows']
-
 _PART_S = 1.0
 _MOST_PARTS = 1024
 _PER_PART = 16

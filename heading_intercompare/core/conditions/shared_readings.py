@@ -32,8 +32,6 @@ import scipy
 from heading_intercompare.core.angles import unwrap_deg
 from heading_intercompare.core.records import Integers, Reals
 
-__all__ = ['find_repeats', 'find_shared', 'Fingerprint', 'Shared']
-
 #: Differences are averaged over four grains of half a second, or of a multiple by a power of two.
 _GRAIN_S, _GRAINS = 0.5, 4
 _MOST_GRAINS = 1 << 14

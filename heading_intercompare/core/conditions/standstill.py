@@ -27,8 +27,6 @@ from heading_intercompare.core.statistics.resolution import find_resolution
 
 from .repetition import Windows
 
-__all__ = ['find_coarse_resolution', 'find_frozen', 'find_standstill', 'Frozen', 'Standstill']
-
 _EQUAL_DEG = 1e-7
 _DECIMAL_DEG = 1e-6
 _MOST_DECIMALS = 4
@@ -251,9 +249,10 @@ def find_frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLik
     if not frozen:
         return alive
     moved, allowed, duration, start = max(frozen)
-    return Frozen(longest, len(frozen), start, duration, moved,
-                  'dead' if kind == 'dead' else 'frozen', sum(f[2] for f in frozen), step, hold,
-                  allowed)
+    return Frozen(longest_s=longest, stretches=len(frozen), start_ns=start, duration_s=duration,
+                  other_moved_deg=moved, kind='dead' if kind == 'dead' else 'frozen',
+                  frozen_s=sum(f[2] for f in frozen), resolution_deg=step, hold_s=hold,
+                  allowed_deg=allowed)
 
 
 def _kind(stamps: np.ndarray, longest_s: float, step: float | None, partner: np.ndarray,

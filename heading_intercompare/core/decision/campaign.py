@@ -37,9 +37,6 @@ from .coverage import least_apart_s, least_duration_s, least_together_s
 from .criteria import Limits
 from .guarded import bounded_deg2, count_risk, Evidence, variance_risk
 
-__all__ = ['CAMPAIGN_REASONS', 'conclude_every_run', 'conclude_sensor', 'judge_together',
-           'LEAST_RUNS', 'LEAST_TIMES_OF_MEANS', 'Together']
-
 LEAST_RUNS = 5
 """Fewest runs whose means can bound errors slower than a run."""
 
@@ -153,13 +150,17 @@ def judge_together(runs: Sequence[Evidence], limits: Sequence[Limits], risk: Ris
         upper = max(between, scatter)
     n_plus = sum(e.n_plus for e, _ in with_spread)
     return Together(
-        len(with_spread), pooled.n, math.fsum(e.span_s for e, _ in with_spread), apart_s,
-        pooled.d_deg2, pooled.nu, pooled.f, pooled.slow_allowance_deg2, pooled_upper, between,
-        upper, lower_bound(pooled, variance_risk(risk)),
-        math.fsum(e.n * lim.tightened_limit_deg2 for e, lim in with_spread) / pooled.n,
-        with_spread[0][1].rejection_limit_deg2,
-        rate_lower(pooled.nu * n_plus / pooled.n, pooled.nu, count_risk(risk)),
-        scatter, None if pooled.stated is None else pooled.times)
+        runs=len(with_spread), n=pooled.n, span_s=math.fsum(e.span_s for e, _ in with_spread),
+        apart_s=apart_s, d_hat_deg2=pooled.d_deg2, nu=pooled.nu, f=pooled.f,
+        slow_allowance_deg2=pooled.slow_allowance_deg2, pooled_upper_bound_deg2=pooled_upper,
+        between_upper_bound_deg2=between, upper_bound_deg2=upper,
+        lower_bound_deg2=lower_bound(pooled, variance_risk(risk)),
+        acceptance_limit_deg2=math.fsum(e.n * lim.tightened_limit_deg2
+                                        for e, lim in with_spread) / pooled.n,
+        rejection_limit_deg2=with_spread[0][1].rejection_limit_deg2,
+        rate_plus_lower=rate_lower(pooled.nu * n_plus / pooled.n, pooled.nu, count_risk(risk)),
+        scatter_upper_bound_deg2=scatter,
+        stated_times=None if pooled.stated is None else pooled.times)
 
 
 def conclude_every_run(alone: Sequence[Outcome],

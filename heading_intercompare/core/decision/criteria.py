@@ -22,8 +22,9 @@ import math
 from typing import Callable
 
 from heading_intercompare.core.declared_figures import figure
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.outcome import Outcome, worst
-from heading_intercompare.core.settings import Norms, Settings, SettingsError
+from heading_intercompare.core.settings import Norms, Settings
 
 from .error_models import coverage_factor, ts_factor
 from .norm_presets import sigma_max_deg
@@ -290,9 +291,12 @@ class Limits:
         else:
             k = coverage_factor(model, ratio, norms.probability)
             k_tightened = coverage_factor(model, low * ratio / shrunk, norms.probability)
-        return cls(sigma_max, sigma_ref_max, low, up, norms.probability, limit, tightened,
-                   k, k_tightened, ts_variance_factor, rs_variance_factor,
-                   _printed_k(norms) if model == 'NN' else None)
+        return cls(
+            sigma_max_deg=sigma_max, sigma_ref_max_deg=sigma_ref_max, m_low=low, m_up=up,
+            probability=norms.probability, limit_deg2=limit, tightened_limit_deg2=tightened, k=k,
+            k_tightened=k_tightened, ts_variance_factor=ts_variance_factor,
+            rs_variance_factor=rs_variance_factor,
+            k_printed=_printed_k(norms) if model == 'NN' else None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -393,9 +397,10 @@ def apply_count_criterion(n: int, n_plus: int, n_plus_plus: int, limits: Limits)
     else:
         outcome = Outcome.INDETERMINATE
     width = float((n_plus_plus - n_plus) / allowed) if n else None
-    return CountCriterion(limits.k, limits.k_tightened, limits.count_limit_deg,
-                          limits.tightened_count_limit_deg, n_plus, n_plus_plus,
-                          float(allowed), width, outcome)
+    return CountCriterion(
+        k=limits.k, k_tightened=limits.k_tightened, limit_deg=limits.count_limit_deg,
+        tightened_limit_deg=limits.tightened_count_limit_deg, n_plus=n_plus,
+        n_plus_plus=n_plus_plus, allowed=float(allowed), dead_zone_width=width, outcome=outcome)
 
 
 @dataclass(frozen=True, slots=True)
@@ -472,5 +477,7 @@ def estimate_total_error(mean_deg: float | None, variance_deg2: float | None, li
             outcome = Outcome.NON_COMPLIANT
         else:
             outcome = Outcome.INDETERMINATE
-    return TotalError(k, sigma_low, sigma_up, mean_deg - wide, mean_deg + wide,
-                      mean_deg - narrow, mean_deg + narrow, outcome)
+    return TotalError(k=k, sigma_ts_low_deg=sigma_low, sigma_ts_up_deg=sigma_up,
+                      low_deg=mean_deg - wide, up_deg=mean_deg + wide,
+                      low_narrow_deg=mean_deg - narrow, up_narrow_deg=mean_deg + narrow,
+                      outcome=outcome)

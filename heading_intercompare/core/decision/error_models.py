@@ -31,8 +31,6 @@ import scipy
 
 from heading_intercompare.core.records import Reals
 
-__all__ = ['coverage_factor', 'density', 'ERROR_MODELS', 'ErrorModel', 'tail', 'ts_factor']
-
 _SQRT3 = math.sqrt(3.0)
 _NODES, _WEIGHTS = np.polynomial.legendre.leggauss(40)
 _NEGLIGIBLE = 1e-150

@@ -43,9 +43,6 @@ from heading_intercompare.core.statistics.variance_uncertainty import (
 from .coverage import least_duration_s
 from .criteria import Limits
 
-__all__ = ['bounded_deg2', 'count_risk', 'decide', 'decide_variance', 'Evidence',
-           'gather_evidence', 'Guarded', 'REASONS', 'variance_risk']
-
 _MOST_DEG = 180.0
 """The largest difference of two headings, degrees."""
 
@@ -188,8 +185,9 @@ def gather_evidence(cells: Cells, *, n_plus: int, n_plus_plus: int, span_s: floa
 
     """
     spread = estimate_spread(cells, order, span_s / slowest_s if slowest_s else None)
-    return Evidence(cells.n, spread, mean_deg, offset_u_deg, span_s, n_plus, n_plus_plus,
-                    drift_left_deg2)
+    return Evidence(n=cells.n, spread=spread, mean_deg=mean_deg, offset_u_deg=offset_u_deg,
+                    span_s=span_s, n_plus=n_plus, n_plus_plus=n_plus_plus,
+                    drift_left_deg2=drift_left_deg2)
 
 
 def bounded_deg2(bound_deg2: float, spread: Spread) -> float:

@@ -25,8 +25,6 @@ from .campaign import LEAST_RUNS, LEAST_TIMES_OF_MEANS, Together
 from .coverage import Coverage, least_apart_s, span_words
 from .guarded import Guarded
 
-__all__ = ['describe_need', 'describe_need_together']
-
 _YEAR_H = 8766.0
 
 _BETWEEN = ('no length decides while the variance stays between the limits; better knowledge of '

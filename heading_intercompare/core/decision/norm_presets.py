@@ -20,11 +20,10 @@ from dataclasses import dataclass
 import math
 from typing import cast
 
-from heading_intercompare.core.settings import Norms, SettingsError
+from heading_intercompare.core.declared_settings import SettingsError
+from heading_intercompare.core.settings import Norms
 
 from .error_models import ts_factor
-
-__all__ = ['PRESETS', 'Preset', 'sigma_max_deg', 'systematic_max_deg']
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,22 +64,28 @@ class Preset:
 
 PRESETS = {
     'imo_a424': Preset(
-        'gyro-compass, IMO A.424(XI), ISO 8728 class A', 0.25, None, None, True,
-        'settle-point error 0.75 sec(lat); rms of ten readings 0.25 sec(lat); dynamic 1.0 '
-        'sec(lat)', 'unverified', 0.75),
+        title='gyro-compass, IMO A.424(XI), ISO 8728 class A', rms_deg=0.25, limit_deg=None,
+        probability=None, secant=True, content=(
+            'settle-point error 0.75 sec(lat); rms of ten readings 0.25 sec(lat); dynamic 1.0 '
+            'sec(lat)'), status='unverified', systematic_deg=0.75),
     'imo_a821': Preset(
-        'gyro-compass for high-speed craft, IMO A.821(19)', 0.25, None, None, True,
-        'settles within 6 h up to 70 deg; settle-point error 0.75 sec(lat); rms 0.25 sec(lat); '
-        'repeatability 0.25 sec(lat)', 'verified', 0.75),
+        title='gyro-compass for high-speed craft, IMO A.821(19)', rms_deg=0.25, limit_deg=None,
+        probability=None, secant=True, content=(
+            'settles within 6 h up to 70 deg; settle-point error 0.75 sec(lat); '
+            'rms 0.25 sec(lat); repeatability 0.25 sec(lat)'),
+        status='verified', systematic_deg=0.75),
     'imo_msc116': Preset(
-        'transmitting heading device, IMO MSC.116(73)', None, 1.0, None, False,
-        'static error 1.0; dynamic amplitude 1.5; follow-up 0.5 up to 10 deg/s', 'verified', 1.0),
-    'iso22090_1': Preset(
-        'gyro transmitting heading device, ISO 22090-1', None, 1.5, None, True,
-        'dynamic error 1.5 sec(lat)', 'unverified'),
-    'iso22090_2': Preset(
-        'magnetic transmitting heading device, ISO 22090-2', None, 1.0, 0.95, False,
-        'static error 1.0 (95 %), at four headings or more', 'verified', 1.0),
+        title='transmitting heading device, IMO MSC.116(73)', rms_deg=None, limit_deg=1.0,
+        probability=None, secant=False,
+        content='static error 1.0; dynamic amplitude 1.5; follow-up 0.5 up to 10 deg/s',
+        status='verified', systematic_deg=1.0),
+    'iso22090_1': Preset(title='gyro transmitting heading device, ISO 22090-1', rms_deg=None,
+                         limit_deg=1.5, probability=None, secant=True,
+                         content='dynamic error 1.5 sec(lat)', status='unverified'),
+    'iso22090_2': Preset(title='magnetic transmitting heading device, ISO 22090-2', rms_deg=None,
+                         limit_deg=1.0, probability=0.95, secant=False,
+                         content='static error 1.0 (95 %), at four headings or more',
+                         status='verified', systematic_deg=1.0),
 }
 
 

@@ -22,12 +22,11 @@ from typing import Sequence
 import numpy as np
 
 from heading_intercompare.core.declared_figures import figure
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.settings import Risk, Settings, SettingsError
+from heading_intercompare.core.settings import Risk, Settings
 
 from .coverage import least_duration_s
-
-__all__ = ['find_rejection', 'find_standing', 'Look', 'Looks', 'LookVerdict', 'risk_at_the_end']
 
 
 @dataclass(frozen=True, slots=True)

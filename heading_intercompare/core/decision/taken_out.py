@@ -22,8 +22,6 @@ from typing import Iterable, Sequence
 from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.outcome import Outcome
 
-__all__ = ['AsRecorded', 'Stretch', 'sum_stretches', 'TakenOut']
-
 
 @dataclass(frozen=True, slots=True)
 class Stretch:

@@ -30,9 +30,10 @@ from typing import Callable, Iterable, Sequence, TypeAlias, TypeVar
 import numpy as np
 import scipy
 
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.records import Reals
-from heading_intercompare.core.settings import Settings, SettingsError
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.statistics.cells import Cells
 from heading_intercompare.core.statistics.variance_uncertainty import (
     estimate_spread,
@@ -43,8 +44,6 @@ from .campaign import conclude_sensor, judge_together, LEAST_TIMES_OF_MEANS
 from .coverage import least_duration_s, slowest_error_s
 from .criteria import Limits
 from .guarded import decide_variance, Evidence
-
-__all__ = ['Chance', 'LEVELS', 'plan_trial', 'simulate_differences', 'TrialPlan']
 
 LEVELS = (0.5, 0.7, 0.85)
 """Standard deviations of the TS for which chances are given, as shares of its norm."""
@@ -180,8 +179,9 @@ def plan_trial(settings: Settings, rng: np.random.Generator, *, rate_hz: float =
     for name, share in (('slow_share', slow_share), ('wanted', wanted)):
         if not 0.0 <= share <= 1.0:
             raise ValueError(f'{name} = {share!r}: must be from 0 to 1')
-    trial = _SimulatedTrial(settings, Limits.of(settings.norms, settings.model), slowest, rate_hz,
-                            slow_share, trials, rng)
+    trial = _SimulatedTrial(settings=settings, limits=Limits.of(settings.norms, settings.model),
+                            slowest_s=slowest, rate_hz=rate_hz, slow_share=slow_share,
+                            trials=trials, rng=rng)
     least_s = least_duration_s(settings.risk)
     short_s = (LEAST_TIMES_OF_MEANS if settings.variant == 'B' else LEAST_TIMES) * slowest
     steps = len(_RUNS) + len(times)
@@ -258,7 +258,8 @@ class _SimulatedTrial:
             self.rng, duration_s, self.rate_hz, self.sigma_ref_deg, self.slowest_s,
             level * self.limits.sigma_max_deg, self.slow_share)
         spread = estimate_spread(Cells.of(x_deg), times=duration_s / self.slowest_s)
-        return Evidence(len(x_deg), spread, float(x_deg.mean()), 0.0, duration_s, 0, 0)
+        return Evidence(n=len(x_deg), spread=spread, mean_deg=float(x_deg.mean()),
+                        offset_u_deg=0.0, span_s=duration_s, n_plus=0, n_plus_plus=0)
 
     def _decide(self, evidence: Evidence) -> Outcome:
         if evidence.spread is None:

@@ -34,11 +34,6 @@ from heading_intercompare.core.timing.time_skew import Skew
 
 from .deviation import HeadingDependence
 
-__all__ = ['Assumption', 'is_resolved', 'judge_constant_moments', 'judge_correlated_errors',
-           'judge_drift_and_stationary', 'judge_ergodic', 'judge_installation', 'judge_large_n',
-           'judge_laws', 'judge_reference_norm', 'judge_stabilized', 'judge_synchronous', 'MET',
-           'model_kurtosis', 'NOT_TESTABLE', 'STATEMENTS', 'VIOLATED']
-
 MET, VIOLATED, NOT_TESTABLE = 'met', 'violated', 'not_testable'
 
 STATEMENTS = {

@@ -30,8 +30,6 @@ from heading_intercompare.core.records import Reals
 from heading_intercompare.core.statistics.autocorrelation import sokal_times
 from heading_intercompare.core.statistics.blocking import block_means, block_size
 
-__all__ = ['deviation_at', 'fit_deviation', 'HeadingDependence', 'largest_empty_arc']
-
 _WORST_CONDITION = 1e4
 """Largest condition number with coefficients; headings all round the compass give 2."""
 
@@ -191,7 +189,8 @@ def fit_deviation(x_deg: ArrayLike, rs_deg: ArrayLike, *, averaged: int = 1,
     n = x.size
     arc = largest_empty_arc(psi)
     if n < _LEAST_SAMPLES:
-        return HeadingDependence(averaged * n, 'insufficient_data', arc, None)
+        return HeadingDependence(n=averaged * n, reason='insufficient_data', empty_arc_deg=arc,
+                                 condition=None)
     size = block_size(n, 16)
     first = float(x[0])
     gram, right = np.zeros((_TERMS, _TERMS)), np.zeros(_TERMS)
@@ -201,8 +200,8 @@ def fit_deviation(x_deg: ArrayLike, rs_deg: ArrayLike, *, averaged: int = 1,
         right += basis @ (x[part] - first)
     condition = float(np.linalg.cond(gram / n))
     if not condition <= _WORST_CONDITION:
-        return HeadingDependence(averaged * n, 'headings_too_narrow', arc,
-                                 condition if math.isfinite(condition) else None)
+        return HeadingDependence(n=averaged * n, reason='headings_too_narrow', empty_arc_deg=arc,
+                                 condition=condition if math.isfinite(condition) else None)
     beta = np.linalg.solve(gram, right)
     ends = unwrap_deg(psi)[::max(1, block_size(n, _LEAST_SAMPLES))]
     turns = float(np.abs(np.diff(ends)).sum()) / 360.0
@@ -227,7 +226,8 @@ def fit_deviation(x_deg: ArrayLike, rs_deg: ArrayLike, *, averaged: int = 1,
     scatter = np.cov(means, rowvar=False) * ((means.shape[0] - 1) / dof)
     widening = _widening(left, turns)
     if widening is None:
-        return HeadingDependence(averaged * n, 'errors_outlast_the_turns', arc, condition)
+        return HeadingDependence(n=averaged * n, reason='errors_outlast_the_turns',
+                                 empty_arc_deg=arc, condition=condition)
     covariance = widening * (inverse @ (n * size * scatter) @ inverse)
     covariance = 0.5 * (covariance + covariance.T)
     f, p = _joint(beta[1:], covariance[1:, 1:], dof)
@@ -235,10 +235,12 @@ def fit_deviation(x_deg: ArrayLike, rs_deg: ArrayLike, *, averaged: int = 1,
     beta[0] += first
     rss = averaged * (rss + n * within_deg2)
     return HeadingDependence(
-        averaged * n, '', arc, condition, tuple(beta.tolist()),
-        tuple(np.sqrt(np.maximum(np.diag(covariance), 0.0)).tolist()),
-        tuple(tuple(row) for row in covariance.tolist()), float(np.abs(around).max()), f, p,
-        math.sqrt(rss / (averaged * n - _TERMS)))
+        n=averaged * n, reason='', empty_arc_deg=arc, condition=condition,
+        coefficients_deg=tuple(beta.tolist()),
+        u_deg=tuple(np.sqrt(np.maximum(np.diag(covariance), 0.0)).tolist()),
+        covariance_deg2=tuple(tuple(row) for row in covariance.tolist()),
+        amplitude_deg=float(np.abs(around).max()), f=f, p=p,
+        residual_std_deg=math.sqrt(rss / (averaged * n - _TERMS)))
 
 
 def deviation_at(dependence: HeadingDependence, heading_deg: ArrayLike) -> tuple[Reals, Reals]:

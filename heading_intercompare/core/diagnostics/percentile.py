@@ -24,8 +24,6 @@ from numpy.typing import ArrayLike
 
 from heading_intercompare.core.declared_figures import figure
 
-__all__ = ['estimate_percentile', 'Percentile']
-
 SHARE = 0.95
 """Share of the differences within the limit."""
 

@@ -26,8 +26,6 @@ from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.records import Reals
 from heading_intercompare.core.statistics.moments import Moments
 
-__all__ = ['estimate_reference_noise', 'ReferenceNoise']
-
 QUIET = 0.1
 """An octave is used if the standard error is below this share of its variance of x."""
 

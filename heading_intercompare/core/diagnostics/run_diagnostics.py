@@ -44,8 +44,6 @@ from .reference_noise import estimate_reference_noise, ReferenceNoise
 from .run_columns import RunColumns
 from .run_findings import Allan, Correlation, describe_allan, describe_skew, Drift, RunSkew
 
-__all__ = ['diagnose', 'Diagnostics', 'with_runs']
-
 MOVING_AVERAGE_S = 1.0
 """Span of the moving average that is subtracted from headings, seconds."""
 
@@ -124,9 +122,9 @@ def diagnose(columns: RunColumns, guarded: Guarded, *, drift: Drift, rest: Detre
     block = describe_skew(estimate, moments.variance_deg2, c.limits, scan)
     deviation = _fit_deviation(c.x_deg, c.rs_deg, c.tracks, moments.m2_deg2,
                                settings.wrap_center_deg)
-    result = Diagnostics(block, drift, deviation, normal,
-                         examine_stationarity(c.series_deg, step or 0.0), correlation,
-                         allan, (), ())
+    result = Diagnostics(skew=block, drift=drift, heading_dependence=deviation, normality=normal,
+                         stationarity=examine_stationarity(c.series_deg, step or 0.0),
+                         correlation=correlation, allan=allan, assumptions=(), warnings=())
     resolved = assumptions.is_resolved(rest.found)
     rest_found = examine_stationarity(rest.polynomial.residual_deg,
                                       rest.averages.size * (step or 0.0))

@@ -44,9 +44,6 @@ from heading_intercompare.core.timing.time_skew import Skew
 
 from .reference_noise import ReferenceNoise
 
-__all__ = ['Allan', 'Correlation', 'describe_allan', 'describe_correlation', 'describe_drift',
-           'describe_skew', 'Drift', 'left_in_deg2', 'RunSkew']
-
 
 @dataclass(frozen=True, slots=True)
 class RunSkew:
@@ -161,11 +158,12 @@ def describe_drift(stamp_ns: np.ndarray, x_deg: np.ndarray,
     fit = rest.polynomial
     line = rest if fit.order == 1 else Detrended.of(averages, 1)
     std = None if order is None else math.sqrt(rest.rss_deg2 / (n - 1 - order.order))
-    return Drift(order, fit.coefficients_deg if order else None,
-                 drift_left_deg2(rest if fit.order > 1 else line), std, span_h,
-                 fit_slope(stamp_ns, x_deg, line),
-                 fit_warm_up(averages.stamp_ns, averages.x_deg, tolerance_deg),
-                 mser5(averages.stamp_ns, averages.x_deg)), rest
+    return Drift(
+        order=order, coefficients_deg=fit.coefficients_deg if order else None,
+        left_deg2=drift_left_deg2(rest if fit.order > 1 else line), residual_std_deg=std,
+        span_h=span_h, line=fit_slope(stamp_ns, x_deg, line),
+        warm_up=fit_warm_up(averages.stamp_ns, averages.x_deg, tolerance_deg),
+        mser_s=mser5(averages.stamp_ns, averages.x_deg)), rest
 
 
 def left_in_deg2(stamp_ns: np.ndarray, x_deg: np.ndarray) -> float:

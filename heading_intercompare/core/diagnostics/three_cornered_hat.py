@@ -30,8 +30,6 @@ from heading_intercompare.core.statistics.blocking import block_size, student_95
 from heading_intercompare.core.statistics.drift import remove_polynomial
 from heading_intercompare.core.timing.heading_track import Track
 
-__all__ = ['at_common_stamps', 'Hats', 'three_cornered_hat']
-
 
 @dataclass(frozen=True, slots=True)
 class Hats:
@@ -160,10 +158,11 @@ def three_cornered_hat(heading_deg: ArrayLike, stamp_ns: ArrayLike | None = None
     solve = np.linalg.pinv(design)
     estimate = solve @ variances
     point, _ = scipy.optimize.nnls(design, variances)
-    return Hats(n, pairs, tuple(variances.tolist()), tuple(estimate.tolist()),
-                _intervals(estimate, solve, squares), tuple(
-                    math.sqrt(v) if v >= 0.0 else None for v in estimate.tolist()),
-                tuple(point.tolist()))
+    return Hats(
+        n=n, pairs=pairs, pair_variance_deg2=tuple(variances.tolist()),
+        variance_deg2=tuple(estimate.tolist()), interval_deg2=_intervals(estimate, solve, squares),
+        std_deg=tuple(math.sqrt(v) if v >= 0.0 else None for v in estimate.tolist()),
+        point_deg2=tuple(point.tolist()))
 
 
 def _intervals(estimate: np.ndarray, solve: np.ndarray,

@@ -27,8 +27,6 @@ from heading_intercompare.core.settings import Antennas
 
 from .tangent_plane import steps_m
 
-__all__ = ['BaselineHeadings', 'find_baseline_headings']
-
 LONGEST_STEP_S = 2.0
 """Positions of the aft antenna further apart than this are not interpolated, seconds."""
 

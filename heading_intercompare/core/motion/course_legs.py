@@ -29,8 +29,6 @@ from heading_intercompare.core.settings import MotionRule
 
 from .tangent_plane import steps_m
 
-__all__ = ['CourseLegs', 'find_legs', 'find_nearest', 'largest_arc_deg']
-
 WINDOW_S = 60.0
 """A leg is made of windows of this length, seconds."""
 

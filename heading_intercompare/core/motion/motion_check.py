@@ -30,8 +30,6 @@ from heading_intercompare.core.settings import MotionRule
 from .course_legs import CourseLegs, find_legs, largest_arc_deg, MOST_LEGS
 from .turn_rate import compare_turns, TurnRate
 
-__all__ = ['check_motion', 'is_scaled_alike', 'MotionCheck', 'SensorMotion', 'WrongLeg']
-
 LEAST_AGAINST_S = 90.0
 """A heading contradicts the course only if it does so for at least this time, seconds."""
 

@@ -23,8 +23,6 @@ import numpy as np
 from heading_intercompare.core.records import Motion
 from heading_intercompare.core.runs.growing_columns import Column, Keep
 
-__all__ = ['find_newest', 'leave_out_known', 'MotionRecord', 'RunMotion']
-
 _COLUMNS = Motion.__slots__
 #: Motion from up to this time before a run is kept: pairs may come later than the motion.
 _KEPT_BEFORE_NS = 1800 * 10 ** 9

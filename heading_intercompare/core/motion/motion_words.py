@@ -19,8 +19,6 @@ from __future__ import annotations
 from .motion_check import is_scaled_alike, MotionCheck, SensorMotion
 from .turn_rate import TurnRate
 
-__all__ = ['describe_motion', 'explain_motion']
-
 _NEAR_DEG = 25.0
 _HINTS = {180.0: 'mounted backwards, or the ship goes astern', 90.0: 'turned to starboard',
           -90.0: 'turned to port'}

@@ -21,8 +21,6 @@ from typing import NamedTuple
 
 from heading_intercompare.core.records import FASTEST_M_S, FASTEST_TURN_DEG_S
 
-__all__ = ['make_attitude', 'make_position', 'make_rate', 'make_velocity', 'MovedRow']
-
 #: Angles are rounded, so a full turn may be a little more.
 _TURN_RAD = 6.2832
 _STEEPEST_DEG = 90.0

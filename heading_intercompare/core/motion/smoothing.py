@@ -24,8 +24,6 @@ import scipy
 
 from heading_intercompare.core.records import Reals
 
-__all__ = ['bridge_gaps', 'find_spikes', 'fit_smooth', 'Smooth']
-
 _KNOTS_A_PERIOD = 8
 #: Pieces of the quintic B-spline over one knot interval: coefficients of 1, u, ... u^5.
 _PIECES = np.array([

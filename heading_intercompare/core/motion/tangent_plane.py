@@ -22,8 +22,6 @@ from numpy.typing import ArrayLike
 from heading_intercompare.core.angles import wrap180
 from heading_intercompare.core.records import Reals
 
-__all__ = ['radii_m', 'steps_m']
-
 _SEMI_MAJOR_M = 6378137.0
 _ECCENTRICITY2 = 6.69437999014e-3
 

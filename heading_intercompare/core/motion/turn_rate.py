@@ -25,8 +25,6 @@ from heading_intercompare.core.angles import wrap180
 from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.records import Integers, Motion, Reals
 
-__all__ = ['compare_turns', 'TurnRate']
-
 SPAN_S = 5.0
 """The changes of the heading over spans of this length are compared, seconds."""
 

@@ -26,8 +26,6 @@ from heading_intercompare.core.records import Headings, Integers, Reals
 from heading_intercompare.core.statistics.resolution import find_resolution
 from heading_intercompare.core.timing.heading_track import Track
 
-__all__ = ['Corrections', 'find_corrections', 'Observations']
-
 _HALF_SPAN_S = 2.5
 _MOST_DECIMALS = 4
 

@@ -24,8 +24,6 @@ from numpy.typing import ArrayLike
 from heading_intercompare.core.angles import wrap180, wrap360
 from heading_intercompare.core.records import Reals
 
-__all__ = ['bearing_between', 'bearing_uncertainty', 'line_bearing', 'quay_angle']
-
 #: WGS-84: semi-major axis in metres, and the square of the eccentricity.
 _A_M, _E2 = 6_378_137.0, 6.694_379_990_141e-3
 

@@ -296,8 +296,8 @@ def _judge(corrections: Corrections, settings: Settings, norm: float | None,
     n, x = len(corrections), corrections.c_minus_o_deg
     mean = float(wrap180(x.mean())) if n else None
     if mean is None or n < 2:
-        return SystematicError(n, Outcome.INDETERMINATE, 'insufficient_data', mean,
-                               norm_deg=norm, std_norm_deg=sigma)
+        return SystematicError(n=n, outcome=Outcome.INDETERMINATE, reason='insufficient_data',
+                               correction_deg=mean, norm_deg=norm, std_norm_deg=sigma)
     risk, slowest = settings.risk, slowest_error_s(settings.risk)
     budget = make_budget(
         corrections, common_u_deg=common_u_deg, clock_u_s=clock_u_s,

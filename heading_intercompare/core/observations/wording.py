@@ -20,8 +20,6 @@ from heading_intercompare.core.outcome import Outcome
 
 from .systematic_error import SystematicError
 
-__all__ = ['explain_outcome', 'explain_scatter']
-
 _OUTCOMES = {Outcome.COMPLIANT: 'COMPLIANT', Outcome.NON_COMPLIANT: 'NON-COMPLIANT',
              Outcome.INDETERMINATE: 'INDETERMINATE'}
 

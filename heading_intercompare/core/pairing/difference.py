@@ -21,8 +21,6 @@ import numpy as np
 from heading_intercompare.core.angles import wrap180
 from heading_intercompare.core.records import Differences, Pairs
 
-__all__ = ['subtract']
-
 
 def subtract(pairs: Pairs, installation_offset_deg: float = 0.0,
              wrap_center_deg: float = 0.0) -> Differences:

@@ -28,8 +28,6 @@ import numpy as np
 
 from heading_intercompare.core.settings import Pairing
 
-__all__ = ['Direction', 'is_slower', 'typical_step_ns', 'usual_step_ns', 'UsualSteps']
-
 _RATIO = (3, 2)
 """An RS is slower if its step exceeds that of the TS by this factor, numerator and denominator."""
 

@@ -25,8 +25,6 @@ from heading_intercompare.core.records import Pairs
 
 from .difference import subtract
 
-__all__ = ['Ensembles', 'Ensembling', 'LONGEST_S', 'SHORTEST_S']
-
 SHORTEST_S, LONGEST_S = 1.0, 86400.0
 """Shortest and longest ensemble, seconds."""
 

@@ -30,9 +30,6 @@ import numpy as np
 from heading_intercompare.core.angles import wrap180
 from heading_intercompare.core.records import Integers, Reals
 
-__all__ = ['Bridged', 'find_left', 'interpolate', 'interpolated_response', 'LARGEST_FACTOR',
-           'longest_step_ns', 'reach', 'SHORTER']
-
 SHORTER = (3, 2, 1)
 """Readings on either side whose values are compared with that by four on either side."""
 

@@ -20,8 +20,6 @@ import numpy as np
 
 from heading_intercompare.core.records import Pairs
 
-__all__ = ['PairSampler', 'STEP_S']
-
 STEP_S = 0.5
 """Time in which one pair is kept, seconds."""
 

@@ -37,8 +37,6 @@ from .interpolation_kernel import Bridged, find_left, interpolate, longest_step_
 from .ledger import APART_DEG2, Ledger, LedgerKey
 from .pending_readings import BRACKET, PAIRED, Stream, UNBRIDGED
 
-__all__ = ['pair', 'Pairer']
-
 _Rows = np.ndarray | slice
 _BRIDGED = {4: LedgerKey.BRIDGED_8, 3: LedgerKey.BRIDGED_6, 2: LedgerKey.BRIDGED_4,
             1: LedgerKey.BRIDGED_2}

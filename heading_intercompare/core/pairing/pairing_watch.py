@@ -23,8 +23,6 @@ from heading_intercompare.core.statistics.recent_count import RecentCount
 
 from .ledger import Ledger, LedgerKey
 
-__all__ = ['PairingState', 'PairingWatch']
-
 _WINDOW_S, _FEW = 60.0, 0.1
 # After max_wait_s nothing waits any more; the first second of a stream is held.
 _SETTLING_S = 2.0

@@ -27,8 +27,6 @@ from heading_intercompare.core.records import Headings, Losses
 from .direction import UsualSteps
 from .ledger import Ledger, LedgerKey
 
-__all__ = ['BRACKET', 'PAIRED', 'Stream', 'UNBRIDGED']
-
 UNBRIDGED, BRACKET, PAIRED = 1, 2, 3
 """How a reading was used: 0 is not at all; use in a pair outranks use in a bracket."""
 

@@ -23,8 +23,6 @@ import numpy as np
 from heading_intercompare.core.angles import wrap180
 from heading_intercompare.core.records import Headings, Integers
 
-__all__ = ['DECIMAL_STEPS', 'find_decimal_step', 'StepCount']
-
 DECIMAL_STEPS = (100, 50, 25, 20, 10, 5, 4, 2, 1)
 """Steps that are told apart, hundredths of a degree, coarsest first: the divisors of a degree."""
 

@@ -29,8 +29,6 @@ from heading_intercompare.core.records import Headings, Integers
 from .hold_search import Held, HoldSearch
 from .stamp_jumps import NEVER
 
-__all__ = ['HoldFilter', 'Unfolded']
-
 _LINE, _LEAST_LINE = 64, 8
 _NONE = np.empty(0, np.int64)
 

@@ -22,8 +22,6 @@ import numpy as np
 
 from heading_intercompare.core.records import Headings, Integers, Reals
 
-__all__ = ['find_period', 'Held', 'HoldSearch']
-
 _TURN = 360_000_000
 _WINDOW, _PERIODS = 32, 64
 """Times between large changes, and distances between changes, that are looked at together."""
@@ -211,8 +209,9 @@ class HoldSearch:
     def judge(self, row: Integers, stamp_ns: Integers) -> Held:
         """Return what is known of consecutive readings, n >= 1, by number and stamp."""
         n = len(row)
-        held = Held(np.zeros(n, bool), np.zeros(n, bool), np.zeros(n, np.int64), np.ones(n),
-                    np.ones(n, np.int64), np.ones(n), np.zeros(n, np.int64))
+        held = Held(is_held=np.zeros(n, bool), is_open=np.zeros(n, bool),
+                    period=np.zeros(n, np.int64), usual=np.ones(n), longest=np.ones(n, np.int64),
+                    poll_ns=np.ones(n), until_row=np.zeros(n, np.int64))
         self._judge_wandering(row, stamp_ns, held)
         self._judge_constant(row, held)
         shows_nothing = not self._has_changed and self._newest_ns - self._begin_ns > _FIRST_NS
@@ -267,17 +266,20 @@ class HoldSearch:
         begins = np.zeros(n, bool)
         begins[0] = not n_old and not is_apart[0]
         self._times = _Times(
-            np.concatenate((old.first_row, now.row[at - 1])),
-            np.concatenate((old.end_row, now.row[at])), np.concatenate((old.first_ns, first_ns)),
-            np.concatenate((old.end_ns, end_ns)), np.concatenate((old.size, now.size[at])),
-            np.concatenate((old.first_singles, now.singles[at - 1])),
-            np.concatenate((old.end_singles, now.singles[at])),
-            np.concatenate((old.is_apart, is_apart)), np.concatenate((old.begins, begins)),
-            np.concatenate((old.passes, np.zeros(n, bool))),
-            np.concatenate((old.lasts, np.zeros(n, bool))),
-            np.concatenate((old.period, np.zeros(n, np.int64))),
-            np.concatenate((old.usual, np.ones(n))),
-            np.concatenate((old.longest, np.ones(n, np.int64))))
+            first_row=np.concatenate((old.first_row, now.row[at - 1])),
+            end_row=np.concatenate((old.end_row, now.row[at])),
+            first_ns=np.concatenate((old.first_ns, first_ns)),
+            end_ns=np.concatenate((old.end_ns, end_ns)),
+            size=np.concatenate((old.size, now.size[at])),
+            first_singles=np.concatenate((old.first_singles, now.singles[at - 1])),
+            end_singles=np.concatenate((old.end_singles, now.singles[at])),
+            is_apart=np.concatenate((old.is_apart, is_apart)),
+            begins=np.concatenate((old.begins, begins)),
+            passes=np.concatenate((old.passes, np.zeros(n, bool))),
+            lasts=np.concatenate((old.lasts, np.zeros(n, bool))),
+            period=np.concatenate((old.period, np.zeros(n, np.int64))),
+            usual=np.concatenate((old.usual, np.ones(n))),
+            longest=np.concatenate((old.longest, np.ones(n, np.int64))))
         self._test(n_old)
 
     def _test(self, first_new: int) -> None:

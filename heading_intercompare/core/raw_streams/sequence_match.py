@@ -29,8 +29,6 @@ import numpy as np
 from heading_intercompare.core.angles import unwrap_deg, wrap180
 from heading_intercompare.core.records import Headings, Integers, Reals
 
-__all__ = ['Matched', 'SequenceMatch']
-
 _EPOCH_NS, _LONGEST_NS, _MARGIN_NS = 60 * 10**9, 600 * 10**9, 15 * 10**9
 _CHANGES, _LEAST_CHANGES, _TRIED, _BEST_DELAYS, _MOST_DELAYS = 100, 10, 10, 16, 6000
 _RANGE_STEPS, _PER_STEP, _CONSTANTS = 3.0, 4, 3

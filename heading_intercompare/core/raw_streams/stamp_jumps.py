@@ -29,8 +29,6 @@ import numpy as np
 from heading_intercompare.core.records import Headings, Integers, Pairs
 from heading_intercompare.core.utc_text import utc
 
-__all__ = ['Decided', 'is_rising', 'JumpFilter', 'NEVER', 'SetBack']
-
 NEVER = np.iinfo(np.int64).min
 """A stamp before all others."""
 

@@ -27,8 +27,6 @@ from heading_intercompare.core.statistics.drift import remove_polynomial
 from heading_intercompare.core.validity.condition import Condition, DOUBTFUL, Finding, HOLDS
 from heading_intercompare.core.validity.examined import Examined
 
-__all__ = ['ASSUMPTIONS']
-
 #: A way in which an assumption is mended: words, and the outcome of the run with it mended.
 _Mended = tuple[str, Outcome]
 

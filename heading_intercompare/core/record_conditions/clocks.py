@@ -29,8 +29,6 @@ from heading_intercompare.core.validity.condition import (
 )
 from heading_intercompare.core.validity.examined import Examined, RunAccount
 
-__all__ = ['CLOCKS']
-
 _UNSEEN = 'readings of different times do not show whether both come from one sensor'
 _MOST_NAMED = 3
 #: A skew of less than this many standard uncertainties is no news of an open run: in hundreds of

@@ -29,8 +29,6 @@ from heading_intercompare.core.validity.condition import (
 )
 from heading_intercompare.core.validity.examined import Examined
 
-__all__ = ['LONGEST_BURST_S', 'OUTLIERS']
-
 LONGEST_BURST_S = 60.0
 """Longest excursion of the difference that counts as an outlier, not a slow error; seconds."""
 _MOST_NAMED = 3

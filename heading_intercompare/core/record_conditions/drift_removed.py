@@ -22,8 +22,6 @@ from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.validity.condition import Condition, DOUBTFUL, Finding, HOLDS
 from heading_intercompare.core.validity.examined import Examined
 
-__all__ = ['DRIFT_REMOVED']
-
 
 def _judge(e: Examined) -> Finding | None:
     c = e.columns

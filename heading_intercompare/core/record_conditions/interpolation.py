@@ -30,8 +30,6 @@ from heading_intercompare.core.validity.condition import (
 )
 from heading_intercompare.core.validity.examined import RunAccount
 
-__all__ = ['INTERPOLATION', 'judge_interpolation']
-
 #: A smaller share of the limit A matters to no open run.
 _MATTERS = 0.1
 #: The line certifies nothing if it lacks motion of a larger share of A.

@@ -26,8 +26,6 @@ from heading_intercompare.core.validity.condition import (
     NOT_TESTABLE,
 )
 
-__all__ = ['judge_left_out', 'LEFT_OUT']
-
 NAMED_SHARE = 0.01
 """From this share on, the headline says what is left out even if it does not decide."""
 

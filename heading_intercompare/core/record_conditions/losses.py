@@ -30,8 +30,6 @@ from heading_intercompare.core.validity.condition import (
 )
 from heading_intercompare.core.validity.examined import RunAccount
 
-__all__ = ['judge_losses', 'LOSSES', 'warn_of_alone', 'warn_of_held', 'warn_of_rejected']
-
 #: A larger share of rejected readings is a warning of the run.
 _REJECTED_SHARE = 0.01
 

@@ -23,8 +23,6 @@ from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.statistics.stationarity import Homogeneity
 from heading_intercompare.core.validity.condition import Condition, DOUBTFUL, Finding, HOLDS
 
-__all__ = ['judge_mean_over_runs', 'MEAN_OVER_RUNS']
-
 MEAN_OVER_RUNS = Condition(
     name='mean_over_runs',
     holds='in variant B the systematic error is the same in every run',

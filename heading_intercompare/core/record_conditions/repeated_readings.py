@@ -29,8 +29,6 @@ from heading_intercompare.core.validity.condition import (
 )
 from heading_intercompare.core.validity.examined import Examined
 
-__all__ = ['judge_repeated_runs', 'REPEATED_READINGS']
-
 
 def _describe(shared: Shared) -> str:
     return (f'the differences from {utc(shared.other_ns)} UTC on are those from '

@@ -22,8 +22,6 @@ import numpy as np
 
 from heading_intercompare.core.records import Headings
 
-__all__ = ['Column', 'GrowingHeadings', 'Keep', 'Page', 'Tails']
-
 #: Returns a stored page, shape (n,), read-only.
 Page = Callable[[], np.ndarray]
 #: Stores a full page, shape (n,), and returns a function that reads it back.

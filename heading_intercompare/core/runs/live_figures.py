@@ -28,8 +28,6 @@ from heading_intercompare.core.statistics.moments import Moments
 from .rolling_window import Rolling
 from .run_series import RunSeries
 
-__all__ = ['compute_figures', 'compute_run_figures', 'name_moments']
-
 
 def _apply_gk_so_far(part: RunSeries | Rolling, limits: Limits, settings: Settings) -> Printed:
     moments = part.moments()

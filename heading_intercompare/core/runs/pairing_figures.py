@@ -22,8 +22,6 @@ from typing import Mapping
 from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.pairing.ledger import LedgerKey, LedgerSegment
 
-__all__ = ['LostReadings', 'PairingFigures', 'RejectedReadings']
-
 
 @dataclass(frozen=True, slots=True)
 class RejectedReadings:

@@ -29,8 +29,6 @@ from heading_intercompare.core.statistics.moments import exact_sum, UNIT
 
 from .run_cutter import CutterState, RunCutter
 
-__all__ = ['PieceState', 'RecordPiece', 'RecordPieces']
-
 Judged = TypeVar('Judged')
 
 

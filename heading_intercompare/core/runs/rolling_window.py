@@ -32,8 +32,6 @@ from heading_intercompare.core.records import Differences
 from heading_intercompare.core.statistics.cells import Cells
 from heading_intercompare.core.statistics.moments import Moments
 
-__all__ = ['Rolling']
-
 _PANES = 64
 
 

@@ -31,8 +31,6 @@ import numpy as np
 from heading_intercompare.core.settings import RunCutting
 from heading_intercompare.core.time_rules.clock_cuts import ClockCuts
 
-__all__ = ['CutterState', 'Piece', 'RunCutter']
-
 
 @dataclass(frozen=True, slots=True)
 class Piece:
@@ -132,8 +130,9 @@ class RunCutter:
     @property
     def state(self) -> CutterState:
         """Return what the cutter remembers; another one with the same rule can go on from it."""
-        return CutterState(self._since_ns, self._cut_ns, self._newest_ns, self._key,
-                           self._in_run, tuple(self._events), self._marked, self._open)
+        return CutterState(since_ns=self._since_ns, cut_ns=self._cut_ns, newest_ns=self._newest_ns,
+                           key=self._key, in_run=self._in_run, events=tuple(self._events),
+                           marked=self._marked, open=self._open)
 
     def go_on(self, state: CutterState) -> None:
         """Go on from the state of another cutter."""

@@ -29,8 +29,6 @@ from heading_intercompare.core.statistics.moments import count_outside, exact_su
 
 from .growing_columns import Column, Keep, Tails
 
-__all__ = ['RunSeries']
-
 
 class RunSeries:
     """

@@ -29,8 +29,6 @@ from heading_intercompare.core.validity.condition import (
 )
 from heading_intercompare.core.validity.examined import Examined
 
-__all__ = ['CONVENTION']
-
 _YAWED_DEG = 5.0
 
 

@@ -26,8 +26,6 @@ from heading_intercompare.core.validity.condition import (
 )
 from heading_intercompare.core.validity.examined import Examined
 
-__all__ = ['STANDSTILL']
-
 
 def _judge(e: Examined) -> Finding:
     standstill = find_standstill(e.columns.ts_deg, e.columns.rs_deg)

@@ -29,8 +29,6 @@ from heading_intercompare.core.validity.condition import (
 )
 from heading_intercompare.core.validity.examined import Examined, RunAccount
 
-__all__ = ['RESOLUTION']
-
 _FEW_VALUES, _LOOKED_AT = 3, 100_000
 
 

@@ -29,8 +29,6 @@ from heading_intercompare.core.validity.condition import (
 )
 from heading_intercompare.core.validity.examined import Examined
 
-__all__ = ['FROZEN']
-
 #: Share of the acceptance limit from which the motion missed by a sticking sensor counts.
 _MISSED = 0.05
 

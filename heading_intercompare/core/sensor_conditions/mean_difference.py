@@ -28,8 +28,6 @@ from heading_intercompare.core.validity.condition import (
 )
 from heading_intercompare.core.validity.examined import Examined
 
-__all__ = ['COVERED_SIGMAS', 'LARGE_SIGMAS', 'MEAN_DIFFERENCE']
-
 LARGE_SIGMAS = 3.0
 """A mean difference above this multiple of sigma_max is doubtful."""
 

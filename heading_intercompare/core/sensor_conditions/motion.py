@@ -37,8 +37,6 @@ from heading_intercompare.core.validity.condition import (
 )
 from heading_intercompare.core.validity.examined import Examined
 
-__all__ = ['MOTION']
-
 
 def _judge(e: Examined) -> Finding | None:
     """Judge the headings by the motion of the ship: it never makes an outcome better."""

@@ -21,8 +21,6 @@ from heading_intercompare.core.utc_text import utc_span
 from heading_intercompare.core.validity.condition import Condition, DOUBTFUL, Finding, HOLDS
 from heading_intercompare.core.validity.examined import Examined
 
-__all__ = ['PARTING']
-
 _MOST_NAMED = 3
 
 

@@ -28,8 +28,6 @@ from heading_intercompare.core.validity.condition import (
 )
 from heading_intercompare.core.validity.examined import Examined, RunAccount
 
-__all__ = ['REFERENCE']
-
 
 @dataclass(frozen=True, slots=True)
 class _Excess:

@@ -30,8 +30,6 @@ from heading_intercompare.core.validity.condition import (
 )
 from heading_intercompare.core.validity.examined import Examined, RunAccount
 
-__all__ = ['SAME_SOURCE']
-
 #: Changes of value needed to tell, and the share of them that one sensor in two loggers shows.
 _LEAST_CHANGES, _MOST_DIFFERING = 300, 0.003
 _TOO_QUIET = 'TS and RS differ by less than the RS alone should'

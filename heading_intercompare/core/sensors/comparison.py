@@ -32,8 +32,6 @@ from .pair_settings import (
     settings_of_pair,
 )
 
-__all__ = ['SensorsComparison']
-
 
 class SensorsComparison:
     """

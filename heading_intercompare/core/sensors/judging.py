@@ -36,8 +36,6 @@ from .sensors_verdict import SensorResult, SensorsVerdict
 from .variance_split import PairVariance, SensorVariance, split_variances
 from .vote import find_wrong, Vote
 
-__all__ = ['judge_sensors']
-
 #: A pair may begin this much later than its sensors against the reference, seconds.
 _LATEST_S = 60.0
 

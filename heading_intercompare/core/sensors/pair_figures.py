@@ -33,8 +33,6 @@ from heading_intercompare.core.statistics.variance_uncertainty import (
 from heading_intercompare.core.validity.condition import DOUBTFUL, gravest, VOID
 from heading_intercompare.core.verdict.verdict_document import RunVerdict
 
-__all__ = ['describe_pair', 'PairFigures']
-
 #: A mean or a convention beyond what any norm explains: the pair differs, whatever its variance.
 _GROSS = (CONVENTION.name, MEAN_DIFFERENCE.name)
 #: Half-periods in the slow part of a variance, S.8.
@@ -150,10 +148,11 @@ def _spread_of(run: RunVerdict) -> Spread | None:
     middle = slow / _LOW_MODES / (ratio - 1.0) if slow > 0.0 and 1.0 < ratio < math.inf else 0.0
     u_deg = guarded.bias_u_deg or 0.0
     return Spread(
-        run.n, order, guarded.d_hat_deg2, u_deg ** 2,
-        guarded.d_hat_deg2 * math.sqrt(2.0 / guarded.nu) if guarded.nu else math.inf, guarded.nu,
-        guarded.f, math.inf if guarded.corner_j is None else guarded.corner_j,
-        middle + slow / _LOW_MODES, middle)
+        n=run.n, order=order, d_deg2=guarded.d_hat_deg2, mean_variance_deg2=u_deg ** 2,
+        s_deg2=guarded.d_hat_deg2 * math.sqrt(2.0 / guarded.nu) if guarded.nu else math.inf,
+        nu=guarded.nu, f=guarded.f,
+        corner_j=math.inf if guarded.corner_j is None else guarded.corner_j,
+        low_deg2=middle + slow / _LOW_MODES, middle_deg2=middle)
 
 
 def _average(n: int, parts: Sequence[tuple[int, float | None]]) -> float | None:

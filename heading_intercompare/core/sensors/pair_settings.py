@@ -22,6 +22,7 @@ from itertools import combinations
 from heading_intercompare.core.decision.coverage import least_duration_s, slowest_error_s
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.norm_presets import sigma_max_deg
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.sensor_table import (
     find_reference,
     find_tested,
@@ -29,10 +30,7 @@ from heading_intercompare.core.sensor_table import (
     read_sensors,
     Sensor,
 )
-from heading_intercompare.core.settings import Risk, Settings, SettingsError
-
-__all__ = ['check_norms', 'check_sensors', 'list_sensors', 'pair_with_reference', 'risk_of',
-           'settings_of_others', 'settings_of_pair', 'settings_of_tested']
+from heading_intercompare.core.settings import Risk, Settings
 
 #: The names of the sensors of a pair; the reference is the second one.
 Names = tuple[str, str]

@@ -24,8 +24,6 @@ from heading_intercompare.core.alarms.alarm import Rule, Sign
 
 from .vote import find_wrong, Vote
 
-__all__ = ['describe_now', 'name_alarm', 'PairNow', 'vote_now', 'vote_rules', 'vote_signs']
-
 _CLEAR_S = 10.0
 
 

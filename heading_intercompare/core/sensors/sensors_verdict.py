@@ -21,8 +21,9 @@ import math
 from typing import Any, Callable, Iterator, Mapping, Sequence
 
 from heading_intercompare.core.declared_figures import figure
+from heading_intercompare.core.declared_settings import settings_sha256
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.settings import Settings, settings_sha256
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.typed_reader import (
     check_schema,
     make_plain,

@@ -25,8 +25,6 @@ import scipy
 
 from heading_intercompare.core.declared_figures import figure
 
-__all__ = ['PairVariance', 'SensorVariance', 'split_variances']
-
 _FEWEST = 3
 _LEVEL = 0.95
 _STUDENT_DOF = 12

@@ -28,8 +28,6 @@ from typing import Iterable, Mapping, Sequence
 
 from heading_intercompare.core.declared_figures import figure
 
-__all__ = ['find_wrong', 'Vote']
-
 Names = tuple[str, ...]
 
 _FEWEST_VOTERS = 3

@@ -27,10 +27,6 @@ from heading_intercompare.core.records import Reals
 
 from .moments import sum_products
 
-__all__ = ['allan_dof', 'AllanDeviation', 'autocorrelate', 'compute_allan_deviation',
-           'CorrelationTimes', 'effective_size', 'estimate_correlation_times', 'geyer_time',
-           'SeriesCorrelation', 'sokal_times']
-
 _SEGMENT = 1 << 17
 #: Length of a segment over the largest lag (the samples beside its ends are transformed twice),
 #: and of averages over the distance of their starts.

@@ -27,9 +27,6 @@ from heading_intercompare.core.records import Integers, Reals
 
 from .cells import CellValues
 
-__all__ = ['average', 'Averages', 'block_means', 'block_size', 'pick_stretches',
-           'samples_per_average', 'student_95', 'sum_covariance']
-
 #: Longest block whose samples are added in twos.
 _SHORT = 32
 _PIECE = 1 << 11

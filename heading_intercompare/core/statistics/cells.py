@@ -29,8 +29,6 @@ from numpy.typing import ArrayLike
 
 from heading_intercompare.core.records import Reals
 
-__all__ = ['Cells', 'CellsState', 'CellValues', 'LEAST_CELLS']
-
 LEAST_CELLS = 128
 """Fewest differences, and fewest cells, that give a result."""
 
@@ -377,10 +375,13 @@ class Cells:
         places, x = _join_parts(self._open)
         stamps, held = _join_parts(self._held)
         return CellsState(
-            self.n, self._shift, self._largest, self._level, tuple(self._index.tolist()),
-            tuple(tuple(row) for row in self._rows.tolist()), tuple(places.tolist()),
-            tuple(x.tolist()), self._last_place, tuple(stamps.tolist()), tuple(held.tolist()),
-            self._step_ns, self._first_ns, self._newest_ns, self._anchor_ns, self._since_anchor)
+            n=self.n, shift=self._shift, largest=self._largest, level=self._level,
+            index=tuple(self._index.tolist()),
+            rows=tuple(tuple(row) for row in self._rows.tolist()),
+            open_places=tuple(places.tolist()), open_deg=tuple(x.tolist()),
+            last_place=self._last_place, held_ns=tuple(stamps.tolist()),
+            held_deg=tuple(held.tolist()), step_ns=self._step_ns, first_ns=self._first_ns,
+            newest_ns=self._newest_ns, anchor_ns=self._anchor_ns, since_anchor=self._since_anchor)
 
     @classmethod
     def from_state(cls, state: CellsState) -> 'Cells':
@@ -447,8 +448,9 @@ class Cells:
         b, y = np.zeros(k), np.full(k, q)
         b[index] = scale * counts * off
         y[index] = scale * (rows[_M2] + counts * (off * off - q)) + q
-        return CellValues(self.n, self._shift + mean, q, kurtosis, 1e-13 * self._largest, b, y,
-                          index.size / k)
+        return CellValues(n=self.n, mean_deg=self._shift + mean, mean_square_deg2=q,
+                          kurtosis=kurtosis, rounding_deg=1e-13 * self._largest, b_deg=b, y_deg2=y,
+                          occupied=index.size / k)
 
 
 def _join_parts(parts: list[tuple[np.ndarray, np.ndarray]]) -> tuple[np.ndarray, np.ndarray]:

@@ -27,9 +27,6 @@ from heading_intercompare.core.records import Reals
 
 from .variance_uncertainty import excess, lower_bound, Spread, upper_bound
 
-__all__ = ['confidence', 'duration_factor', 'interval_factors', 'LEAST_RISK', 'mean_confidence',
-           'rate_lower', 'rate_upper']
-
 LEAST_RISK = 1e-6
 """Confidences are clipped to the range from this to one minus this."""
 

@@ -34,9 +34,6 @@ from .cells import Cells
 from .moments import Moments, sum_products
 from .variance_uncertainty import estimate_spread, MEAN_DOF, Spread
 
-__all__ = ['average_blocks', 'bic_of', 'drift_left_deg2', 'fit_slope', 'Order', 'Polynomial',
-           'remove_polynomial', 'rounding_floor', 'select_order', 'Slope']
-
 _HIGHEST_ORDER = 3
 """Highest order of a polynomial that may be removed."""
 
@@ -354,7 +351,9 @@ def fit_slope(stamp_ns: ArrayLike, x_deg: ArrayLike,
     span_h = float((stamps[-1] - stamps[0]) / 3.6e12)
     if n < 3:
         b = float(x[1] - x[0]) / span_h
-        return Slope(b, float(x[0]), None, None, None, 1.0, None)
+        return Slope(slope_deg_per_h=b, intercept_deg=float(x[0]), u_naive_deg_per_h=None,
+                     u_deg_per_h=None, interval_deg_per_h=None, tau_samples=1.0,
+                     residual_std_deg=None)
     line = Detrended.of(averages, 1) if line is None else line
     level, tilt = line.polynomial.coefficients_deg
     b = 2.0 * tilt / span_h
@@ -370,4 +369,6 @@ def fit_slope(stamp_ns: ArrayLike, x_deg: ArrayLike,
     if line.found is not None:
         u, dof = math.sqrt(12.0 * line.found.mean_variance_deg2) / span_h, MEAN_DOF
     half = student_95(dof) * u
-    return Slope(b, level - tilt, naive, u, (b - half, b + half), tau, math.sqrt(rss / (n - 1)))
+    return Slope(slope_deg_per_h=b, intercept_deg=level - tilt, u_naive_deg_per_h=naive,
+                 u_deg_per_h=u, interval_deg_per_h=(b - half, b + half), tau_samples=tau,
+                 residual_std_deg=math.sqrt(rss / (n - 1)))

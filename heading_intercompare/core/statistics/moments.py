@@ -22,8 +22,6 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-__all__ = ['count_outside', 'exact_sum', 'Moments', 'sum_products', 'UNIT']
-
 UNIT = 2.0 ** -53
 """All floats from 1/2 to 1 are integer multiples of this."""
 

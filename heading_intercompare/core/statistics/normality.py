@@ -30,9 +30,6 @@ from .autocorrelation import effective_size, sokal_times
 from .blocking import pick_stretches
 from .resolution import find_resolution, find_step_seen, Resolution
 
-__all__ = ['AndersonDarling', 'apply_anderson_darling', 'examine_normality', 'measure_shape',
-           'moving_average_residual', 'Normality', 'Shape', 'symmetric_difference', 'thin']
-
 #: Few enough that BLAS stays in one thread.
 _PIECE = 1 << 13
 _LEAST = 8
@@ -101,7 +98,8 @@ def measure_shape(values: ArrayLike, n_effective: float | None = None) -> Shape:
     g1, g2 = m3 / (m2 * math.sqrt(m2)), m4 / (m2 * m2) - 3.0
     z1, z2 = g1 * math.sqrt(nu / 6.0), g2 * math.sqrt(nu / 24.0)
     jb = z1 * z1 + z2 * z2
-    return Shape(n, nu, std, g1, g2, z1, z2, jb, math.exp(-0.5 * jb))
+    return Shape(n=n, n_effective=nu, std_deg=std, skewness=g1, excess_kurtosis=g2, skewness_z=z1,
+                 kurtosis_z=z2, jarque_bera=jb, p=math.exp(-0.5 * jb))
 
 
 @dataclass(frozen=True, slots=True)
@@ -295,12 +293,14 @@ def examine_normality(x_deg: ArrayLike, ts_deg: ArrayLike, rs_deg: ArrayLike, *,
     sensors = [_examine_sensor(np.asarray(h, dtype=np.float64), width) for h in (ts_deg, rs_deg)]
     (ts_first, ts_average, ts_step), (rs_first, rs_average, rs_step) = sensors
     return Normality(
-        measure_shape(x_deg, n_effective), step, few.size,
-        distance.adjusted if distance else None, distance.p if distance else None,
-        ts_first, rs_first, ts_average, rs_average, width, ts_step.step_deg, rs_step.step_deg,
-        ts_step.repeated_share, rs_step.repeated_share,
-        ts_step.variance_deg2 + rs_step.variance_deg2,
-        find_step_seen(rs_deg), find_step_seen(ts_deg))
+        difference=measure_shape(x_deg, n_effective), thinned_step=step, thinned_n=few.size,
+        anderson_darling=distance.adjusted if distance else None,
+        anderson_darling_p=distance.p if distance else None, ts_first_difference=ts_first,
+        rs_first_difference=rs_first, ts_moving_average=ts_average, rs_moving_average=rs_average,
+        moving_average_width=width, ts_step_deg=ts_step.step_deg, rs_step_deg=rs_step.step_deg,
+        ts_repeated_share=ts_step.repeated_share, rs_repeated_share=rs_step.repeated_share,
+        rounding_variance_deg2=ts_step.variance_deg2 + rs_step.variance_deg2,
+        ts_step_seen_deg=find_step_seen(rs_deg), rs_step_seen_deg=find_step_seen(ts_deg))
 
 
 def _examine_sensor(heading_deg: np.ndarray, width: int) -> tuple[Shape, Shape, Resolution]:

@@ -18,8 +18,6 @@ from __future__ import annotations
 
 from collections import deque
 
-__all__ = ['RecentCount']
-
 
 class RecentCount:
     """

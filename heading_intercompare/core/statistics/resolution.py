@@ -24,8 +24,6 @@ from numpy.typing import ArrayLike
 
 from heading_intercompare.core.angles import wrap180
 
-__all__ = ['find_resolution', 'find_step_seen', 'LOOKED_AT', 'Resolution']
-
 LOOKED_AT = 100_000
 """Only the first headings of a record, up to this number, are examined for a step."""
 _LEAST_STEP_DEG = 1e-7

@@ -128,9 +128,11 @@ def examine_homogeneity(runs: Sequence[RunFigures]) -> Homogeneity:
                    / correction)
     q_p, bartlett_p = (float(scipy.special.chdtrc(m - 1, z)) for z in (q, bartlett))
     orders = [r.drift_order for r in runs if r.drift_order is not None]
-    return Homogeneity(m, mean, q, q_p, math.sqrt(q / (m - 1)), between, bartlett, bartlett_p,
-                       q_p >= SIGNIFICANT, bartlett_p >= SIGNIFICANT,
-                       tuple(orders) if len(orders) == m else None)
+    return Homogeneity(
+        m=m, weighted_mean_deg=mean, q=q, q_p=q_p, birge_ratio=math.sqrt(q / (m - 1)),
+        between_variance_deg2=between, bartlett=bartlett, bartlett_p=bartlett_p,
+        means_equal=q_p >= SIGNIFICANT, variances_equal=bartlett_p >= SIGNIFICANT,
+        drift_orders=tuple(orders) if len(orders) == m else None)
 
 
 LEAST_SAMPLES = 64

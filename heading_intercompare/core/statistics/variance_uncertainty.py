@@ -32,9 +32,6 @@ import scipy
 
 from .cells import Cells, CellValues
 
-__all__ = ['Above', 'between_runs', 'estimate_spread', 'excess', 'LEAST_TIMES', 'lower_bound',
-           'MEAN_DOF', 'pool', 'scatter_of_runs', 'Spread', 'upper_bound']
-
 MEAN_DOF = 8
 """Degrees of freedom of the variance of the mean: the number of low frequencies averaged. S.1."""
 
@@ -234,7 +231,8 @@ def estimate_spread(cells: Cells | CellValues, order: int = 0,
     w = max(float(c[:band].mean()) for band in _BANDS)
     if not d > 0.0:
         free = float(n - lost)
-        return Spread(n, order, 0.0, v, 0.0, free, free, math.inf, low, middle)
+        return Spread(n=n, order=order, d_deg2=0.0, mean_variance_deg2=v, s_deg2=0.0, nu=free,
+                      f=free, corner_j=math.inf, low_deg2=low, middle_deg2=middle)
     # Relative to D, because the squares of small variances underflow to 0.
     swallowed = 6.0 * (lost * v / d) ** 2 / record.occupied
 
@@ -246,7 +244,8 @@ def estimate_spread(cells: Cells | CellValues, order: int = 0,
     corner, slow = _corner(c)
     heavy = max(1.0, record.kurtosis / _NORMAL_KURTOSIS)
     f = min(nu, slow * record.occupied / heavy ** 2)
-    spread = Spread(n, order, d, v, s, nu, f, corner, low, middle, kurtosis=record.kurtosis,
+    spread = Spread(n=n, order=order, d_deg2=d, mean_variance_deg2=v, s_deg2=s, nu=nu, f=f,
+                    corner_j=corner, low_deg2=low, middle_deg2=middle, kurtosis=record.kurtosis,
                     times=times)
     if times is None or times < LEAST_TIMES:
         return spread

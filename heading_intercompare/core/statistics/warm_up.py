@@ -27,8 +27,6 @@ from heading_intercompare.core.records import Integers, Reals
 
 from .drift import average_blocks, bic_of, rounding_floor, select_order
 
-__all__ = ['fit_warm_up', 'mser5', 'WarmUp']
-
 _GRID = 400
 _FINER = 41
 _EXACT = 1e-10
@@ -154,8 +152,8 @@ def fit_warm_up(stamp_ns: ArrayLike, x_deg: ArrayLike, tolerance_deg: float) -> 
     amplitude = b / float(np.mean(np.exp(-k / tau)))
     settle = max(0.0, tau * math.log(abs(amplitude) / tolerance_deg)) \
         if abs(amplitude) > tolerance_deg else 0.0
-    return WarmUp(a, amplitude, tau, tolerance_deg, settle,
-                  _is_preferred(stamps, x, rss, z.size), span)
+    return WarmUp(level_deg=a, amplitude_deg=amplitude, tau_s=tau, tolerance_deg=tolerance_deg,
+                  settle_s=settle, preferred=_is_preferred(stamps, x, rss, z.size), span_s=span)
 
 
 def _is_preferred(stamps: np.ndarray, x: np.ndarray, rss: float, blocks: int) -> bool:

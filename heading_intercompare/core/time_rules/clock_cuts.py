@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ['ClockCuts']
 
 _DAY_NS = 86_400_000_000_000
 _HOUR_NS = 3_600_000_000_000

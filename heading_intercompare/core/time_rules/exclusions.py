@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     import numpy as np
     from numpy.typing import NDArray
 
-__all__ = ['Exclusion', 'find_excluded', 'read_exclusions']
 
 _TIME = re.compile(r'\d{4}-\d\d-\d\d[T ]\d\d:\d\d(?::\d\d(?:\.\d{1,9})?)?Z?', re.ASCII)
 _STAMP = re.compile(r'\d{1,19}', re.ASCII)

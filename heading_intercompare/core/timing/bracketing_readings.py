@@ -23,8 +23,6 @@ from numpy.typing import ArrayLike
 
 from heading_intercompare.core.angles import unwrap_deg
 
-__all__ = ['pairs_per_reading', 'readings_per_pair']
-
 _SLOPE = 1e-6
 _EQUAL_DEG = 1e-7
 _LOOKED_AT = 100_000

@@ -31,8 +31,6 @@ from .realignment import move_pairs
 from .skew_instrument import common_tracks, HALF_SPAN_S, Instrument, Tracks
 from .skew_search import coarsen, find_skew, REACH_S, scatter_deg
 
-__all__ = ['ClockDrift', 'ClockStep', 'estimate_clock_drift', 'SkewOfPart']
-
 _BLOCK_S = 0.25
 _MOST_PARTS, _FEWEST_PARTS = 16, 6
 _LEAST_PART_S = 60.0

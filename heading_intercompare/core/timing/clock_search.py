@@ -27,8 +27,6 @@ from heading_intercompare.core.records import Reals
 from .heading_track import Track
 from .skew_search import coarsen, REACH_S
 
-__all__ = ['Band', 'ClockOffset', 'ClockSearch', 'find_apart', 'TURNS', 'YAW']
-
 _GRID_S = 0.5
 _LONGEST_S, _SHORT_S = 7200.0, 1800.0
 _MINUTE_S = 60.0

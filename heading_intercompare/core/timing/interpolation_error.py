@@ -22,8 +22,6 @@ from typing import Mapping
 
 from heading_intercompare.core.pairing.ledger import APART_DEG2, LedgerKey
 
-__all__ = ['estimate_interpolation_error', 'InterpolationError']
-
 _BRIDGED = {8: LedgerKey.BRIDGED_8, 6: LedgerKey.BRIDGED_6, 4: LedgerKey.BRIDGED_4,
             2: LedgerKey.BRIDGED_2}
 #: Up to the first step any motion is resolved, above the second one none, seconds.

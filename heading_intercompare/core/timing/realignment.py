@@ -22,8 +22,6 @@ from heading_intercompare.core.angles import unwrap_deg
 from heading_intercompare.core.pairing.direction import usual_step_ns
 from heading_intercompare.core.pairing.interpolation_kernel import interpolate, longest_step_ns
 
-__all__ = ['move_pairs', 'realign']
-
 _FEW_STEPS = 5.0
 
 

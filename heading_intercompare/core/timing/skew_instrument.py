@@ -27,9 +27,6 @@ from heading_intercompare.core.statistics.blocking import average, block_size, s
 
 from .heading_track import Track
 
-__all__ = ['common_tracks', 'Fit', 'HALF_SPAN_S', 'Instrument', 'LEAST_PAIRS', 'LEAST_STRENGTH',
-           'Tracks']
-
 _BLOCK_S = 0.1
 """Longest block that pairs are averaged over, seconds."""
 

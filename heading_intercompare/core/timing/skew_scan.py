@@ -31,8 +31,6 @@ from heading_intercompare.core.statistics.blocking import sum_covariance
 from .heading_track import RisingTimes, select_usable, Track
 from .skew_instrument import LEAST_STRENGTH
 
-__all__ = ['Scan', 'scan_skew']
-
 _COMPARED, _SEARCHED = 1 << 18, 1 << 13
 _CURVE = 50
 

@@ -27,9 +27,6 @@ from heading_intercompare.core.statistics.blocking import block_means, block_siz
 from .heading_track import CubicSpline, Track
 from .skew_instrument import Fit, Instrument, LEAST_STRENGTH
 
-__all__ = ['coarsen', 'compute_correlogram', 'Correlogram', 'find_skew', 'has_turned', 'REACH_S',
-           'scatter_deg']
-
 REACH_S = 60.0
 """Largest skew ever searched for, in either direction, seconds."""
 

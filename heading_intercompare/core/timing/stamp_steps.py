@@ -27,8 +27,6 @@ from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.pairing.direction import typical_step_ns
 from heading_intercompare.core.statistics.blocking import pick_stretches
 
-__all__ = ['measure_stamp_steps', 'StampSteps']
-
 _LOOKED_AT = 40_000
 _QUANTILES = (0.1, 0.25, 0.5)
 _ROUNDS, _NEAR = 3, 3

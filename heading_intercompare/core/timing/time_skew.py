@@ -45,8 +45,6 @@ from .skew_instrument import (
 )
 from .skew_search import coarsen, find_skew, has_turned, REACH_S
 
-__all__ = ['estimate_skew', 'regress_on_rate', 'Skew']
-
 _MAX_GAP_S = 3.0
 _STEPS = 20
 _SEARCH_BLOCK_S = 0.25

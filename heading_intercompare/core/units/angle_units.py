@@ -24,8 +24,6 @@ from numpy.typing import NDArray
 
 from .full_turns import ANGLE_UNITS
 
-__all__ = ['AngleWatch', 'find_named_unit', 'fold_angles', 'read_angles']
-
 _Reals = NDArray[np.float64]
 
 _NAMES = {'deg': ('deg', 'degs', 'degree', 'degrees', '°'),

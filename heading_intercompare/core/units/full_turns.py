@@ -16,7 +16,5 @@
 
 import math
 
-__all__ = ['ANGLE_UNITS']
-
 ANGLE_UNITS = {'deg': 360.0, 'rad': 2.0 * math.pi, 'rev': 1.0}
 """A full turn in each unit."""

@@ -21,8 +21,6 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-__all__ = ['EARLIEST_NS', 'find_unit', 'integer_stamps', 'utc_stamps']
-
 #: 1990-01-01 00:00 UTC. Satellite time, and with it a UTC stamp on a heading, came later.
 EARLIEST_NS = 631_152_000 * 10 ** 9
 #: 2100-01-01 00:00 UTC, the end of the guess at the unit of small numbers.

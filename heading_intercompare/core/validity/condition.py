@@ -25,8 +25,6 @@ from heading_intercompare.core.outcome import Outcome
 if TYPE_CHECKING:
     from .examined import Examined, RunAccount
 
-__all__ = ['Condition', 'DOUBTFUL', 'Finding', 'gravest', 'HOLDS', 'is_doubtful', 'NOT_TESTABLE',
-           'VOID', 'worst_effect']
 
 HOLDS, NOT_TESTABLE, DOUBTFUL, VOID = 'holds', 'not_testable', 'doubtful', 'void'
 

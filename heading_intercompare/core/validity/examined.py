@@ -35,8 +35,6 @@ from heading_intercompare.core.timing.realignment import realign
 
 from .condition import Finding
 
-__all__ = ['Examined', 'RunAccount']
-
 
 @dataclass(frozen=True, slots=True)
 class Examined:

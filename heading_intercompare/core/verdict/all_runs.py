@@ -44,8 +44,6 @@ from .recorded import find_left_out
 from .runs_together import find_repeated_runs, shortest_apart_s
 from .verdict_document import Campaign, Input, Verdict
 
-__all__ = ['compare_runs', 'conclude_campaign', 'join']
-
 
 def compare_runs(results: Sequence[RunResult]) -> Homogeneity:
     """Compare the means and variances of the runs with each other, repeated readings once."""

@@ -22,8 +22,6 @@ from typing import Any, Iterator, Mapping
 
 from .verdict_document import Verdict
 
-__all__ = ['compare_plain', 'drop_sources', 'find_differences']
-
 _REL = 1e-12
 #: The end of an interval may be a small difference of larger figures.
 _ABS = 1e-14

@@ -41,8 +41,6 @@ if TYPE_CHECKING:
 
     from .verdict_document import Campaign, RunVerdict
 
-__all__ = ['ALL_REASONS', 'campaign_words', 'conclude', 'effect_with_looks', 'explain',
-           'with_findings', 'with_looks']
 
 ALL_REASONS = {
     **REASONS,

@@ -26,8 +26,6 @@ from heading_intercompare.core.validity.condition import DOUBTFUL, Finding, VOID
 
 from .validity import CONDITIONS
 
-__all__ = ['add_looks', 'compose_headline', 'OUTCOME_WORDS', 'REJECTION_SCOPE']
-
 OUTCOME_WORDS = {'compliant': 'COMPLIANT', 'indeterminate': 'INDETERMINATE',
                  'non_compliant': 'NON-COMPLIANT'}
 """Words for each outcome."""

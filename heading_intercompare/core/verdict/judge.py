@@ -76,8 +76,6 @@ from .recorded import JudgedPiece
 from .validity import examine, settle
 from .verdict_document import RunVerdict
 
-__all__ = ['judge_run', 'look_at', 'RunResult']
-
 #: Share of the work of judging a run before its diagnostics.
 _BEFORE = 0.1
 
@@ -183,10 +181,11 @@ class RunResult:
         """Return the result with outcome and headline after findings and looks."""
         verdict, (alone, _) = self.verdict, self.alone
         findings = settle(self.judged, RunAccount(
-            alone, verdict.guarded, self.limits, self.settings,
-            verdict.correlation.stamps.lost_share,
-            verdict.pairing.find_interpolated(self.settings.pairing.method),
-            self.share, self.inside, self.set_backs, verdict.normality))
+            outcome=alone, guarded=verdict.guarded, limits=self.limits, settings=self.settings,
+            lost_share=verdict.correlation.stamps.lost_share,
+            interpolated=verdict.pairing.find_interpolated(self.settings.pairing.method),
+            share=self.share, inside=self.inside, set_backs=self.set_backs,
+            normality=verdict.normality))
         return replace(self, verdict=_conclude(verdict, self.alone, findings))
 
     def place_among(self, run: int, runs: Homogeneity) -> 'RunResult':
@@ -329,8 +328,9 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
     if exclusions:
         at = find_excluded(run.stamp_ns.values[data.n_left_out:], exclusions)
         factor, taken_out = factor[at < 0], _count_taken_out(at, exclusions)
-    columns = RunColumns(data.stamp_ns, data.x_deg, data.rs_deg, settings, limits,
-                         data.residual_deg, factor, run.interpolates_ts)
+    columns = RunColumns(stamp_ns=data.stamp_ns, x_deg=data.x_deg, rs_deg=data.rs_deg,
+                         settings=settings, limits=limits, residual_deg=data.residual_deg,
+                         factor=factor, interpolates_ts=run.interpolates_ts)
     diagnostics = diagnose(columns, guarded, drift=drift, rest=rest,
                            progress=lambda share: progress(_BEFORE + (1.0 - _BEFORE) * share))
     correlation = diagnostics.correlation
@@ -342,8 +342,9 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
                                                           lost_share=every.lost_share))
     checked = None if motion is None or not settings.motion.compare else check_motion(
         motion, data.stamp_ns, data.rs_deg + data.x_deg, data.rs_deg, settings.motion)
-    judged = examine(Examined(columns, diagnostics, settings, outcome, guarded, decision.outcome,
-                              checked))
+    judged = examine(Examined(columns=columns, diagnostics=diagnostics, settings=settings,
+                              outcome=outcome, guarded=guarded, decide=decision.outcome,
+                              motion=checked))
     progress(_BEFORE + 0.9 * (1.0 - _BEFORE))
     coverage = coverage_of(data.span_s, risk,
                            scopes=[Scope.of(data.stamp_ns, data.rs_deg, settings)])
@@ -368,9 +369,11 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
         assumptions=diagnostics.assumptions, taken_out=taken_out, motion=checked,
         limit_95=_estimate_limit_95(data, settings, correlation.n_effective_variance),
         warnings=(*_warnings(data, limits, guarded, settings), *diagnostics.warnings))
-    return RunResult(verdict, evidence, limits, printed, (outcome, reason), settings,
-                     run.stabilization_s, judged, fingerprint=None if columns.fingerprint is None
-                     else columns.fingerprint.to_text()).conclude()
+    return RunResult(
+        verdict=verdict, evidence=evidence, limits=limits, printed=printed,
+        alone=(outcome, reason), settings=settings, stabilization_s=run.stabilization_s,
+        judged=judged, fingerprint=None if columns.fingerprint is None
+        else columns.fingerprint.to_text()).conclude()
 
 
 def _summarise(data: PreparedRun) -> dict[str, float | None]:
@@ -419,8 +422,9 @@ def look_at(run: RunSeries, look: Look, looks: int, settings: Settings,
 
     """
     verdict = judge_run(run, settings, 0, '', risk=look.risk, motion=motion).verdict
-    return LookVerdict(look.index + 1, looks, run.span_s, verdict.outcome, verdict.reason,
-                       verdict.validity_effect, verdict.headline)
+    return LookVerdict(look=look.index + 1, looks=looks, span_s=run.span_s,
+                       outcome=verdict.outcome, reason=verdict.reason,
+                       validity_effect=verdict.validity_effect, headline=verdict.headline)
 
 
 def _count_taken_out(at: Integers, exclusions: Sequence[Exclusion]) -> TakenOut | None:

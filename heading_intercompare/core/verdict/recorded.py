@@ -43,8 +43,6 @@ from heading_intercompare.core.statistics.warm_up import fit_warm_up
 from .headline import OUTCOME_WORDS
 from .runs_together import shortest_apart_s
 
-__all__ = ['find_left_out', 'judge_piece', 'JudgedPiece']
-
 
 @dataclass(frozen=True, slots=True)
 class JudgedPiece:

@@ -27,8 +27,6 @@ if TYPE_CHECKING:
     from .recorded import JudgedPiece
     from .verdict_document import RunVerdict
 
-__all__ = ['find_repeated_runs', 'shortest_apart_s']
-
 
 def find_repeated_runs(results: Sequence[RunResult]) -> dict[int, tuple[int, Shared | None]]:
     """

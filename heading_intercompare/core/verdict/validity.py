@@ -45,8 +45,6 @@ from heading_intercompare.core.sensor_conditions.same_source import SAME_SOURCE
 from heading_intercompare.core.validity.condition import Finding
 from heading_intercompare.core.validity.examined import Examined, RunAccount
 
-__all__ = ['CONDITION_WORDS', 'CONDITIONS', 'examine', 'PERMANENT', 'settle', 'VOID_REASONS']
-
 CONDITIONS = (SAME_SOURCE, CLOCKS, FROZEN, MOTION, CONVENTION, MEAN_DIFFERENCE, PARTING,
               REFERENCE, RESOLUTION, STANDSTILL, OUTLIERS, INTERPOLATION, REPEATED_READINGS,
               DRIFT_REMOVED, ASSUMPTIONS, LOSSES, MEAN_OVER_RUNS, LEFT_OUT)

@@ -31,6 +31,7 @@ from heading_intercompare.core.decision.guarded import Guarded
 from heading_intercompare.core.decision.sequential import LookVerdict
 from heading_intercompare.core.decision.taken_out import TakenOut
 from heading_intercompare.core.declared_figures import figure, is_left_out, list_keys, no_key
+from heading_intercompare.core.declared_settings import settings_sha256, SettingsError
 from heading_intercompare.core.diagnostics.assumptions import Assumption
 from heading_intercompare.core.diagnostics.deviation import HeadingDependence
 from heading_intercompare.core.diagnostics.percentile import Percentile
@@ -38,11 +39,7 @@ from heading_intercompare.core.diagnostics.run_findings import Allan, Correlatio
 from heading_intercompare.core.motion.motion_check import MotionCheck
 from heading_intercompare.core.outcome import Outcome, worst
 from heading_intercompare.core.runs.pairing_figures import PairingFigures
-from heading_intercompare.core.settings import (
-    Settings,
-    settings_sha256,
-    SettingsError,
-)
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.statistics.normality import Normality
 from heading_intercompare.core.statistics.stationarity import Homogeneity, Stationarity
 from heading_intercompare.core.typed_reader import (
@@ -66,8 +63,6 @@ from .headline import compose_headline
 if TYPE_CHECKING:
     import pandas
 
-__all__ = ['Campaign', 'Input', 'make_document', 'OperatorNote', 'read_settings', 'RunVerdict',
-           'SCHEMA', 'SCHEMA_VERSION', 'Software', 'Verdict', 'VerdictError']
 
 _SCHEMA = 'heading_intercompare/verdict/'
 SCHEMA_VERSION = '1.0'

@@ -26,8 +26,6 @@ from .verdict_document import Verdict
 if TYPE_CHECKING:
     import pandas
 
-__all__ = ['frame_of_runs']
-
 
 def frame_of_runs(verdict: Verdict) -> 'pandas.DataFrame':
     """Return a data frame with a row per run; see `Verdict.to_frame`."""

@@ -25,12 +25,11 @@ from heading_intercompare.core.declared_figures import Figure, find_figure, list
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.validity.condition import DOUBTFUL, VOID
+from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
 
 from .conclusion import explain
 from .verdict_document import RunVerdict, Verdict
-from .vocabulary import CAMPAIGN_WORDS, EFFECT_WORDS, law_words, NO_RUN, OUTCOME_WORDS
-
-__all__ = ['describe_together', 'head_lines', 'summary_text', 'verdict_html', 'verdict_text']
+from .vocabulary import CAMPAIGN_WORDS, EFFECT_WORDS, law_words, NO_RUN
 
 Row = tuple[str, Callable[[RunVerdict], str]]
 

@@ -19,11 +19,6 @@ from __future__ import annotations
 from heading_intercompare.core.decision.campaign import CAMPAIGN_REASONS
 
 from .conclusion import ALL_REASONS
-from .headline import OUTCOME_WORDS
-from .validity import CONDITION_WORDS
-
-__all__ = ['CAMPAIGN_WORDS', 'CONDITION_WORDS', 'EFFECT_WORDS', 'law_words', 'NO_RUN',
-           'OUTCOME_WORDS', 'REASON_WORDS', 'STATE_WORDS']
 
 NO_RUN = 'No run: there are no pairs, or none in a run of sufficient length.'
 

@@ -23,8 +23,6 @@ from typing import Callable
 
 from .times import date_ns, DAY_NS, nearest_day_ns, SECOND_NS, year_day_ns
 
-__all__ = ['date_in_name', 'Days']
-
 #: A clock that goes back by less than this stepped back; otherwise midnight has passed.
 _LONGEST_STEP_BACK_NS = 3600 * SECOND_NS
 

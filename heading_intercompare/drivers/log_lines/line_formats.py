@@ -36,9 +36,6 @@ from .times import (
     year_day_ns,
 )
 
-__all__ = ['compile_form', 'FORMATS', 'half_day_ns', 'LineFormat', 'NUMERIC_DATES', 'read_own',
-           'read_zone']
-
 _MONTHS = {name: number for number, name in enumerate(
     (b'jan', b'feb', b'mar', b'apr', b'may', b'jun', b'jul', b'aug', b'sep', b'oct', b'nov',
      b'dec'), 1)}
@@ -164,56 +161,72 @@ _HDT = b'$HEHDT,218.53,T*12'
 
 #: The forms, in the order in which 'auto' looks for them.
 FORMATS = (
-    LineFormat('iso', 'year, month, day and clock, with - or / or . in the date, T, blank, comma '
-               'or semicolon before the clock; UTC or with an offset',
-               rb'(\d{4}[-/.]\d{1,2}[-/.]\d{1,2}(?:T|' + _APART + rb')' + _CLOCK + rb')'
-               + _FRACTION + _ZONE, _read_iso, 'date',
-               b'NAV 2025/06/18 14:00:00.828 GYRO ' + _HDT, '2025-06-18T14:00:00.828'),
-    LineFormat('doy', 'year of two or four digits, day of the year, clock',
-               rb'((?:\d{4}[+:/ .,_-]|\d\d[+:/-])\d{3}[T: ,./_]' + _CLOCK + rb')'
-               + _FRACTION + _ZONE, _read_doy, 'date',
-               b'19+085:10:05:54.447 ' + _HDT, '2019-03-26T10:05:54.447'),
-    LineFormat('compact', 'year, month and day, hours, minutes and seconds without marks between',
-               rb'((?:19|20)\d\d(?:0\d|1[0-2])[0-3]\d[T _-]?[0-2]\d[0-5]\d[0-6]\d)'
-               + _COMPACT_FRACTION
-               + _ZONE, _read_compact, 'date',
-               b'20240528T200000.063Z ' + _HDT, '2024-05-28T20:00:00.063'),
-    LineFormat('named', 'day, name of the month in English, year, clock',
-               rb'(\d{1,2}[ /-]?' + _MONTH + rb'[ /-]?\d{4}' + _APART + _CLOCK + rb')'
-               + _FRACTION + _ZONE, _read_named, 'date',
-               b'28-May-2024 20:00:00.063 ' + _HDT, '2024-05-28T20:00:00.063'),
-    LineFormat('month', 'name of the month in English, day, year, clock',
-               rb'(' + _MONTH + rb'[ /.-]{1,2}\d{1,2}[ ,/-]{1,2}\d{4}' + _APART + _CLOCK + rb')'
-               + _FRACTION + _ZONE, _read_named, 'date',
-               b'May 28, 2024 20:00:00.063 ' + _HDT, '2024-05-28T20:00:00.063'),
-    LineFormat('asctime', 'name of the month in English, day, clock, year, as the C library '
-               'writes it',
-               rb'(' + _MONTH + rb'[ ]{1,2}\d{1,2}[ ]' + _CLOCK
-               + rb'(?:[.,]\d+)?(?:[ ](?:UTC|GMT))?[ ](?:19|20)\d\d(?!\d))()()', _read_asctime,
-               'date', b'Tue May 28 20:00:00 2024 ' + _HDT, '2024-05-28T20:00:00'),
-    LineFormat('mdy', 'month first, as SCS writes it; see below',
-               _NUMERIC, _read_mdy, 'date',
-               b'05/28/2024,20:00:00.063,' + _HDT, '2024-05-28T20:00:00.063'),
-    LineFormat('dmy', 'day first; see below',
-               _NUMERIC, _read_dmy, 'date',
-               b'28.05.2024 20:00:00,063; ' + _HDT, '2024-05-28T20:00:00.063'),
-    LineFormat('fields', 'six numbers, from the year to the second, as fields or with the same '
-               'marks throughout',
-               rb'((?:19|20)\d\d(?:' + _MARK + rb'\d{1,2}){2}(?:T|' + _MARK + rb')\d{1,2}(?:'
-               + _MARK + rb'\d{1,2}){2})' + _FRACTION + _ZONE, _read_iso, 'date',
-               b'2024,05,28,20,00,00.063,' + _HDT, '2024-05-28T20:00:00.063'),
-    LineFormat('epoch', 'Unix time in seconds with decimals, or in milli-, micro- or nanoseconds '
-               'by the number of digits',
-               rb'(\d{10}|\d{13}|\d{16}|\d{19})(?:\.(\d+))?()', _read_epoch, 'instant',
-               _HDT + b',1716926400.063', '2024-05-28T20:00:00.063'),
-    LineFormat('clock', 'the time of day alone; the date comes from the setting `date`, from ZDA '
-               'or RMC of the same log, or from the name of the file',
-               rb'((?<!\d:)' + _CLOCK + rb'(?!:\d\d?(?!\d)))' + _FRACTION + _ZONE,
-               _read_clock, 'clock',
-               b'[20:00:00.063] ' + _HDT, '2024-05-28T20:00:00.063'),
-    LineFormat('hhmmss', 'the time of day alone, without marks between; the date as for `clock`',
-               rb'([0-2]\d[0-5]\d[0-6]\d)' + _FRACTION + _ZONE, day_time_ns, 'clock',
-               b'200000.063 ' + _HDT, '2024-05-28T20:00:00.063', False),
+    LineFormat(
+        name='iso', words=(
+            'year, month, day and clock, with - or / or . in the date, T, blank, comma '
+            'or semicolon before the clock; UTC or with an offset'),
+        pattern=rb'(\d{4}[-/.]\d{1,2}[-/.]\d{1,2}(?:T|' + _APART + rb')' + _CLOCK + rb')'
+            + _FRACTION + _ZONE, read=_read_iso, kind='date',
+        example=b'NAV 2025/06/18 14:00:00.828 GYRO ' + _HDT, stamp='2025-06-18T14:00:00.828'),
+    LineFormat(
+        name='doy', words='year of two or four digits, day of the year, clock',
+        pattern=rb'((?:\d{4}[+:/ .,_-]|\d\d[+:/-])\d{3}[T: ,./_]' + _CLOCK + rb')'
+            + _FRACTION + _ZONE, read=_read_doy, kind='date',
+        example=b'19+085:10:05:54.447 ' + _HDT, stamp='2019-03-26T10:05:54.447'),
+    LineFormat(
+        name='compact',
+        words='year, month and day, hours, minutes and seconds without marks between',
+        pattern=rb'((?:19|20)\d\d(?:0\d|1[0-2])[0-3]\d[T _-]?[0-2]\d[0-5]\d[0-6]\d)'
+            + _COMPACT_FRACTION
+            + _ZONE, read=_read_compact, kind='date', example=b'20240528T200000.063Z ' + _HDT,
+        stamp='2024-05-28T20:00:00.063'),
+    LineFormat(
+        name='named', words='day, name of the month in English, year, clock',
+        pattern=rb'(\d{1,2}[ /-]?' + _MONTH + rb'[ /-]?\d{4}' + _APART + _CLOCK + rb')'
+            + _FRACTION + _ZONE, read=_read_named, kind='date',
+        example=b'28-May-2024 20:00:00.063 ' + _HDT, stamp='2024-05-28T20:00:00.063'),
+    LineFormat(
+        name='month', words='name of the month in English, day, year, clock',
+        pattern=rb'(' + _MONTH + rb'[ /.-]{1,2}\d{1,2}[ ,/-]{1,2}\d{4}' + _APART + _CLOCK + rb')'
+            + _FRACTION + _ZONE, read=_read_named, kind='date',
+        example=b'May 28, 2024 20:00:00.063 ' + _HDT, stamp='2024-05-28T20:00:00.063'),
+    LineFormat(
+        name='asctime', words=(
+            'name of the month in English, day, clock, year, as the C library '
+            'writes it'), pattern=rb'(' + _MONTH + rb'[ ]{1,2}\d{1,2}[ ]' + _CLOCK
+            + rb'(?:[.,]\d+)?(?:[ ](?:UTC|GMT))?[ ](?:19|20)\d\d(?!\d))()()', read=_read_asctime,
+        kind='date', example=b'Tue May 28 20:00:00 2024 ' + _HDT, stamp='2024-05-28T20:00:00'),
+    LineFormat(name='mdy', words='month first, as SCS writes it; see below', pattern=_NUMERIC,
+               read=_read_mdy, kind='date', example=b'05/28/2024,20:00:00.063,' + _HDT,
+               stamp='2024-05-28T20:00:00.063'),
+    LineFormat(name='dmy', words='day first; see below', pattern=_NUMERIC, read=_read_dmy,
+               kind='date', example=b'28.05.2024 20:00:00,063; ' + _HDT,
+               stamp='2024-05-28T20:00:00.063'),
+    LineFormat(
+        name='fields', words=(
+            'six numbers, from the year to the second, as fields or with the same '
+            'marks throughout'),
+        pattern=rb'((?:19|20)\d\d(?:' + _MARK + rb'\d{1,2}){2}(?:T|' + _MARK + rb')\d{1,2}(?:'
+            + _MARK + rb'\d{1,2}){2})' + _FRACTION + _ZONE, read=_read_iso, kind='date',
+        example=b'2024,05,28,20,00,00.063,' + _HDT, stamp='2024-05-28T20:00:00.063'),
+    LineFormat(
+        name='epoch', words=(
+            'Unix time in seconds with decimals, or in milli-, micro- or nanoseconds '
+            'by the number of digits'), pattern=rb'(\d{10}|\d{13}|\d{16}|\d{19})(?:\.(\d+))?()',
+        read=_read_epoch, kind='instant', example=_HDT + b',1716926400.063',
+        stamp='2024-05-28T20:00:00.063'),
+    LineFormat(
+        name='clock', words=(
+            'the time of day alone; the date comes from the setting `date`, from ZDA '
+            'or RMC of the same log, or from the name of the file'),
+        pattern=rb'((?<!\d:)' + _CLOCK + rb'(?!:\d\d?(?!\d)))' + _FRACTION + _ZONE,
+        read=_read_clock, kind='clock', example=b'[20:00:00.063] ' + _HDT,
+        stamp='2024-05-28T20:00:00.063'),
+    LineFormat(
+        name='hhmmss',
+        words='the time of day alone, without marks between; the date as for `clock`',
+        pattern=rb'([0-2]\d[0-5]\d[0-6]\d)' + _FRACTION + _ZONE, read=day_time_ns, kind='clock',
+        example=b'200000.063 ' + _HDT, stamp='2024-05-28T20:00:00.063', automatic=False),
 )
 
 #: Forms with the same pattern; 'auto' takes one of them only if the log says which.

@@ -40,8 +40,6 @@ from .line_formats import (
 )
 from .times import DAY_NS, fraction_ns, SECOND_NS
 
-__all__ = ['find_date_order', 'Found', 'LineStamps', 'read_offset', 'STAMP_REASONS']
-
 _TAGS = re.compile(rb'(?:\\[^\\]*\\\s*)+\Z|\\[a-z]:[^\\]*\Z')
 _TAG = re.compile(rb'\\([^\\*]*)\*([0-9A-Fa-f]{2})\\')
 _NUMERIC_DATE = re.compile(rb'(?<![0-9A-Za-z.+-])(\d{1,2})[/.-](\d{1,2})[/.-]\d{4}(?!\d)')

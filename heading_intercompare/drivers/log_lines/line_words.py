@@ -19,8 +19,6 @@ from __future__ import annotations
 from collections import Counter
 import re
 
-__all__ = ['InstrumentChoice', 'WordCounts', 'words_of']
-
 #: Texts around sentences that are told apart; counters in them would have no end.
 _MOST_TEXTS = 1000
 #: Instruments that are told apart; more are counters.

@@ -23,8 +23,6 @@ from .line_stamps import find_date_order, LineStamps, read_offset
 from .log_files import LogFiles
 from .stream_times import find_first_time, find_kind, TIME_SENTENCES
 
-__all__ = ['choose_time_sentences', 'start_stamps']
-
 
 def start_stamps(settings: DriverSettings, files: LogFiles | None = None, *,
                  of_log: bool = True) -> tuple[Days, LineStamps]:

@@ -30,8 +30,6 @@ import zlib
 from heading_intercompare.drivers.settings import DriverError
 from heading_intercompare.natural_order import natural_key
 
-__all__ = ['head_of', 'is_several', 'list_files', 'LogFiles']
-
 _BLOCK = 1 << 20
 _LONGEST_LINE = 1 << 16
 _HEAD_BYTES = 1 << 16

@@ -26,8 +26,6 @@ from .days import Days
 from .line_stamps import find_date_order, LineStamps
 from .log_files import head_of, is_several, LogFiles
 
-__all__ = ['holds_sentences', 'open_log']
-
 _MCAP = b'\x89MCAP'
 _SENTENCE = re.compile(rb'[$!][A-Z]{2,}[A-Z0-9]*,')
 

@@ -23,8 +23,6 @@ from heading_intercompare.drivers.framing import Framer
 from .days import Days
 from .times import gga_ns, nearest_day_ns, rmc_ns, zda_ns
 
-__all__ = ['find_first_time', 'find_kind', 'StreamTimes', 'TIME_SENTENCES']
-
 #: Sentences that tell the time, the best first; only the best of those in a log is used.
 TIME_SENTENCES = ('ZDA', 'RMC', 'GGA')
 

@@ -24,9 +24,6 @@ from datetime import date
 from functools import lru_cache
 import re
 
-__all__ = ['clock_ns', 'date_ns', 'DAY_NS', 'day_time_ns', 'fraction_ns', 'gga_ns',
-           'nearest_day_ns', 'rmc_ns', 'SECOND_NS', 'short_year', 'year_day_ns', 'zda_ns']
-
 SECOND_NS = 1_000_000_000
 DAY_NS = 86_400 * SECOND_NS
 

@@ -32,8 +32,6 @@ from heading_intercompare.drivers.settings import DriverSettings
 from .motion_lines import MotionLine, MotionLines
 from .motion_sentences import Family, MOTION
 
-__all__ = ['MotionDecoder']
-
 _BLOCK = 1 << 20
 #: Rows held until a sentence is chosen; a flood does not wait for the end of `learn_s`.
 _MOST_HELD = 20_000

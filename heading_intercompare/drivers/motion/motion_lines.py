@@ -30,8 +30,6 @@ from heading_intercompare.drivers.settings import DriverSettings
 
 from .motion_sentences import Family
 
-__all__ = ['MotionLine', 'MotionLines']
-
 _TIMES = frozenset(kind.encode() for kind in TIME_SENTENCES)
 #: Field with the time of day, by kind.
 _TIME_FIELD = {b'GGA': 1, b'GNS': 1, b'RMC': 1, b'GLL': 5}

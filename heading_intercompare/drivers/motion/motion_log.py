@@ -29,8 +29,6 @@ from heading_intercompare.drivers.settings import DriverSettings
 from .motion_decoder import MotionDecoder
 from .motion_sentences import ATTITUDE, Family, MOTION
 
-__all__ = ['LoggedMotion', 'read_log_attitude', 'read_log_motion']
-
 
 @dataclass(frozen=True, slots=True)
 class LoggedMotion:

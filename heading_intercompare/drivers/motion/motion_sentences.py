@@ -31,8 +31,6 @@ from heading_intercompare.core.motion.moved_rows import (
 from heading_intercompare.core.records import KNOT_M_S
 from heading_intercompare.drivers.sentences import field_of, identify, is_number, Name, Rejected
 
-__all__ = ['ATTITUDE', 'Family', 'MOTION', 'MOTION_WORDS']
-
 MOTION_WORDS = {'fix': 'position', 'velocity': 'course', 'rate': 'rate'}
 """What a sentence tells, in a word for people."""
 

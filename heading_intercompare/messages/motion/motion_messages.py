@@ -42,10 +42,6 @@ from heading_intercompare.messages.byte_columns import (
 )
 from heading_intercompare.messages.stamps import fits_message
 
-__all__ = ['decode_motion', 'encode_motion', 'FIX', 'FIX_TYPES', 'MOTION_TYPES',
-           'PUBLISHED_TYPES', 'RATE_TYPES', 'read_motion', 'split_motion', 'VELOCITY',
-           'VELOCITY_TYPES']
-
 FIX = 'sensor_msgs/msg/NavSatFix'
 VELOCITY = 'geometry_msgs/msg/TwistStamped'
 _WITH_COVARIANCE = 'geometry_msgs/msg/TwistWithCovarianceStamped'

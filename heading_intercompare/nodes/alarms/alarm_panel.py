@@ -37,8 +37,6 @@ from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.taking.raw_subscription import subscribe
 from heading_intercompare.nodes.taking.recorded_topics import ALARMS_TOPIC
 
-__all__ = ['ACKNOWLEDGE_TOPIC', 'alarm_level', 'AlarmPanel', 'ALL']
-
 ACKNOWLEDGE_TOPIC = 'compliance/acknowledge'
 
 ALL = 'all'

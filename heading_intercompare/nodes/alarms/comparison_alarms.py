@@ -30,8 +30,6 @@ from heading_intercompare.nodes.ros.parameters import follow
 
 from .alarm_panel import ACKNOWLEDGE_TOPIC, AlarmPanel, ALL
 
-__all__ = ['ComparisonAlarms']
-
 
 class ComparisonAlarms:
     """

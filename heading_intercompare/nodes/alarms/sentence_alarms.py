@@ -26,8 +26,6 @@ from heading_intercompare.nodes.ros.health import Health
 
 from .alarm_panel import AlarmPanel
 
-__all__ = ['SentenceAlarms']
-
 
 class SentenceAlarms:
     """

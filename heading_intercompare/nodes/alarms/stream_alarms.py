@@ -34,8 +34,6 @@ from heading_intercompare.nodes.taking.intake import Intake
 
 from .alarm_panel import AlarmPanel
 
-__all__ = ['StreamAlarms']
-
 
 class StreamAlarms:
     """

@@ -31,8 +31,6 @@ from heading_intercompare.nodes.alarms.alarm_panel import ACKNOWLEDGE_TOPIC
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.steady_timer import every
 
-__all__ = ['OperatorActions']
-
 _PERIOD_S = 0.05
 
 

@@ -38,8 +38,6 @@ from heading_intercompare.nodes.ros.message_types import PAIRS_TYPES
 from heading_intercompare.nodes.settings import Taking
 from heading_intercompare.nodes.taking.intake import Intake
 
-__all__ = ['PairIntake']
-
 _Taken = list[tuple[bytes, Mapping[str, int]]]
 
 #: Pairs of another synchronizer that wait until it is known whether the followed one still lives.

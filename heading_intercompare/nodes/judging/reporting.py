@@ -55,8 +55,6 @@ from .pair_intake import PairIntake
 from .run_log import RunLog
 from .trial_journal import TrialJournal
 
-__all__ = ['Reporting']
-
 
 class Reporting:
     """

@@ -26,8 +26,6 @@ from heading_intercompare.messages.status_messages import OK, WARN
 from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.settings import ComplianceNode
 
-__all__ = ['RunLog']
-
 # A callback may wait this long for another process that writes, the end of the node longer.
 _PATIENCE_S, _LAST_PATIENCE_S = 0.1, 2.0
 _RETRY_S = 5.0

@@ -34,8 +34,6 @@ from heading_intercompare.messages.status_messages import OK, WARN
 from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.settings import ComplianceNode, SensorsNode
 
-__all__ = ['open_spool', 'TrialJournal']
-
 _NONE = '-'
 
 

@@ -23,10 +23,7 @@ import os
 import re
 from typing import Any
 
-from heading_intercompare.core.settings import SettingsError
-
-__all__ = ['check_path', 'common_arguments', 'find_misspelt', 'read_namespace', 'read_number',
-           'read_switch']
+from heading_intercompare.core.declared_settings import SettingsError
 
 _SWITCHES = {**dict.fromkeys(('true', 'yes', 'on', '1'), True),
              **dict.fromkeys(('false', 'no', 'off', '0'), False)}

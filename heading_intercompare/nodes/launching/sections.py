@@ -19,13 +19,13 @@ from __future__ import annotations
 from typing import Any, Iterable, Mapping
 
 from heading_intercompare.bags.settings import BagSettings
-from heading_intercompare.core.settings import (
+from heading_intercompare.core.declared_settings import (
     explain_unknown,
     from_mapping,
     list_settings,
-    Settings,
     SettingsError,
 )
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.drivers.settings import Address, DriverSettings
 from heading_intercompare.nodes.ros.parameters import OF_ROS
 from heading_intercompare.nodes.settings import (
@@ -40,8 +40,6 @@ from heading_intercompare.nodes.settings import (
     SynchronizerNode,
     Taking,
 )
-
-__all__ = ['check_sections', 'OWN_SETTINGS']
 
 _DRIVER = (DriverSettings, Sending, Taking, DriverNode)
 OWN_SETTINGS: dict[str, tuple[type, ...]] = {

@@ -32,8 +32,6 @@ from rclpy.subscription import Subscription
 
 from .steady_timer import every
 
-__all__ = ['Arrivals', 'take_all', 'Unwatched']
-
 _PERIOD_S = 0.1
 
 

@@ -22,8 +22,6 @@ from rclpy.node import Node
 from rclpy.publisher import Publisher
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
-__all__ = ['count_subscribed', 'is_named', 'name_node']
-
 # What the middleware calls a node of which it knows subscriptions only, not its publishers.
 _UNKNOWN = '_NODE_NAME_UNKNOWN_'
 

@@ -23,8 +23,6 @@ from rclpy.node import Node
 
 from .health import Health
 
-__all__ = ['GraphNode']
-
 
 class GraphNode(Node):
     """

@@ -37,8 +37,6 @@ from heading_intercompare.messages.status_messages import (
 from .qos import STATUS
 from .steady_timer import every
 
-__all__ = ['Health']
-
 _NUMBER = re.compile(r'\d[\d.,:e+-]*')
 #: Foreign words in a message must neither fill the memory nor the log.
 _MOST_KINDS = 50

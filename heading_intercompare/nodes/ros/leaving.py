@@ -28,8 +28,6 @@ import math
 import sys
 from typing import Iterator
 
-__all__ = ['leave_if_hung']
-
 _CLOCK_MONOTONIC, _SIGEV_THREAD = 1, 2
 
 

@@ -27,10 +27,7 @@ from nav_msgs.msg import Odometry
 from sensor_msgs.msg import Imu, NavSatFix
 from std_msgs.msg import String
 
-from heading_intercompare.core.settings import SettingsError
-
-__all__ = ['find_azimuth_types', 'find_heading_type', 'HEADING_TYPES', 'MOTION_TYPES',
-           'PAIRS_TYPES', 'STATUS_TYPES', 'TEXT_TYPES', 'TRUTH_TYPES']
+from heading_intercompare.core.declared_settings import SettingsError
 
 TRUTH_TYPES = {'sensor_msgs/msg/Imu': Imu}
 

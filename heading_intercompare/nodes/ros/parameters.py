@@ -30,7 +30,7 @@ from rclpy.node import Node
 from rclpy.parameter import Parameter
 
 from heading_intercompare.bags.errors import utf8
-from heading_intercompare.core.settings import (
+from heading_intercompare.core.declared_settings import (
     explain_unknown,
     from_mapping,
     list_settings,
@@ -39,8 +39,6 @@ from heading_intercompare.core.settings import (
     to_mapping,
     Used,
 )
-
-__all__ = ['declare', 'follow', 'make_overrides', 'OF_ROS', 'resolve_topic']
 
 #: Parameters hold integers of 64 bits.
 _MOST = 2**63 - 1

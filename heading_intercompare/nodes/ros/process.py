@@ -35,15 +35,13 @@ from rclpy.context import Context
 from rclpy.signals import SignalHandlerOptions
 
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.drivers.settings import DriverError
 
 from .graph_node import GraphNode
 from .leaving import leave_if_hung
 from .quick_executor import QuickExecutor
 from .security import check_security, say_security_errors
-
-__all__ = ['end', 'error_words', 'run', 'settle_memory', 'spin_nodes', 'Stop']
 
 _MISTAKES = (SettingsError, DriverError, BagError, OSError)
 """The errors that a user can cause; the text of each is one line that says what is wrong."""

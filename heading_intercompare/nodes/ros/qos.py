@@ -18,10 +18,6 @@ from __future__ import annotations
 
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
-__all__ = ['ACKNOWLEDGE', 'ALARMS', 'CLOCK', 'DIAGNOSTICS_IN', 'HEADINGS_IN', 'HEADINGS_KEPT',
-           'HEADINGS_OUT', 'HEADINGS_UNRELIABLE', 'LEDGER', 'LEDGER_TAKEN', 'LOST', 'MARKER',
-           'NOTE', 'PAIRS', 'PAIRS_TAKEN', 'REPORT', 'STATUS', 'VERDICT']
-
 
 def _keep_last(depth: int) -> QoSProfile:
     """Return a reliable profile whose last messages also reach late subscribers."""

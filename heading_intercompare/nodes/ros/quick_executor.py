@@ -41,8 +41,6 @@ from rclpy.node import Node
 
 from .batches import Arrivals, Unwatched
 
-__all__ = ['QuickExecutor']
-
 # How often to look for what is rare; a service answers this much later.
 _RARE_S = 0.05
 

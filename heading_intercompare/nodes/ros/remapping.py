@@ -22,11 +22,9 @@ from rclpy.exceptions import InvalidNamespaceException
 from rclpy.node import Node
 from rclpy.validate_namespace import validate_namespace
 
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.declared_settings import SettingsError
 
 from .parameters import resolve_topic
-
-__all__ = ['check_namespace', 'published_names']
 
 # Every node publishes these, with other types.
 _TAKEN = ('/diagnostics', '/parameter_events', '/rosout')

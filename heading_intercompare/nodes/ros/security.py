@@ -21,9 +21,7 @@ import os
 from pathlib import Path
 from typing import Iterator
 
-from heading_intercompare.core.settings import SettingsError
-
-__all__ = ['check_security', 'say_security_errors']
+from heading_intercompare.core.declared_settings import SettingsError
 
 
 def _wanted() -> bool:

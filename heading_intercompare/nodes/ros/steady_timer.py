@@ -23,8 +23,6 @@ from rclpy.clock_type import ClockType
 from rclpy.node import Node
 from rclpy.timer import Timer
 
-__all__ = ['every']
-
 
 def every(node: Node, period_s: float, callback: Callable[[], None]) -> Timer:
     """Return a timer of the node on the steady clock."""

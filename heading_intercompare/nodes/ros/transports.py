@@ -26,8 +26,6 @@ from contextlib import contextmanager
 import os
 from typing import Iterator
 
-__all__ = ['DISCOVERY_S', 'is_alone', 'prefer_udp', 'RANGE', 'set_variable']
-
 #: Processes on a busy computer have discovered each other this long after their start.
 DISCOVERY_S = 3.0
 

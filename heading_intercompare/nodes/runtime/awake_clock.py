@@ -18,8 +18,6 @@ from __future__ import annotations
 
 import time
 
-__all__ = ['AwakeClock']
-
 #: A process that runs reads the clock more often than this.
 _LONGEST_S = 1.0
 

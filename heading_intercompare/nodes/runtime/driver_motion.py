@@ -33,8 +33,6 @@ from heading_intercompare.nodes.settings import DriverNode
 
 from .motion_sender import MotionSender
 
-__all__ = ['DriverMotion']
-
 # A driver waits this long for each one that comes before it: drivers choose after `learn_s`.
 _TURN_S = 3.0
 

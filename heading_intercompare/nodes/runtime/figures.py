@@ -30,8 +30,6 @@ from heading_intercompare.nodes.ros.parameters import follow
 
 from .scalars import Scalars
 
-__all__ = ['Figures']
-
 # Figures follow each other no faster than this, however small the batches are.
 _LEAST_S = 0.015
 

@@ -26,8 +26,6 @@ from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.messages.ledger_messages import encode_losses, lost_topic
 from heading_intercompare.nodes.ros import qos
 
-__all__ = ['LossPublisher']
-
 
 class LossPublisher:
     """

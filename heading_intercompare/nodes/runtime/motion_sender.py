@@ -33,8 +33,6 @@ from heading_intercompare.nodes.ros.parameters import resolve_topic
 
 from .publishing import Backlog
 
-__all__ = ['MotionSender']
-
 _FRAME = 'ship'
 #: Rows that wait until it is known that nobody else publishes them.
 _MOST_HELD = 50_000

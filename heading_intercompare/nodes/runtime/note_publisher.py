@@ -24,7 +24,7 @@ from rclpy.signals import SignalHandlerOptions
 from std_msgs.msg import String
 
 from heading_intercompare.bags.rosbag2.provenance import NOTE_TOPIC
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.messages.status_messages import encode_text
 from heading_intercompare.nodes.ros.graph_node import GraphNode
 from heading_intercompare.nodes.ros.process import spin_nodes
@@ -33,8 +33,6 @@ from heading_intercompare.nodes.ros.remapping import check_namespace
 from heading_intercompare.nodes.ros.security import check_security, say_security_errors
 
 from .publishing import await_acknowledgement
-
-__all__ = ['publish_note']
 
 # Discovery between processes takes up to two seconds.
 _PATIENCE_S = 5.0

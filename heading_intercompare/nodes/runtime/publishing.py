@@ -32,9 +32,6 @@ from heading_intercompare.nodes.ros.health import Health
 
 from .sole_node import SoleNode
 
-__all__ = ['Allowance', 'Audience', 'await_acknowledgement', 'Backlog', 'FlowControl',
-           'HeadingQueue']
-
 # Discovery between processes takes up to two seconds; a longer wait than this is a warning.
 _PATIENCE_S = 5.0
 # A synchronizer opens its inputs 10 s after its start at the latest. One that does not subscribe

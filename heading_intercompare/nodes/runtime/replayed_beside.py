@@ -35,8 +35,6 @@ from heading_intercompare.nodes.ros.message_types import MOTION_TYPES
 
 from .loss_publisher import LossPublisher
 
-__all__ = ['publish_marks', 'ReplayedLosses', 'ReplayedMotion']
-
 
 def publish_marks(reader: BagReader, publisher: Publisher) -> int:
     """Publish all marks of a recording; return their number."""

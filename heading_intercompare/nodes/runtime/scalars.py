@@ -29,8 +29,6 @@ from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.nodes.ros import qos
 
-__all__ = ['SCALARS', 'Scalars']
-
 #: Topics of std_msgs/Float64, and what each holds.
 SCALARS = {
     'scalar/ts_heading_deg': 'TS heading of the newest pair, [0, 360)',

@@ -23,7 +23,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 from rclpy.subscription import Subscription
 
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.status_messages import decode_statuses, ERROR, OK
@@ -33,8 +33,6 @@ from heading_intercompare.nodes.ros.parameters import resolve_topic
 from heading_intercompare.nodes.ros.qos import DIAGNOSTICS_IN
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.ros.transports import DISCOVERY_S, is_alone
-
-__all__ = ['SoleNode']
 
 #: A node that hears another one gives way for this long after its start.
 _STARTING_S = 8.0

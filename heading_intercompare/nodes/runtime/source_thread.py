@@ -25,8 +25,9 @@ from typing import Any, Callable
 from rclpy.publisher import Publisher
 
 from heading_intercompare.drivers.framing import Received
+from heading_intercompare.drivers.playback import FileSource
 from heading_intercompare.drivers.settings import DriverSettings
-from heading_intercompare.drivers.sources import FileSource, open_source, Source
+from heading_intercompare.drivers.sources import open_source, Source
 from heading_intercompare.messages.status_messages import OK, WARN
 from heading_intercompare.nodes.ros.graph_node import GraphNode
 from heading_intercompare.nodes.ros.health import Health
@@ -36,8 +37,6 @@ from heading_intercompare.nodes.settings import DriverNode, PUBLISHED, Sending, 
 
 from .driver_motion import DriverMotion
 from .publishing import Audience, await_acknowledgement
-
-__all__ = ['Reading', 'ReadingNode']
 
 _PIECE = 50
 _READ_S = 0.2

@@ -51,8 +51,6 @@ from .sensors_messages import (
     VOTE_TOPIC,
 )
 
-__all__ = ['NowPublisher']
-
 
 class NowPublisher:
     """

@@ -36,8 +36,6 @@ from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.settings import SensorsNode
 from heading_intercompare.nodes.taking.headings_intake import HeadingsIntake
 
-__all__ = ['PairJournals']
-
 Names = tuple[str, str]
 
 #: Readings that may be half of a pair for longer than this are few.

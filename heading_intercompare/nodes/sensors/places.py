@@ -39,10 +39,6 @@ from heading_intercompare.core.settings import MotionRule, Settings
 from heading_intercompare.messages.status_messages import MARKER_TOPIC
 from heading_intercompare.nodes.settings import ComplianceNode
 
-__all__ = ['called', 'choose_streams', 'count_judges', 'count_motion_subscribers',
-           'count_subscribers', 'further_subscribers', 'heading_topics', 'judging_topics',
-           'place_files', 'remap_rules', 'SHARED_TOPICS']
-
 SHARED_TOPICS = (MARKER_TOPIC, 'compliance/alarms', 'compliance/acknowledge')
 """Topics that the nodes of all sensors have in common, beside the headings."""
 

@@ -29,8 +29,6 @@ from heading_intercompare.nodes.settings import HeadingTypes, Taking
 from heading_intercompare.nodes.taking.headings_intake import HeadingsIntake
 from heading_intercompare.web.figures.stream_watch import SensorView, StreamWatch
 
-__all__ = ['SensorsIntake']
-
 
 class SensorsIntake:
     """

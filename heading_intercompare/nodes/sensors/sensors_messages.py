@@ -30,9 +30,6 @@ from heading_intercompare.messages.status_messages import (
 )
 from heading_intercompare.messages.verdict_messages import verdict_level
 
-__all__ = ['encode_sensors_figures', 'encode_sensors_verdict', 'encode_vote', 'FIGURES_TOPIC',
-           'SENSORS_VERDICT_TOPIC', 'VOTE_TOPIC']
-
 FIGURES_TOPIC = 'sensors/figures'
 VOTE_TOPIC = 'sensors/vote'
 SENSORS_VERDICT_TOPIC = 'sensors/verdict'

@@ -28,14 +28,15 @@ from std_msgs.msg import String
 
 from heading_intercompare.bags.recording.disk_sync import replace_file
 from heading_intercompare.bags.rosbag2.provenance import SENSORS_REPORT_TOPIC
-from heading_intercompare.core.pipeline import join
 from heading_intercompare.core.sensor_table import list_tested
 from heading_intercompare.core.sensors.comparison import SensorsComparison
 from heading_intercompare.core.sensors.judging import judge_sensors
 from heading_intercompare.core.sensors.pair_settings import settings_of_tested
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
-from heading_intercompare.core.verdict.verdict_document import Verdict, VerdictError
+from heading_intercompare.core.typed_reader import VerdictError
+from heading_intercompare.core.verdict.all_runs import join
+from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.status_messages import decode_text, encode_text, ERROR, OK
 from heading_intercompare.messages.verdict_messages import (
@@ -53,8 +54,6 @@ from heading_intercompare.report.json import parse, render
 from .pair_journals import PairJournals
 from .sensors_intake import SensorsIntake
 from .sensors_messages import encode_sensors_verdict, SENSORS_VERDICT_TOPIC
-
-__all__ = ['SensorsReporting']
 
 
 class SensorsReporting:

@@ -41,8 +41,6 @@ from .intake import Intake
 from .raw_subscription import subscribe
 from .recorded_topics import ALARMS_TOPIC
 
-__all__ = ['BridgeIntake']
-
 # With several sensors one node hears the headings, and says what to show of them.
 _OF_SENSORS = (('figures', qos.STATUS), ('vote', qos.STATUS), ('verdict', qos.VERDICT))
 

@@ -35,8 +35,6 @@ from heading_intercompare.nodes.settings import Taking
 from .intake import Intake
 from .raw_subscription import subscribe
 
-__all__ = ['HeadingsIntake', 'read_headings_as']
-
 
 class HeadingsIntake:
     """

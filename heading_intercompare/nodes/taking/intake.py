@@ -45,8 +45,6 @@ from heading_intercompare.nodes.ros.transports import DISCOVERY_S
 from .reception import Message, number_of, Reception
 from .renewal import Renewal
 
-__all__ = ['Intake']
-
 _Chunk = TypeVar('_Chunk')
 
 #: A publisher that was killed stays visible for its lease of 20 s.

@@ -24,8 +24,6 @@ from heading_intercompare.nodes.ros.transports import DISCOVERY_S, is_alone
 from .reception import Message, number_of
 from .recorded_topics import Recorded
 
-__all__ = ['JudgedHeadings']
-
 # A synchronizer that starts together with the recorder is found within the first, also where a
 # packet was lost. It tells what it took a second after its pairs have their subscribers, for which
 # it waits less than the second.

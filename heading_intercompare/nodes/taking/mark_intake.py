@@ -22,8 +22,6 @@ from heading_intercompare.core.runs.run_cutter import CutterState
 from heading_intercompare.messages.status_messages import MARKS, WARN
 from heading_intercompare.nodes.ros.health import Health
 
-__all__ = ['explain_mark', 'MarkIntake']
-
 #: Marks that a node takes; a year of watches has 2200.
 _MOST = 10_000
 

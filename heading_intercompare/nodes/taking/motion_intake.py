@@ -34,8 +34,6 @@ from heading_intercompare.nodes.settings import Taking
 
 from .intake import Intake
 
-__all__ = ['make_motion_intake', 'MotionIntake', 'MotionTaker']
-
 # How often to look for publishers of a topic that has none.
 _LOOK_S = 0.5
 

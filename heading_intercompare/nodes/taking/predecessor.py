@@ -33,8 +33,6 @@ from heading_intercompare.nodes.ros.transports import DISCOVERY_S, is_alone
 from .intake import Intake
 from .raw_subscription import subscribe
 
-__all__ = ['LEDGER_TAKEN_TOPIC', 'Predecessor']
-
 LEDGER_TAKEN_TOPIC = 'compliance/ledger_taken'
 
 # Of its publishers some may be found later than others, by two lost packets.

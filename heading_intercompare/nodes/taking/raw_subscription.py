@@ -25,8 +25,6 @@ from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.status_messages import WARN
 from heading_intercompare.nodes.ros.health import Health
 
-__all__ = ['subscribe']
-
 _Read = TypeVar('_Read')
 
 

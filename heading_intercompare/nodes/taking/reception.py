@@ -26,8 +26,6 @@ from rclpy.subscription import Subscription
 
 from heading_intercompare.nodes.ros.batches import take_all, Unwatched
 
-__all__ = ['number_of', 'Reception']
-
 #: A message as bytes, and its info.
 Message = tuple[bytes, Mapping[str, int]]
 

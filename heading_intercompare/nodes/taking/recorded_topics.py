@@ -56,8 +56,6 @@ from .intake import Intake
 from .motion_intake import make_motion_intake
 from .reception import Message
 
-__all__ = ['ALARMS_TOPIC', 'count_messages', 'make_intakes', 'Recorded', 'report_files', 'text_of']
-
 ALARMS_TOPIC = 'compliance/alarms'
 
 #: A publisher knows a new subscription within this time, unless the computer is very busy.

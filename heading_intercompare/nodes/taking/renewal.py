@@ -16,8 +16,6 @@
 
 from __future__ import annotations
 
-__all__ = ['Renewal']
-
 #: The state of a subscription is looked at once a second; a node that was stopped looks later.
 _STOPPED_S = 3.0
 #: No stream that is judged has a longer step; a silence is unusual from three steps on.

@@ -26,8 +26,6 @@ from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdi
 from heading_intercompare.core.verdict.vocabulary import law_words
 from heading_intercompare.report.formatting import interval, number, outcome, value
 
-__all__ = ['describe_norms', 'describe_uncertainty', 'state_conformity']
-
 Rows = list[tuple[str, str]]
 
 _MET = {Outcome.COMPLIANT: 'met', Outcome.NON_COMPLIANT: 'not met',

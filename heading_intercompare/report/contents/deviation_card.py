@@ -25,8 +25,6 @@ from heading_intercompare.report.formatting import number, with_uncertainty
 
 from .tables import Table
 
-__all__ = ['make_deviation_card']
-
 _STEP_DEG = 45.0
 _WIDEST_ARC_DEG = 120.0
 

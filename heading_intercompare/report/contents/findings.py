@@ -35,8 +35,6 @@ from heading_intercompare.report.formatting import (
 from .deviation_card import make_deviation_card
 from .tables import Table
 
-__all__ = ['describe_findings', 'Finding', 'FINDINGS', 'LEFT_TO_JSON', 'rows_of_block']
-
 Figures = Mapping[str, Figure]
 
 _COLUMNS = 4

@@ -24,8 +24,9 @@ from heading_intercompare.core.diagnostics.assumptions import VIOLATED
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.validity.condition import DOUBTFUL, VOID
 from heading_intercompare.core.verdict.conclusion import campaign_words, explain
+from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
-from heading_intercompare.core.verdict.vocabulary import NO_RUN, OUTCOME_WORDS
+from heading_intercompare.core.verdict.vocabulary import NO_RUN
 from heading_intercompare.report.formatting import (
     bounds,
     number,
@@ -35,8 +36,6 @@ from heading_intercompare.report.formatting import (
 )
 
 from .holding import upper_bound_holds
-
-__all__ = ['compose_first_page', 'FirstPage', 'SIGNS']
 
 #: A letter tells the outcomes apart in black and white and for the colour-blind.
 SIGNS = {Outcome.COMPLIANT: '✓', Outcome.NON_COMPLIANT: '✗', Outcome.INDETERMINATE: '?'}
@@ -89,9 +88,11 @@ def compose_first_page(verdict: Verdict) -> FirstPage:
         facts.append(('GK as printed', f'{outcome(verdict.paper_outcome)}; that rule makes no '
                       'allowance for the sampling error, and does not decide here'))
     return FirstPage(
-        'void' if void else verdict.outcome.value.replace('_', '-'), SIGNS[verdict.outcome],
-        OUTCOME_WORDS[verdict.outcome] + (', VOID' if void else ', DOUBTFUL' if doubtful else ''),
-        means, verdict.headline, facts, _list_runs(verdict))
+        kind='void' if void else verdict.outcome.value.replace('_', '-'),
+        sign=SIGNS[verdict.outcome],
+        word=OUTCOME_WORDS[verdict.outcome] + (
+            ', VOID' if void else ', DOUBTFUL' if doubtful else ''),
+        means=means, headline=verdict.headline, facts=facts, runs=_list_runs(verdict))
 
 
 def _rest_on(runs: Sequence[RunVerdict]) -> str:

@@ -26,9 +26,6 @@ from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.validity.condition import VOID
 from heading_intercompare.core.verdict.verdict_document import RunVerdict
 
-__all__ = ['confidence_holds', 'is_sound', 'length_holds', 'probability_holds',
-           'upper_bound_holds']
-
 #: The record is too short for the upper bound, or a drift may widen it.
 _UPPER_BOUND_FAILS = ('insufficient_data', 'insufficient_duration', 'drift_left_in')
 _MORE_DATA = ('insufficient_duration', 'slow_errors_not_resolved', 'data_limited')

@@ -24,8 +24,6 @@ from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import SCHEMA, SCHEMA_VERSION, Verdict
 from heading_intercompare.report.formatting import ABSENT, number, value
 
-__all__ = ['identify', 'name_trial', 'span_of', 'verdict_id']
-
 _ID_DIGITS = 12
 
 

@@ -41,9 +41,6 @@ from .holding import (
     upper_bound_holds,
 )
 
-__all__ = ['GUARDED', 'LEDGER', 'RESULTS', 'Row', 'rows_by_run', 'rows_of', 'SENSOR', 'SUMMARY',
-           'Table', 'WORST']
-
 _COLUMNS = 4
 
 Thing = TypeVar('Thing')

@@ -26,8 +26,6 @@ from heading_intercompare.report.formatting import ABSENT, bounds, number, round
 from .holding import is_sound, upper_bound_holds
 from .tables import Table
 
-__all__ = ['budget_of']
-
 _HEAD = ('source', 'what is known', 'type', 'standard uncertainty of the mean [deg]',
          'effect on the variance [deg²]')
 

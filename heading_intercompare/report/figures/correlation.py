@@ -28,8 +28,6 @@ from heading_intercompare.report.sketching.spectra import JOINED, LAGS, Level, S
 
 from .drawing import Drawing, LeftOut, LIMIT, RANGE, SERIES, Subject, UNIT
 
-__all__ = ['draw_allan_deviation', 'draw_autocorrelation', 'draw_spectrum']
-
 _PER_OCTAVE = 8
 _LAGS_DRAWN = 200
 #: Neighbouring lines of a spectrum with Hann's window that count as one.
@@ -76,10 +74,11 @@ def draw_autocorrelation(about: Subject) -> Iterator[Drawing | LeftOut]:
         axes.set_xscale('log')
         axes.set_ylim(min(-0.3, 1.1 * float(r.min())), 1.05)
 
-    yield Drawing('autocorrelation', title, 'The longer the line stays above the band, the fewer '
-                  'independent values the record holds, and the longer it must be.' + means,
-                  'lag [s]',
-                  'autocorrelation', fill)
+    yield Drawing(
+        name='autocorrelation', title=title,
+        caption='The longer the line stays above the band, the fewer '
+            'independent values the record holds, and the longer it must be.' + means,
+        x_label='lag [s]', y_label='autocorrelation', fill=fill)
 
 
 def _join(level: Level, lowest: float, highest: float) -> tuple[Reals, Reals, Reals]:
@@ -125,9 +124,11 @@ def draw_spectrum(about: Subject) -> Iterator[Drawing | LeftOut]:
         axes.set_xscale('log')
         axes.set_yscale('log')
 
-    yield Drawing('spectrum', title, 'A level line is white noise, a rise to the left a slow '
-                  'error, and a peak a motion of the ship that the sensors do not share.',
-                  'frequency [Hz]', 'density [deg^2/Hz]', fill)
+    yield Drawing(
+        name='spectrum', title=title, caption=(
+            'A level line is white noise, a rise to the left a slow '
+            'error, and a peak a motion of the ship that the sensors do not share.'),
+        x_label='frequency [Hz]', y_label='density [deg^2/Hz]', fill=fill)
 
 
 def draw_allan_deviation(about: Subject) -> Iterator[Drawing | LeftOut]:
@@ -156,6 +157,8 @@ def draw_allan_deviation(about: Subject) -> Iterator[Drawing | LeftOut]:
         axes.set_xscale('log')
         axes.set_yscale('log')
 
-    yield Drawing('allan', title, 'Averaging helps as long as the line falls with the dashed one; '
-                  'where it levels off or rises, slow errors take over.', 'averaging time [s]',
-                  'Allan deviation [deg]', fill)
+    yield Drawing(
+        name='allan', title=title, caption=(
+            'Averaging helps as long as the line falls with the dashed one; '
+            'where it levels off or rises, slow errors take over.'), x_label='averaging time [s]',
+        y_label='Allan deviation [deg]', fill=fill)

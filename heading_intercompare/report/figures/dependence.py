@@ -26,8 +26,6 @@ from heading_intercompare.report.series_sketch import HEADING_BINS
 
 from .drawing import Drawing, LeftOut, pad, SERIES, SIGMA, START, Subject, UNIT
 
-__all__ = ['draw_against_heading', 'draw_against_rate', 'draw_skew_scan']
-
 _NORM: dict[str, Any] = {'color': '#000000', 'linewidth': 1.2, 'linestyle': (0, (16.0, 4.0))}
 _LEAST_IN_BIN = 5
 _LEAST_BINS = 4
@@ -79,10 +77,11 @@ def draw_against_heading(about: Subject) -> Iterator[Drawing | LeftOut]:
         axes.set_ylim(*pad(min(levels), max(levels)))
 
     more = f' No harmonics: {" and ".join(why_not)}.' if why_not and not fits else ''
-    yield Drawing('heading', about.title('difference against heading'),
-                  'A wave of the means about their average is a deviation: one wave a turn is an '
-                  'error that turns with the ship, two waves a quadrantal one.' + more,
-                  'RS heading [deg]', _Y_LABEL, fill)
+    yield Drawing(
+        name='heading', title=about.title('difference against heading'),
+        caption='A wave of the means about their average is a deviation: one wave a turn is an '
+            'error that turns with the ship, two waves a quadrantal one.' + more,
+        x_label='RS heading [deg]', y_label=_Y_LABEL, fill=fill)
 
 
 def draw_against_rate(about: Subject) -> Iterator[Drawing | LeftOut]:
@@ -111,12 +110,14 @@ def draw_against_rate(about: Subject) -> Iterator[Drawing | LeftOut]:
             axes.plot(ends, mean_deg - skew_s * ends, **UNIT, label=None if k else words)
         axes.set_ylim(*pad(float((mean - std).min()), float((mean + std).max())))
 
-    yield Drawing('rate', title, 'A line that falls or rises through the points is a time skew: '
-                  'its slope in degrees for each degree per second is minus the age of the TS '
-                  'data in seconds.' + (' The rate of turn is that of a sensor of its own, which '
-                                        'may be late itself.' if turning.measured else ''),
-                  'rate of turn as reported [deg/s]' if turning.measured else
-                  'rate of turn of the RS, over 2 s [deg/s]', _Y_LABEL, fill)
+    yield Drawing(
+        name='rate', title=title,
+        caption='A line that falls or rises through the points is a time skew: '
+            'its slope in degrees for each degree per second is minus the age of the TS '
+            'data in seconds.' + (' The rate of turn is that of a sensor of its own, which '
+                                  'may be late itself.' if turning.measured else ''),
+        x_label='rate of turn as reported [deg/s]' if turning.measured else
+            'rate of turn of the RS, over 2 s [deg/s]', y_label=_Y_LABEL, fill=fill)
 
 
 def draw_skew_scan(about: Subject) -> Iterator[Drawing | LeftOut]:
@@ -147,9 +148,11 @@ def draw_skew_scan(about: Subject) -> Iterator[Drawing | LeftOut]:
                              label=None if k else 'its interval of 95 %')
         axes.axvline(0.0, **START, label='as the stamps say')
 
-    yield Drawing('skew_scan', title, 'The lowest point is the skew at which both sensors '
-                  'agree best; a flat curve means that the ship turned too little to tell. '
-                  'Interpolation '
-                  'averages noise and lowers the curve between readings.',
-                  'age of the TS data assumed [s]', 'standard deviation [deg]', fill,
-                  height_mm=60.0)
+    yield Drawing(
+        name='skew_scan', title=title, caption=(
+            'The lowest point is the skew at which both sensors '
+            'agree best; a flat curve means that the ship turned too little to tell. '
+            'Interpolation '
+            'averages noise and lowers the curve between readings.'),
+        x_label='age of the TS data assumed [s]', y_label='standard deviation [deg]', fill=fill,
+        height_mm=60.0)

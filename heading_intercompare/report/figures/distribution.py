@@ -24,8 +24,6 @@ from heading_intercompare.report.formatting import number
 
 from .drawing import Drawing, LeftOut, LIMIT, pad, RANGE, SERIES, Subject, UNIT
 
-__all__ = ['draw_histogram', 'draw_quantiles']
-
 _BARS = 120
 _LOST_AT_MOST = 0.02
 _FINE = 4001
@@ -85,10 +83,11 @@ def draw_histogram(about: Subject) -> Iterator[Drawing | LeftOut]:
         axes.set_xlim(low, up)
         axes.set_ylim(0.0, 1.08 * top)
 
-    yield Drawing('histogram', about.title('size of the differences') + beyond,
-                  'The bars should follow the line of the model; bars beyond the dashed limits '
-                  'are the counts of GK (6).', 'difference TS - RS [deg]',
-                  f'number in {number(width, 3)} deg', fill)
+    yield Drawing(
+        name='histogram', title=about.title('size of the differences') + beyond, caption=(
+            'The bars should follow the line of the model; bars beyond the dashed limits '
+            'are the counts of GK (6).'), x_label='difference TS - RS [deg]',
+        y_label=f'number in {number(width, 3)} deg', fill=fill)
 
 
 def draw_quantiles(about: Subject) -> Iterator[Drawing | LeftOut]:
@@ -124,7 +123,9 @@ def draw_quantiles(about: Subject) -> Iterator[Drawing | LeftOut]:
         axes.plot(expected[keep], size[keep], 'o', color=SERIES['color'], markersize=2.6,
                   label='the differences')
 
-    yield Drawing('quantiles', title, 'Points on the dashed line follow the model; ends that turn '
-                  'away from it upwards on the right and downwards on the left are heavy tails.',
-                  f'quantile of the model {about.settings.model} [deg]',
-                  'quantile of the differences [deg]', fill)
+    yield Drawing(
+        name='quantiles', title=title, caption=(
+            'Points on the dashed line follow the model; ends that turn '
+            'away from it upwards on the right and downwards on the left are heavy tails.'),
+        x_label=f'quantile of the model {about.settings.model} [deg]',
+        y_label='quantile of the differences [deg]', fill=fill)

@@ -28,8 +28,6 @@ from .drawing import Drawing, LeftOut, Subject
 from .over_time import draw_differences, draw_headings, draw_running_variance
 from .track import draw_track
 
-__all__ = ['collect', 'draw_figures', 'Drawn', 'NAMES']
-
 _FAMILIES: dict[str, Callable[[Subject], Iterator[Drawing | LeftOut]]] = {
     'headings': draw_headings, 'differences': draw_differences,
     'running_variance': draw_running_variance, 'heading': draw_against_heading,

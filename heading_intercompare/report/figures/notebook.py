@@ -26,8 +26,6 @@ from heading_intercompare.report.series_sketch import SeriesSketch
 from .drawing import Drawing, LeftOut
 from .gallery import collect, NAMES
 
-__all__ = ['Figures', 'Plotter']
-
 
 class Figures(list[Any]):
     """Figures of matplotlib, which a notebook shows one below the other with their captions."""

@@ -42,8 +42,6 @@ from .drawing import (
     TIGHTENED,
 )
 
-__all__ = ['draw_differences', 'draw_headings', 'draw_running_variance', 'find_far', 'Times']
-
 _UTC = 'time UTC'
 #: At most one in this many records of normal differences shows a mark of an outlier.
 _RARE = 20.0
@@ -123,9 +121,11 @@ def draw_headings(about: Subject) -> Iterator[Drawing | LeftOut]:
         axes.set_yticks(range(0, 361, 90))
         _span(axes, about)
 
-    yield Drawing('headings', about.title('both headings'), 'Both lines must lie on each other; '
-                  'the figures below show the small difference between them.', _UTC,
-                  'heading [deg]', fill, is_time=True, height_mm=60.0)
+    yield Drawing(
+        name='headings', title=about.title('both headings'), caption=(
+            'Both lines must lie on each other; '
+            'the figures below show the small difference between them.'), x_label=_UTC,
+        y_label='heading [deg]', fill=fill, is_time=True, height_mm=60.0)
 
 
 def find_far(about: Subject, times: Times) -> tuple[Reals, Reals]:
@@ -172,10 +172,11 @@ def draw_differences(about: Subject) -> Iterator[Drawing | LeftOut]:
         axes.set_ylim(*pad(min(levels), max(levels)))
         _span(axes, about)
 
-    yield Drawing('differences', about.title('difference against time'),
-                  'The differences must stay between the dashed limits, without drift or steps; a '
-                  'cross marks a value farther out than this many normal values reach.', _UTC,
-                  'difference TS - RS [deg]', fill, is_time=True)
+    yield Drawing(
+        name='differences', title=about.title('difference against time'), caption=(
+            'The differences must stay between the dashed limits, without drift or steps; a '
+            'cross marks a value farther out than this many normal values reach.'), x_label=_UTC,
+        y_label='difference TS - RS [deg]', fill=fill, is_time=True)
 
 
 def _grow(about: Subject, run: RunVerdict) -> tuple[Integers, Integers, Reals]:
@@ -256,7 +257,9 @@ def draw_running_variance(about: Subject) -> Iterator[Drawing | LeftOut]:
         axes.set_ylim(0.8 * min(shown), 1.25 * max(shown))
         _span(axes, about)
 
-    yield Drawing('running_variance', title, 'The run complies when the whole interval has '
-                  'come to lie below the limit, and fails when it lies above; the bounds of the '
-                  'verdict also allow for slow errors.', _UTC, 'variance [deg^2]', fill,
-                  is_time=True)
+    yield Drawing(
+        name='running_variance', title=title, caption=(
+            'The run complies when the whole interval has '
+            'come to lie below the limit, and fails when it lies above; the bounds of the '
+            'verdict also allow for slow errors.'), x_label=_UTC, y_label='variance [deg^2]',
+        fill=fill, is_time=True)

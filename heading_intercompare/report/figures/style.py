@@ -31,8 +31,6 @@ from matplotlib.figure import Figure
 
 from .drawing import Drawing
 
-__all__ = ['ACCENT', 'draw', 'GREY', 'INK', 'SHADE', 'to_figure', 'to_svg']
-
 #: Colours of single charts; they also differ in lightness.
 INK, ACCENT, GREY, SHADE = '#000000', '#1b4f8a', '#767676', '#c3d3e6'
 
@@ -155,7 +153,8 @@ def draw(fill: Callable[[Axes], object], *, name: str, title: str, x_label: str,
         As for `to_svg` and `Drawing`.
 
     """
-    return to_svg(Drawing(name, title, '', x_label, y_label, fill, height_mm=height_mm), name)
+    return to_svg(Drawing(name=name, title=title, caption='', x_label=x_label, y_label=y_label,
+                          fill=fill, height_mm=height_mm), name)
 
 
 def _tidy(written: bytes, name: str, title: str) -> str:

@@ -29,8 +29,6 @@ from heading_intercompare.report.formatting import number
 from .drawing import days, Drawing, LeftOut, Subject
 from .over_time import find_far, Times
 
-__all__ = ['draw_track']
-
 _M_PER_DEG = 111_195.0
 #: Lines of the runs, in turn; they differ without colour.
 _LINES: tuple[dict[str, Any], ...] = (
@@ -129,11 +127,13 @@ def draw_track(about: Subject) -> Iterator[Drawing | LeftOut]:
         axes.set_aspect('equal', adjustable='datalim')
         _add_scale(axes, _round_length(_BAR_SHARE * span), unit_m)
 
-    yield Drawing('track', title, 'North is up, and both directions have one scale. On a broad '
-                  'band the ship went straight, so its headings are compared with its course; a '
-                  'cross is where a difference lies far out. Crosses that crowd at one place or '
-                  'in turns tell of a cause there.', f'east of {plane.origin} [{unit}]',
-                  f'north of it [{unit}]', fill, height_mm=120.0)
+    yield Drawing(
+        name='track', title=title, caption=(
+            'North is up, and both directions have one scale. On a broad '
+            'band the ship went straight, so its headings are compared with its course; a '
+            'cross is where a difference lies far out. Crosses that crowd at one place or '
+            'in turns tell of a cause there.'), x_label=f'east of {plane.origin} [{unit}]',
+        y_label=f'north of it [{unit}]', fill=fill, height_mm=120.0)
 
 
 def _add_scale(axes: Any, length_m: float, unit_m: float) -> None:

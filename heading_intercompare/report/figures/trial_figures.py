@@ -26,8 +26,6 @@ from heading_intercompare.report.sketching.track import Trace
 from .drawing import MEAN, RANGE, SERIES, SIGMA
 from .style import draw
 
-__all__ = ['draw_seeds', 'draw_trace']
-
 _GREYS = ('#f2f2f2', '#dcdcdc')
 _HEIGHT_MM = 60.0
 _TRUE: dict[str, Any] = {'color': '#c3d3e6', 'linewidth': 4.0}

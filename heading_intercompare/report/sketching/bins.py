@@ -22,8 +22,6 @@ import numpy as np
 
 from heading_intercompare.core.records import Integers, Reals
 
-__all__ = ['Bins', 'Envelope', 'Histogram']
-
 _TIME_BINS = 1000
 _FIRST_WIDTH_NS = 1_000_000
 _HISTOGRAM_BINS = 4096

@@ -20,8 +20,6 @@ import numpy as np
 
 from heading_intercompare.core.records import Integers, Reals
 
-__all__ = ['ShiftScan']
-
 _SHIFTS = 41
 _APART_NS = 100_000_000
 _AT_ONCE = 4096

@@ -22,8 +22,6 @@ import numpy as np
 
 from heading_intercompare.core.records import Integers, Reals
 
-__all__ = ['Level', 'Spectra']
-
 SEGMENT = 4096
 """Samples in a segment."""
 

@@ -22,8 +22,6 @@ from heading_intercompare.core.records import Integers, Motion, Reals
 
 from .bins import Bins
 
-__all__ = ['Turning']
-
 _BLOCK_NS = 10 ** 9
 _LONGEST_S = 10.0
 _LONGEST_GAP_S = 2.5

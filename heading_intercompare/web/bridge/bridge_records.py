@@ -21,9 +21,6 @@ from enum import Enum
 
 from heading_intercompare.web.figures.trend import TrendColumn
 
-__all__ = ['AlarmView', 'BagView', 'LampView', 'NodeView', 'RunView', 'Tone', 'TrendView',
-           'ValidityView', 'WindowView']
-
 
 class Tone(str, Enum):
     """

@@ -44,8 +44,6 @@ from .sensors_panel import SensorsPanel, SensorsView
 from .verdict_lamp import light_lamp
 from .view_texts import integer, lacking_words, real, shorten
 
-__all__ = ['Bridge', 'BridgeView']
-
 #: Names in messages of others must not fill the memory.
 _MOST_NODES, _MOST_ALARMS, _MOST_PARTS, _LONGEST = 50, 200, 100, 300
 #: A node that has kept silent for this time has ended; its states are dropped.

@@ -27,8 +27,6 @@ from .bridge_records import LampView, Tone
 from .verdict_lamp import make_lamp
 from .view_texts import real, shorten
 
-__all__ = ['SensorRow', 'SensorsPanel', 'SensorsView']
-
 _LONGEST = 400
 _NONE_YET = LampView()
 

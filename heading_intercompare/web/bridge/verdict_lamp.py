@@ -25,8 +25,6 @@ from heading_intercompare.messages.status_messages import Status
 from .bridge_records import LampView, Tone
 from .view_texts import coming_words, integer, shorten
 
-__all__ = ['light_lamp', 'make_lamp']
-
 _TONES = {Outcome.COMPLIANT: Tone.GOOD, Outcome.INDETERMINATE: Tone.DOUBT,
           Outcome.NON_COMPLIANT: Tone.BAD}
 _GRAVITY = (Tone.NONE, Tone.GOOD, Tone.DOUBT, Tone.BAD)

@@ -24,8 +24,6 @@ import numpy as np
 from heading_intercompare.core.angles import wrap180
 from heading_intercompare.core.records import Headings
 
-__all__ = ['SensorView', 'StreamWatch']
-
 #: Rates are those of the last seconds; a rate of turn needs a shorter time.
 _RATE_S, _TURN_S = 10.0, 4.0
 #: A sensor that has missed this number of readings is silent, however slow it is.

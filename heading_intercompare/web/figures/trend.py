@@ -22,8 +22,6 @@ import numpy as np
 
 from heading_intercompare.core.records import Integers, Reals
 
-__all__ = ['Trend', 'TrendColumn']
-
 
 class TrendColumn(NamedTuple):
     """

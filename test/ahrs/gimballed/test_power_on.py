@@ -26,7 +26,8 @@ from heading_intercompare.ahrs.inertial.instruments import Instruments
 from heading_intercompare.ahrs.inertial.platform import Platform, rows_of
 from heading_intercompare.ahrs.sensor_presets import ERRORS
 from heading_intercompare.ahrs.settings import Ahrs
-from heading_intercompare.ahrs.ship.ship_motion import Leg, ShipTruth
+from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
+from heading_intercompare.ahrs.ship.steering import Leg
 
 
 def examine(seed=1, seaway='ss5', state='cold', broken=lambda platform, parts: None):

@@ -28,8 +28,8 @@ from heading_intercompare.ahrs.random_noise import Markov, open_stream, recur
 from heading_intercompare.ahrs.sensor_presets import ERRORS
 from heading_intercompare.ahrs.settings import Ahrs, Scenario
 from heading_intercompare.ahrs.ship.course import Current
-from heading_intercompare.ahrs.ship.ship_motion import Leg, ShipTruth
-from heading_intercompare.ahrs.ship.steering import sail, Steering
+from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
+from heading_intercompare.ahrs.ship.steering import Leg, sail, Steering
 from heading_intercompare.ahrs.simulator import Simulation
 
 SETTINGS = {

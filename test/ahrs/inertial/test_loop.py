@@ -29,7 +29,8 @@ from heading_intercompare.ahrs.inertial.platform import Platform, rows_of
 from heading_intercompare.ahrs.sensor_presets import ERRORS
 from heading_intercompare.ahrs.settings import Ahrs
 from heading_intercompare.ahrs.ship.earth import EARTH_RATE_RAD_S, KNOT_M_S, radii, UG_M_S2
-from heading_intercompare.ahrs.ship.ship_motion import Leg, ShipTruth
+from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
+from heading_intercompare.ahrs.ship.steering import Leg
 
 LATITUDE = math.radians(45.0)
 NORTH = UP = EARTH_RATE_RAD_S * math.sqrt(0.5)

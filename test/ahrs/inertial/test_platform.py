@@ -27,7 +27,8 @@ from heading_intercompare.ahrs.inertial.platform import Platform, rows_of
 from heading_intercompare.ahrs.sensor_presets import ERRORS
 from heading_intercompare.ahrs.settings import Ahrs
 from heading_intercompare.ahrs.ship.earth import KNOT_M_S, radii
-from heading_intercompare.ahrs.ship.ship_motion import Leg, ShipTruth
+from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
+from heading_intercompare.ahrs.ship.steering import Leg
 
 LATITUDE = math.radians(40.0)
 

@@ -24,7 +24,8 @@ from scipy.integrate import solve_ivp
 
 from heading_intercompare.ahrs.ship.course import Current
 from heading_intercompare.ahrs.ship.earth import EARTH_RATE_RAD_S, KNOT_M_S, radii
-from heading_intercompare.ahrs.ship.ship_motion import Leg, ShipBlock, ShipTruth
+from heading_intercompare.ahrs.ship.ship_motion import ShipBlock, ShipTruth
+from heading_intercompare.ahrs.ship.steering import Leg
 
 TURN = (Leg(0.0, 350.0, 12.0), Leg(60.0, 80.0, 12.0))
 

@@ -24,7 +24,8 @@ import command_line
 import numpy as np
 import pytest
 
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.mcap.chunk_writer import Rows
+from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.cli import main
 from heading_intercompare.core.motion.tangent_plane import radii_m
 from heading_intercompare.core.records import Headings, Motion

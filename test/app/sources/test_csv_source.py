@@ -27,7 +27,8 @@ import pytest
 
 from heading_intercompare import Headings
 from heading_intercompare.bags.csv.pairs_account import account_path
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.mcap.chunk_writer import Rows
+from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.provenance import Notes, RECORD
 from heading_intercompare.cli import main
 from heading_intercompare.messages.heading_messages import encode_imu, IMU

@@ -27,13 +27,13 @@ import numpy as np
 import pytest
 
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.mcap.chunk_writer import ChunkWriter
+from heading_intercompare.bags.mcap.chunk_writer import ChunkWriter, Rows
 from heading_intercompare.bags.recording import bag_writer, disk_sync
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
 from heading_intercompare.bags.settings import BagSettings
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.messages.cdr import decode, encode
 from heading_intercompare.messages.heading_messages import IMU
 from heading_intercompare.messages.schemas import schema_of, TYPE_HASHES

@@ -24,7 +24,8 @@ import numpy as np
 import pytest
 
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.mcap.chunk_writer import Rows
+from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.bag_check import check_bag
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader, TopicInfo
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos

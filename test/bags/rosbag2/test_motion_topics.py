@@ -20,7 +20,8 @@ import numpy as np
 import pytest
 
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.mcap.chunk_writer import Rows
+from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.motion_topics import motion_topics, read_bag_motion
 from heading_intercompare.core.records import Motion

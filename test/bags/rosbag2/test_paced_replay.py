@@ -26,7 +26,7 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.paced_replay import Pace, Replay
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.declared_settings import SettingsError
 
 S = 1_000_000_000
 T0 = 1_700_000_000 * S

@@ -22,7 +22,8 @@ import numpy as np
 import pytest
 
 from heading_intercompare import analyze_bag, Headings, read_bag, Settings
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.mcap.chunk_writer import Rows
+from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import (
     describe_origin,

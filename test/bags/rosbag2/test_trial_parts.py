@@ -23,7 +23,8 @@ import numpy as np
 import pytest
 
 from heading_intercompare.app.analysis import judge_bags
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.mcap.chunk_writer import Rows
+from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.provenance import describe_origin, RECORD
 from heading_intercompare.bags.rosbag2.trial_parts import find_parts, find_place
 from heading_intercompare.core.pipeline import Intercomparison

@@ -24,7 +24,8 @@ import pytest
 from ship_of_sensors import make_three, TABLE, write_bag
 
 from heading_intercompare import analyze, analyze_sensors, Headings, Settings
-from heading_intercompare.bags.recording.bag_writer import BagWriter, Rows
+from heading_intercompare.bags.mcap.chunk_writer import Rows
+from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.provenance import describe_origin, RECORD, REPORT_TOPIC
 from heading_intercompare.cli import main
 from heading_intercompare.core.version import RULE_VERSION

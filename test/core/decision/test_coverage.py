@@ -27,7 +27,8 @@ from heading_intercompare.core.decision.coverage import (
     slowest_error_s,
     span_words,
 )
-from heading_intercompare.core.settings import list_settings, Risk, Settings, SettingsError
+from heading_intercompare.core.declared_settings import list_settings, SettingsError
+from heading_intercompare.core.settings import Risk, Settings
 
 
 def test_a_twentieth_of_the_record_is_covered():

@@ -31,8 +31,9 @@ from heading_intercompare.core.decision.criteria import (
     Limits,
     variance_limits,
 )
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.outcome import Outcome, worst
-from heading_intercompare.core.settings import Norms, SettingsError
+from heading_intercompare.core.settings import Norms
 
 GOOD, BAD, OPEN = Outcome.COMPLIANT, Outcome.NON_COMPLIANT, Outcome.INDETERMINATE
 

@@ -22,7 +22,8 @@ import pytest
 
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.norm_presets import PRESETS, sigma_max_deg
-from heading_intercompare.core.settings import Norms, SettingsError
+from heading_intercompare.core.declared_settings import SettingsError
+from heading_intercompare.core.settings import Norms
 
 
 def test_an_rms_norm_grows_with_the_secant():

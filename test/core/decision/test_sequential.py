@@ -25,8 +25,9 @@ import pytest
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.guarded import decide, gather_evidence
 from heading_intercompare.core.decision.sequential import find_standing, Looks, LookVerdict
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.settings import Norms, Risk, SettingsError
+from heading_intercompare.core.settings import Norms, Risk
 from heading_intercompare.core.statistics.cells import Cells
 
 ANY = Risk(min_duration_s=0.0)

@@ -23,7 +23,7 @@ import pytest
 
 from heading_intercompare import analyze, Headings, Settings
 from heading_intercompare.core.decision.trial_plan import LEVELS, plan_trial, simulate_differences
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.declared_settings import SettingsError
 
 GIVEN = {'sigma_max_deg': 0.2, 'sigma_ref_max_deg': 0.1, 'm_low': 0.9, 'slowest_error_s': 20.0}
 SETTINGS = Settings.of(**GIVEN)

@@ -20,7 +20,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from heading_intercompare.ahrs.ship.ship_motion import Leg, ShipTruth
+from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
+from heading_intercompare.ahrs.ship.steering import Leg
 from heading_intercompare.core.records import KNOT_M_S, Motion
 
 START_NS = 1_700_000_000 * 10 ** 9

@@ -22,10 +22,11 @@ import numpy as np
 import pytest
 
 from heading_intercompare.core.angles import wrap180
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.motion.antennas import find_baseline_headings
 from heading_intercompare.core.motion.tangent_plane import radii_m
 from heading_intercompare.core.records import Motion
-from heading_intercompare.core.settings import Antennas, Settings, SettingsError
+from heading_intercompare.core.settings import Antennas, Settings
 
 S = 10 ** 9
 N = 600

@@ -18,9 +18,10 @@ from __future__ import annotations
 
 import pytest
 
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.sensor_table import read_sensors
 from heading_intercompare.core.sensors.pair_settings import check_sensors, settings_of_pair
-from heading_intercompare.core.settings import Settings, SettingsError
+from heading_intercompare.core.settings import Settings
 
 TABLE = """
 gyro1 topic=g1/imu sigma_max_deg=0.5 sensor_class=gyrocompass installation_offset_deg=1.5

@@ -20,7 +20,8 @@ from hypothesis import given, strategies as st
 import numpy as np
 import pytest
 
-from heading_intercompare.core.settings import RunCutting, Settings, settings_sha256, SettingsError
+from heading_intercompare.core.declared_settings import settings_sha256, SettingsError
+from heading_intercompare.core.settings import RunCutting, Settings
 from heading_intercompare.core.time_rules.clock_cuts import ClockCuts
 
 S = 1_000_000_000

@@ -19,7 +19,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from heading_intercompare.core.settings import Detectors, from_mapping, SettingsError
+from heading_intercompare.core.declared_settings import from_mapping, SettingsError
+from heading_intercompare.core.settings import Detectors
 from heading_intercompare.core.timing.stamp_steps import measure_stamp_steps
 from heading_intercompare.drivers.logs import read_log
 

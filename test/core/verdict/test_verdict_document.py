@@ -28,15 +28,15 @@ import pytest
 from trials import judge_turning_ship
 
 from heading_intercompare import join, Outcome, Settings, Verdict
+from heading_intercompare.core.declared_settings import settings_sha256
 from heading_intercompare.core.pipeline import Intercomparison
-from heading_intercompare.core.settings import settings_sha256
+from heading_intercompare.core.typed_reader import VerdictError
 from heading_intercompare.core.verdict.verdict_document import (
     Input,
     OperatorNote,
     SCHEMA,
     SCHEMA_VERSION,
     Software,
-    VerdictError,
 )
 from heading_intercompare.core.version import RULE_VERSION
 

@@ -31,7 +31,7 @@ import yaml
 from heading_intercompare.app.config import load_config
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.cli.commands.graph import demo
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.nodes.launching.sections import OWN_SETTINGS
 
 FILES = ('intercompare.launch.py', 'replay.launch.py')

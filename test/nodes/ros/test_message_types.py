@@ -22,7 +22,7 @@ from types import ModuleType
 import pytest
 from sensor_msgs.msg import Imu
 
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.messages.heading_messages import AZIMUTH_TYPES, HEADING_TYPES as KNOWN
 from heading_intercompare.nodes.ros import message_types
 from heading_intercompare.nodes.ros.message_types import find_azimuth_types, find_heading_type

@@ -20,7 +20,8 @@ import pytest
 from rclpy.parameter import Parameter
 
 from heading_intercompare.bags.settings import BagSettings
-from heading_intercompare.core.settings import list_settings, Settings, SettingsError, to_mapping
+from heading_intercompare.core.declared_settings import list_settings, SettingsError, to_mapping
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.nodes.ros.graph_node import GraphNode
 from heading_intercompare.nodes.ros.parameters import declare, follow, make_overrides
 from heading_intercompare.nodes.settings import PAIRED, PUBLISHED, REPLAYED, SHOWN

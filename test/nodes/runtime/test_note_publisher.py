@@ -28,7 +28,7 @@ from ros_domain import DOMAIN
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import read_notes
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.nodes.runtime.note_publisher import publish_note
 
 pytestmark = pytest.mark.process

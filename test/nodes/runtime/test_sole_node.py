@@ -25,7 +25,7 @@ from rclpy.node import Node
 from sensor_msgs.msg import Imu
 from std_msgs.msg import String
 
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.nmea_driver import NmeaDriver
 from heading_intercompare.nodes.ros import qos

@@ -40,8 +40,6 @@ from heading_intercompare.report.sensors_report import write_protocols
 
 from .web_option import add_web_argument, read_web
 
-__all__ = ['add_arguments', 'NORMS', 'run']
-
 NORMS = {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1}
 _SENSORS = {'sensors': '; '.join((
     'gyro1 topic=ts/heading sigma_max_deg=0.3', 'gyro2 sigma_max_deg=0.3',

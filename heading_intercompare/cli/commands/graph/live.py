@@ -36,18 +36,18 @@ from heading_intercompare.cli.node_command import add_namespace_argument
 from heading_intercompare.cli.terminal.console import tell
 from heading_intercompare.cli.terminal.live_view import LiveView
 from heading_intercompare.core.decision.coverage import least_duration_words
+from heading_intercompare.core.declared_settings import from_mapping, SettingsError
 from heading_intercompare.core.sensor_table import describe_driver, list_tested, read_sensors
 from heading_intercompare.core.sensors.pair_settings import (
     check_norms,
     settings_of_others,
     settings_of_tested,
 )
-from heading_intercompare.core.settings import from_mapping, Settings, SettingsError
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.nodes.settings import ComplianceNode
 
 from .web_option import add_web_argument, read_web
 
-__all__ = ['add_arguments', 'run']
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""

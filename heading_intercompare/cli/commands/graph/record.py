@@ -23,8 +23,6 @@ from heading_intercompare.cli.commands.note import add_note_argument, read_notes
 from heading_intercompare.cli.node_command import add_namespace_argument, run_node
 from heading_intercompare.cli.terminal.live_view import LiveView
 
-__all__ = ['add_arguments', 'run']
-
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""

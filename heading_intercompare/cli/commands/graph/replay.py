@@ -26,8 +26,6 @@ from heading_intercompare.cli.node_command import add_namespace_argument, run_no
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.cli.terminal.status_lines import StatusLines
 
-__all__ = ['add_arguments', 'run']
-
 _TOPIC = re.compile(r'(?!.*__)(~?/)?[A-Za-z_]\w*(/[A-Za-z_]\w*)*', re.ASCII)
 _NUMBER = re.compile(r'\d[\d.,]*')
 

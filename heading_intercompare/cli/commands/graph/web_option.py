@@ -19,9 +19,7 @@ from __future__ import annotations
 import argparse
 from typing import Any, Mapping
 
-from heading_intercompare.core.settings import SettingsError
-
-__all__ = ['add_web_argument', 'read_web']
+from heading_intercompare.core.declared_settings import SettingsError
 
 
 def add_web_argument(parser: argparse.ArgumentParser) -> None:

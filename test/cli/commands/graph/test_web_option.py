@@ -21,7 +21,7 @@ import argparse
 import pytest
 
 from heading_intercompare.cli.commands.graph.web_option import add_web_argument, read_web
-from heading_intercompare.core.settings import SettingsError
+from heading_intercompare.core.declared_settings import SettingsError
 
 
 def read(*words, section=None):
