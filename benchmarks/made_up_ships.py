@@ -25,7 +25,7 @@ from typing import Any
 from error_processes import ar1
 import numpy as np
 
-from heading_intercompare.core.alarms.alarm_table import AlarmTable
+from heading_intercompare.core.alarms.alarm import AlarmTable
 from heading_intercompare.core.alarms.comparison_watch import COMPARISON_RULES, ComparisonWatch
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings

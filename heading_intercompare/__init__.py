@@ -30,14 +30,16 @@ _OFFERED = {
     'app.logs.trial_logs': ('judge_logs',),
     'bags.recording.recorded_headings': ('read_bag', 'RecordedHeadings'),
     'bags.rosbag2.bag_reader': ('BagReader',),
+    'core.declared_settings': ('SettingsError',),
     'core.diagnostics.three_cornered_hat': ('three_cornered_hat',),
     'core.outcome': ('Outcome',),
     'core.pairing.pairer': ('pair', 'Pairer'),
-    'core.pipeline': ('Compliance', 'Intercomparison', 'join'),
+    'core.pipeline': ('Compliance', 'Intercomparison'),
     'core.records': ('Differences', 'Headings', 'Motion', 'Pairs'),
     'core.sensors.sensors_verdict': ('SensorsVerdict',),
     'core.settings': ('Alignment', 'CampaignRule', 'Detectors', 'MotionRule', 'Norms', 'Pairing',
-                      'Risk', 'RunCutting', 'Sequential', 'Settings', 'SettingsError', 'Trial'),
+                      'Risk', 'RunCutting', 'Sequential', 'Settings', 'Trial'),
+    'core.verdict.all_runs': ('join',),
     'core.verdict.verdict_document': ('RunVerdict', 'Verdict'),
 }
 """The names that are offered, by the module that defines them; it is loaded at first use."""
@@ -58,9 +60,6 @@ def __dir__() -> list[str]:
 
 if TYPE_CHECKING:
     # The same names for type checkers and editors.
-    from heading_intercompare.core.declared_settings import SettingsError as SettingsError
-    from heading_intercompare.core.verdict.all_runs import join as join
-
     from .app.analysis import (
         analyze as analyze,
         analyze_bag as analyze_bag,
@@ -74,6 +73,7 @@ if TYPE_CHECKING:
         RecordedHeadings as RecordedHeadings,
     )
     from .bags.rosbag2.bag_reader import BagReader as BagReader
+    from .core.declared_settings import SettingsError as SettingsError
     from .core.diagnostics.three_cornered_hat import three_cornered_hat as three_cornered_hat
     from .core.outcome import Outcome as Outcome
     from .core.pairing.pairer import pair as pair, Pairer as Pairer
@@ -98,4 +98,5 @@ if TYPE_CHECKING:
         Settings as Settings,
         Trial as Trial,
     )
+    from .core.verdict.all_runs import join as join
     from .core.verdict.verdict_document import RunVerdict as RunVerdict, Verdict as Verdict

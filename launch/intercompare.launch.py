@@ -49,12 +49,12 @@ from heading_intercompare.core.sensor_table import describe_driver, list_tested,
 from heading_intercompare.core.sensors.pair_settings import check_norms
 from heading_intercompare.nodes.launching.arguments import (
     check_path,
+    check_sections,
     common_arguments,
     find_misspelt,
     read_namespace,
     read_switch,
 )
-from heading_intercompare.nodes.launching.sections import check_sections
 from heading_intercompare.nodes.sensors.places import (
     count_motion_subscribers,
     count_subscribers,

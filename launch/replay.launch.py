@@ -32,13 +32,13 @@ from heading_intercompare.core.sensor_table import list_tested, read_sensors
 from heading_intercompare.core.sensors.pair_settings import check_norms
 from heading_intercompare.nodes.launching.arguments import (
     check_path,
+    check_sections,
     common_arguments,
     find_misspelt,
     read_namespace,
     read_number,
     read_switch,
 )
-from heading_intercompare.nodes.launching.sections import check_sections
 from heading_intercompare.nodes.sensors.places import count_subscribers, remap_rules
 
 # Default and meaning of each argument.

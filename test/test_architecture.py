@@ -91,7 +91,7 @@ LOADED_BY = {
     'pyarrow': {'readers/parquet'},
     'ephem': {'app/observations/sun'},
     'distributed': {'app/cluster'}, 'argcomplete': {'cli/completion'},
-    'rich': {'cli/terminal/console', 'cli/terminal/progress', 'cli/terminal/screen'},
+    'rich': {'cli/terminal/console', 'cli/terminal/progress', 'cli/terminal/live_view'},
     'nicegui': {'web/page', 'web/server'}, 'fastapi': {'web/server'}, 'uvicorn': {'web/server'},
 }
 

@@ -12,16 +12,21 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""NMEA 0183 bytes to headings, with a count of everything that gave none."""
+"""
+NMEA 0183 bytes to headings, with a count of everything that gave none.
+
+Bytes of a stream wait in the kernel, unstamped, while the program does not read. Then several
+readings come at once, and the time at which they are read is not the time at which they came.
+"""
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, deque
+from statistics import median
 from typing import Mapping
 
 from heading_intercompare.core.records import Headings
 
-from .bursts import BurstFinder
 from .framing import Frame, Framer
 from .log_lines.days import Days
 from .log_lines.line_stamps import LineStamps, STAMP_REASONS
@@ -34,6 +39,64 @@ from .log_lines.times import day_time_ns
 from .sentence_choice import accepts, choose_instrument, find_sentence, Heard, Listening
 from .sentences import heading_of, identify, may_lack_checksum, Name, Rejected
 from .settings import DriverError, DriverSettings, SENTENCES
+
+#: Steps and latencies remembered, and how many of them are needed.
+_REMEMBERED, _NEEDED = 31, 3
+#: A stamp may be late by this many usual steps.
+_LATE_STEPS = 2.0
+
+
+class BurstFinder:
+    """
+    Tells which readings of a stream have no stamp of their own.
+
+    A reading has none if another one of its kind and talker began in the same read, or if its
+    bytes may have waited for more than two usual steps of its kind.
+    """
+
+    def __init__(self) -> None:
+        self._last_ns: dict[Name, int] = {}
+        self._steps_ns: dict[Name, deque[int]] = {}
+        self._latencies_ns: dict[Name, deque[int]] = {}
+
+    def find(self, name: Name, received_ns: int, in_read: int, late_s: float) -> bool:
+        """
+        Tell whether a reading belongs to a burst.
+
+        Parameters
+        ----------
+        name
+            Kind and talker of the reading.
+        received_ns
+            Time of the read in which its first byte came, nanoseconds.
+        in_read
+            Readings of this name that began in that read, itself among them.
+        late_s
+            Longest time for which its bytes may have waited to be read, seconds.
+
+        """
+        last_ns = self._last_ns.get(name)
+        self._last_ns[name] = received_ns
+        if in_read > 1 or received_ns == last_ns:
+            return True
+        steps_ns = self._steps_ns.setdefault(name, deque(maxlen=_REMEMBERED))
+        enough_steps = len(steps_ns) >= _NEEDED
+        if enough_steps and late_s * 1e9 > _LATE_STEPS * median(steps_ns):
+            return True
+        if last_ns is not None and received_ns > last_ns:
+            steps_ns.append(received_ns - last_ns)
+        return False
+
+    def learn_latency(self, name: Name, received_ns: int, valid_ns: int) -> None:
+        """Note how long after its time of validity a reading with a stamp of its own came."""
+        latencies_ns = self._latencies_ns.setdefault(name, deque(maxlen=_REMEMBERED))
+        latencies_ns.append(received_ns - valid_ns)
+
+    def receipt_ns(self, name: Name, valid_ns: int) -> int | None:
+        """Return when a reading valid at some time usually comes; None while that is unknown."""
+        latencies_ns = self._latencies_ns.get(name, ())
+        return valid_ns + int(median(latencies_ns)) if len(latencies_ns) >= _NEEDED else None
+
 
 #: Talkers counted each by itself; a flood may have thousands.
 _MOST_OTHERS = 32

@@ -38,12 +38,18 @@ from heading_intercompare.core.sensor_table import list_tested, read_sensors
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Verdict
+from heading_intercompare.nodes.ros.endpoints import check_namespace
 from heading_intercompare.nodes.ros.graph_node import GraphNode
 from heading_intercompare.nodes.ros.parameters import make_overrides
-from heading_intercompare.nodes.ros.process import end, settle_memory, spin_nodes, Stop
+from heading_intercompare.nodes.ros.process import (
+    check_security,
+    end,
+    say_security_errors,
+    settle_memory,
+    spin_nodes,
+    Stop,
+)
 from heading_intercompare.nodes.ros.quick_executor import QuickExecutor
-from heading_intercompare.nodes.ros.remapping import check_namespace
-from heading_intercompare.nodes.ros.security import check_security, say_security_errors
 from heading_intercompare.nodes.ros.transports import prefer_udp, RANGE, set_variable
 from heading_intercompare.nodes.runtime.source_thread import ReadingNode
 from heading_intercompare.nodes.sensors.places import (

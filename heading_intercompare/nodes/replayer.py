@@ -31,12 +31,12 @@ from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.messages.stamps import encode_clock
 from heading_intercompare.messages.status_messages import MARKER_TOPIC, OK, WARN
 from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.endpoints import published_names
 from heading_intercompare.nodes.ros.graph_node import GraphNode
 from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.ros.message_types import find_heading_type
 from heading_intercompare.nodes.ros.parameters import declare
 from heading_intercompare.nodes.ros.process import run
-from heading_intercompare.nodes.ros.remapping import published_names
 from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime import replayed_beside as beside
 from heading_intercompare.nodes.runtime.publishing import (

@@ -19,8 +19,7 @@ from __future__ import annotations
 from drivers.receiving import sentence
 import pytest
 
-from heading_intercompare.drivers.bursts import BurstFinder
-from heading_intercompare.drivers.nmea import NmeaDecoder
+from heading_intercompare.drivers.nmea import BurstFinder, NmeaDecoder
 from heading_intercompare.drivers.sentences import Name
 from heading_intercompare.drivers.settings import DriverSettings
 

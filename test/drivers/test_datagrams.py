@@ -24,11 +24,10 @@ from drivers.receiving import DEADLINE_S, free_port, HDT, joined, read_until
 import pytest
 
 from heading_intercompare.core.declared_settings import SettingsError
-from heading_intercompare.drivers import datagrams
-from heading_intercompare.drivers.datagrams import UdpSource
+from heading_intercompare.drivers import sources
 from heading_intercompare.drivers.nmea import NmeaDecoder
 from heading_intercompare.drivers.settings import DriverSettings
-from heading_intercompare.drivers.sources import open_source
+from heading_intercompare.drivers.sources import open_source, UdpSource
 
 GROUP = '239.192.0.3'
 # A busy kernel delivers a datagram some time after it was sent.
@@ -90,7 +89,7 @@ def test_a_datagram_has_the_stamp_of_the_kernel_however_late_it_is_read(listen):
 
 
 def test_without_stamps_of_the_kernel_the_clock_of_the_program_stamps(listen, monkeypatch):
-    monkeypatch.setattr(datagrams, '_SO_TIMESTAMPNS', 10_000)
+    monkeypatch.setattr(sources, '_SO_TIMESTAMPNS', 10_000)
     source, sender = listen(now_ns=lambda: 7)
     sender.send(HDT[0])
     assert read_until(source, len)[0].stamp_ns == 7

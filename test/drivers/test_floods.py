@@ -31,9 +31,9 @@ from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.core.settings import Settings
-from heading_intercompare.drivers.datagrams import UdpSource
 from heading_intercompare.drivers.nmea import NmeaDecoder
 from heading_intercompare.drivers.settings import DriverSettings
+from heading_intercompare.drivers.sources import UdpSource
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.status_messages import decode_statuses, encode_statuses, Status
 

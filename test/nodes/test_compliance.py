@@ -57,7 +57,7 @@ from heading_intercompare.messages.status_messages import (
 from heading_intercompare.nodes import compliance
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.runtime.scalars import SCALARS
+from heading_intercompare.nodes.runtime.figures import SCALARS
 from heading_intercompare.nodes.synchronizer import Synchronizer
 from heading_intercompare.nodes.taking.predecessor import LEDGER_TAKEN_TOPIC
 from heading_intercompare.web.bridge.bridge_records import Tone

@@ -32,7 +32,7 @@ from heading_intercompare.bags.recording.part_states import PartStates
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.ros.health import Health
-from heading_intercompare.nodes.runtime.scalars import SCALARS
+from heading_intercompare.nodes.runtime.figures import SCALARS
 from heading_intercompare.nodes.settings import HeadingTypes, Taking
 from heading_intercompare.nodes.taking.recorded_topics import make_intakes
 

@@ -22,8 +22,14 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from heading_intercompare.core.alarms.alarm import Alarm, AlarmState, Priority, Rule, Sign
-from heading_intercompare.core.alarms.alarm_table import AlarmTable
+from heading_intercompare.core.alarms.alarm import (
+    Alarm,
+    AlarmState,
+    AlarmTable,
+    Priority,
+    Rule,
+    Sign,
+)
 from heading_intercompare.messages.status_messages import (
     decode_text,
     encode_statuses,

@@ -17,14 +17,21 @@ A node as a process: one line for a user's mistake, a clean end on a signal.
 
 The signal handlers of rclpy would end the context before the last verdict could be published. So
 they are not installed, and a flag ends the loop instead.
+
+Fast DDS may never return from taking down a participant whose peers were killed, or when it takes
+down several at once on a busy computer. It holds the interpreter lock meanwhile, so neither a
+thread of Python nor a signal handler can end the process. A timer of the C library can.
 """
 
 from __future__ import annotations
 
 from contextlib import contextmanager
+import ctypes
 from functools import partial
 import gc
+import math
 import os
+from pathlib import Path
 import signal
 import sys
 import time
@@ -39,9 +46,88 @@ from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.drivers.settings import DriverError
 
 from .graph_node import GraphNode
-from .leaving import leave_if_hung
 from .quick_executor import QuickExecutor
-from .security import check_security, say_security_errors
+
+_CLOCK_MONOTONIC, _SIGEV_THREAD = 1, 2
+
+
+class _Event(ctypes.Structure):
+    """`struct sigevent` of Linux: what a timer does, 64 bytes."""
+
+    _fields_ = (('value', ctypes.c_uint64), ('signal', ctypes.c_int), ('notify', ctypes.c_int),
+                ('function', ctypes.c_void_p), ('attributes', ctypes.c_void_p),
+                ('rest', ctypes.c_char * 32))
+
+
+class _Times(ctypes.Structure):
+    """`struct itimerspec`: the interval and the first time, each as seconds and nanoseconds."""
+
+    _fields_ = tuple((name, ctypes.c_long)
+                     for name in ('every_s', 'every_ns', 'first_s', 'first_ns'))
+
+
+@contextmanager
+def leave_if_hung(seconds: float, code: int) -> Iterator[None]:
+    """
+    End the process if the block takes longer; only Linux has such timers.
+
+    Parameters
+    ----------
+    seconds
+        The longest time that the block may take, > 0.
+    code
+        The exit code then.
+
+    Raises
+    ------
+    OSError
+        If the kernel gives no timer.
+
+    """
+    if sys.platform != 'linux':
+        yield
+        return
+    libc = ctypes.CDLL(None, use_errno=True)
+    # The timer calls `_exit(code)` in a thread of its own.
+    event = _Event(value=code, notify=_SIGEV_THREAD,
+                   function=ctypes.cast(libc._exit, ctypes.c_void_p))
+    timer = ctypes.c_void_p()
+    fraction_s, whole_s = math.modf(seconds)
+    times = _Times(first_s=int(whole_s), first_ns=round(fraction_s * 1e9))
+    if libc.timer_create(_CLOCK_MONOTONIC, ctypes.byref(event), ctypes.byref(timer)) or (
+            libc.timer_settime(timer, 0, ctypes.byref(times), None)):
+        raise OSError(ctypes.get_errno(), 'no timer')
+    try:
+        yield
+    finally:
+        libc.timer_delete(timer)
+
+
+def _wanted() -> bool:
+    return (os.environ.get('ROS_SECURITY_ENABLE') == 'true'
+            and os.environ.get('ROS_SECURITY_STRATEGY') == 'Enforce')
+
+
+def check_security() -> None:
+    """Raise SettingsError if security is enforced and there is no keystore."""
+    keystore = os.environ.get('ROS_SECURITY_KEYSTORE', '')
+    if _wanted() and not (keystore and Path(keystore, 'enclaves').is_dir()):
+        raise SettingsError(
+            f'ROS_SECURITY_STRATEGY is Enforce, but ROS_SECURITY_KEYSTORE = {keystore!r} is not a '
+            'keystore; share/heading_intercompare/security/make_keystore.py makes one')
+
+
+@contextmanager
+def say_security_errors() -> Iterator[None]:
+    """Turn what rcl says of missing keys or a middleware without security into SettingsError."""
+    try:
+        yield
+    except RuntimeError as error:
+        if not _wanted():
+            raise
+        words = ' '.join(str(error).split()).partition(', at /')[0]
+        raise SettingsError(f'ROS security is enforced: {words}') from error
+
 
 _MISTAKES = (SettingsError, DriverError, BagError, OSError)
 """The errors that a user can cause; the text of each is one line that says what is wrong."""

@@ -26,11 +26,10 @@ from std_msgs.msg import String
 from heading_intercompare.bags.rosbag2.provenance import NOTE_TOPIC
 from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.messages.status_messages import encode_text
+from heading_intercompare.nodes.ros.endpoints import check_namespace
 from heading_intercompare.nodes.ros.graph_node import GraphNode
-from heading_intercompare.nodes.ros.process import spin_nodes
+from heading_intercompare.nodes.ros.process import check_security, say_security_errors, spin_nodes
 from heading_intercompare.nodes.ros.qos import NOTE
-from heading_intercompare.nodes.ros.remapping import check_namespace
-from heading_intercompare.nodes.ros.security import check_security, say_security_errors
 
 from .publishing import await_acknowledgement
 

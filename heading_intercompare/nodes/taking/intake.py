@@ -42,8 +42,7 @@ from heading_intercompare.nodes.ros.message_types import find_heading_type
 from heading_intercompare.nodes.ros.parameters import follow, resolve_topic
 from heading_intercompare.nodes.ros.transports import DISCOVERY_S
 
-from .reception import Message, number_of, Reception
-from .renewal import Renewal
+from .reception import Message, number_of, Reception, Renewal
 
 _Chunk = TypeVar('_Chunk')
 

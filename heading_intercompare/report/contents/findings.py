@@ -18,9 +18,13 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import zip_longest
+import math
 from typing import Any, Mapping, Sequence
 
+import numpy as np
+
 from heading_intercompare.core.declared_figures import Figure, list_figures
+from heading_intercompare.core.diagnostics.deviation import deviation_at, HeadingDependence
 from heading_intercompare.core.statistics.normality import Shape
 from heading_intercompare.core.verdict.verdict_document import RunVerdict
 from heading_intercompare.core.verdict.vocabulary import STATE_WORDS
@@ -32,8 +36,40 @@ from heading_intercompare.report.formatting import (
     with_uncertainty,
 )
 
-from .deviation_card import make_deviation_card
 from .tables import Table
+
+_STEP_DEG = 45.0
+_WIDEST_ARC_DEG = 120.0
+
+
+def make_deviation_card(fit: HeadingDependence) -> Table | None:
+    """
+    Return the card of a run, a row per 45 deg.
+
+    Parameters
+    ----------
+    fit
+        The harmonics of the run.
+
+    Returns
+    -------
+    Table or None
+        None without coefficients, or if the ship left out more than 120 deg of the compass: there
+        the fit would be a guess.
+
+    """
+    if fit.coefficients_deg is None or (fit.empty_arc_deg or 0.0) > _WIDEST_ARC_DEG:
+        return None
+    headings = np.arange(0.0, 360.0, _STEP_DEG)
+    x_deg, u_deg = deviation_at(fit, headings)
+    mean_deg = fit.coefficients_deg[0]
+    return Table(
+        ['heading [deg]', 'TS - RS, fitted [deg]', 'correction to add to the TS [deg]',
+         'of this by the heading [deg]'],
+        [[number(at), with_uncertainty(x, u), with_uncertainty(-x, u), f'{mean_deg - x:.3f}']
+         for at, x, u in zip(headings.tolist(), x_deg.tolist(), u_deg.tolist())
+         if math.isfinite(x)])
+
 
 Figures = Mapping[str, Figure]
 

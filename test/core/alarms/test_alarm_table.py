@@ -16,8 +16,7 @@
 
 from __future__ import annotations
 
-from heading_intercompare.core.alarms.alarm import AlarmState, Rule, Sign
-from heading_intercompare.core.alarms.alarm_table import AlarmTable
+from heading_intercompare.core.alarms.alarm import AlarmState, AlarmTable, Rule, Sign
 
 
 def table():

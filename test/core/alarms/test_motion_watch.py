@@ -22,8 +22,7 @@ import sys
 import numpy as np
 import pytest
 
-from heading_intercompare.core.alarms.alarm import AlarmState
-from heading_intercompare.core.alarms.alarm_table import AlarmTable
+from heading_intercompare.core.alarms.alarm import AlarmState, AlarmTable
 from heading_intercompare.core.alarms.motion_watch import MOTION_RULES, MotionWatch
 from heading_intercompare.core.records import Motion, Pairs
 from heading_intercompare.core.settings import Settings

@@ -26,8 +26,8 @@ import pytest
 from heading_intercompare import analyze, Headings, Settings
 from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.messages.status_messages import OK, WARN
-from heading_intercompare.nodes.judging import run_log
-from heading_intercompare.nodes.judging.run_log import RunLog
+from heading_intercompare.nodes.judging import reporting
+from heading_intercompare.nodes.judging.reporting import RunLog
 from heading_intercompare.nodes.settings import ComplianceNode
 
 S = 1_000_000_000
@@ -56,7 +56,7 @@ def verdict(rng):
 def now(monkeypatch):
     """Return the steady clock of the log, which a test sets."""
     clock = [100.0]
-    monkeypatch.setattr(run_log.time, 'monotonic', lambda: clock[0])
+    monkeypatch.setattr(reporting.time, 'monotonic', lambda: clock[0])
     return clock
 
 

@@ -23,7 +23,7 @@ import time
 from deadlines import DEADLINE_S
 import pytest
 
-from heading_intercompare.nodes.ros.leaving import leave_if_hung
+from heading_intercompare.nodes.ros.process import leave_if_hung
 
 pytestmark = pytest.mark.process
 
@@ -35,6 +35,6 @@ def test_what_returns_in_time_goes_on():
 
 
 def test_what_takes_longer_ends_the_process_with_a_code():
-    code = ('import time; from heading_intercompare.nodes.ros.leaving import leave_if_hung\n'
+    code = ('import time; from heading_intercompare.nodes.ros.process import leave_if_hung\n'
             'with leave_if_hung(0.1, 3): time.sleep(600)')
     assert subprocess.run([sys.executable, '-c', code], timeout=DEADLINE_S).returncode == 3

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import pytest
 
-from heading_intercompare.nodes.taking.renewal import Renewal
+from heading_intercompare.nodes.taking.reception import Renewal
 
 
 def times_due(received_at, missing_at=lambda s: 0, seconds=range(1000)):

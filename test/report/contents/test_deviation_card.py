@@ -21,7 +21,7 @@ from dataclasses import replace
 import numpy as np
 
 from heading_intercompare.core.diagnostics.deviation import fit_deviation
-from heading_intercompare.report.contents.deviation_card import make_deviation_card
+from heading_intercompare.report.contents.findings import make_deviation_card
 
 
 def fit_of(rng, headings):
