@@ -33,6 +33,7 @@ from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.cli.commands.graph import demo
 from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.nodes.launching.arguments import OWN_SETTINGS
+from heading_intercompare.nodes.runtime import source_thread
 
 FILES = ('intercompare.launch.py', 'replay.launch.py')
 DEMO = 'demo.launch.py'
