@@ -404,7 +404,8 @@ def test_who_may_write_a_protocol_loads_what_it_needs_only_then(name):
 @pytest.mark.slow
 @pytest.mark.parametrize('name', ['core.records', 'core.pairing.pairer', 'drivers.nmea',
                                   'drivers.sources', 'bags.rosbag2.bag_reader', 'bags.recording',
-                                  'cli.program', *(f'nodes.{node}' for node in NEED_NO_SCIPY)])
+                                  'cli.program', 'cli.commands.info',
+                                  *(f'nodes.{node}' for node in NEED_NO_SCIPY)])
 def test_who_only_takes_and_passes_on_headings_loads_no_scipy(name):
     if name.startswith('nodes.'):
         pytest.importorskip('rclpy')

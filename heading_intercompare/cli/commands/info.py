@@ -23,12 +23,6 @@ from typing import Iterator, Mapping, Sequence
 
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.recording.journal import is_journal, read_journal
-from heading_intercompare.bags.recording.journal_reading import (
-    describe_gaps,
-    JournalReader,
-    read_origin,
-    Unjudged,
-)
 from heading_intercompare.bags.recording.part_states import read_states, STATES
 from heading_intercompare.bags.recording.recorder_losses import RECORDING, tell_missing
 from heading_intercompare.bags.rosbag2.bag_check import BagCheck, check_bag
@@ -48,7 +42,6 @@ from heading_intercompare.core.typed_reader import VerdictError
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.readers.registry import find_format, Format, open_recording
 from heading_intercompare.readers.stream_recording import StreamRecording
-from heading_intercompare.report.json import parse_any
 
 #: Counts by topic in the record of losses, and the heads of their columns.
 _LOSSES = {'received': 'received', 'lost_on_the_way': 'lost on the way',
@@ -119,6 +112,13 @@ def _show_recording(arguments: argparse.Namespace, form: Format) -> int:
 
 def _show_journal(arguments: argparse.Namespace) -> int:
     """Print the contents of a journal, which always has checksums and no attachment."""
+    # Only now: what judges is not loaded to look into a bag.
+    from heading_intercompare.bags.recording.journal_reading import (
+        describe_gaps,
+        JournalReader,
+        read_origin,
+        Unjudged,
+    )
     path = Path(arguments.bag)
     if arguments.extract is not None:
         raise ValueError(f'--extract {arguments.extract}: {path} is a journal, which has no '
@@ -283,6 +283,8 @@ def _report_verdict(reader: BagReader, attachments: Sequence[Attachment]) -> Ite
 
 
 def _verdict(text: str) -> Iterator[str]:
+    # Only now: it loads what judges.
+    from heading_intercompare.report.json import parse_any
     try:
         yield from str(parse_any(text)).splitlines()
     except VerdictError as error:
