@@ -14,6 +14,7 @@
 
 """Make the frozen samples with the sources on the path."""
 
+import os
 from pathlib import Path
 import sys
 
@@ -31,14 +32,13 @@ SCENARIO = {
 
 
 def make(folder: Path) -> None:
-    """Write bag, csv and verdict into a folder."""
-    bag = str(folder / 'bag')
+    """Write bag, csv and verdict into a folder; they name each other without its path."""
+    os.chdir(folder)
     intercompare([Source(SensorSimulator, 'sensor_simulator', SCENARIO)],
-                 Settings.from_mapping(NORMS).to_mapping(), output=bag, private=True)
+                 Settings.from_mapping(NORMS).to_mapping(), output='bag', private=True)
     given = [f'--set={name}={value}' for name, value in NORMS.items()]
-    main(['analyze', bag, *given, '--json', str(folder / 'verdict.json'),
-          '--csv', str(folder / 'pairs.csv'),
-          '--ensembles', str(folder / 'ensembles.csv'), '--ensemble-s', '60'])
+    main(['analyze', 'bag', *given, '--json', 'verdict.json', '--csv', 'pairs.csv',
+          '--ensembles', 'ensembles.csv', '--ensemble-s', '60'])
 
 
 if __name__ == '__main__':
