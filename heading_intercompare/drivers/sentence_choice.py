@@ -35,8 +35,7 @@ from .log_lines.line_words import InstrumentChoice
 from .sentences import identify, may_lack_checksum, Name
 from .settings import DriverSettings, SENTENCES
 
-_TOKENS = {'THS': b'THS,', 'HDT': b'HDT,', 'PASHR': b'PASHR,', 'PSXN,23': b'PSXN,23,',
-           'PUHAW,UVH': b'PUHAW,UVH,', 'HDG': b'HDG,'}
+_TOKENS = {kind: f'{kind},'.encode() for kind in SENTENCES}
 #: Bytes framed at once; of the first line that may hold a heading no more than that line.
 _BLOCK = 1 << 16
 

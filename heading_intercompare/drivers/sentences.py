@@ -24,8 +24,6 @@ from functools import lru_cache
 import re
 from typing import Callable, NamedTuple
 
-from heading_intercompare.core.angles import wrap360
-
 
 class Rejected(Exception):
     """A sentence gives no heading; `reason` names the count it goes to."""
@@ -171,11 +169,13 @@ def _parse_hdg(fields: list[bytes]) -> float:
     deviation_deg, variation_deg = _east(fields, 2), _east(fields, 4)
     if variation_deg is None:
         raise Rejected('no_variation')
-    return float(wrap360(sensor_deg + (deviation_deg or 0.0) + variation_deg))
+    heading_deg = (sensor_deg + (deviation_deg or 0.0) + variation_deg) % 360.0
+    # A tiny negative angle rounds to 360.
+    return 0.0 if heading_deg == 360.0 else heading_deg
 
 
 #: Kind of sentence -> its parser, from fields with the address to heading [deg]; raises Rejected.
-#: A kind with a comma is the start of a proprietary sentence.
+#: The best kind comes first; one with a comma is the start of a proprietary sentence.
 PARSERS: dict[str, Callable[[list[bytes]], float]] = {
     'THS': _parse_ths,
     'HDT': _parse_hdt,

@@ -25,8 +25,10 @@ from zoneinfo import ZoneInfo
 
 from heading_intercompare.core.declared_settings import Checked, setting, SettingsError
 
+from .sentences import PARSERS
+
 #: Kinds of heading sentence; 'auto' uses the first of those present.
-SENTENCES = ('THS', 'HDT', 'PASHR', 'PSXN,23', 'PUHAW,UVH', 'HDG')
+SENTENCES = (*PARSERS,)
 
 #: Forms of stamp, by their names in the table of `log_lines/line_formats`.
 STAMP_FORMATS = ('auto', 'iso', 'doy', 'compact', 'named', 'month', 'asctime', 'mdy', 'dmy',
