@@ -19,6 +19,7 @@ from __future__ import annotations
 from importlib.util import find_spec
 from pathlib import Path
 import sys
+from typing import Any, get_origin
 
 DOCS = Path(__file__).resolve().parent
 sys.path[:0] = [str(DOCS.parent), str(DOCS)]
@@ -45,16 +46,27 @@ html_copy_source = False
 
 add_module_names = False
 autodoc_member_order = 'bysource'
-autodoc_typehints = 'none'
+autodoc_typehints = 'signature'
+python_maximum_signature_line_length = 88
 autodoc_mock_imports = [name for name in (
     'rclpy', 'rcl_interfaces', 'diagnostic_msgs', 'geometry_msgs', 'nav_msgs', 'rosgraph_msgs',
     'sensor_msgs', 'std_msgs', 'std_srvs', 'serial', 'distributed', 'isal', 'numba', 'pandas',
     'ephem')
     if find_spec(name) is None]
+# Several modules have a class of one name, which signatures give without its module.
+suppress_warnings = ['ref.python']
 numpydoc_show_class_members = False
 numpydoc_xref_param_type = False
 
 
-def setup(app: object) -> None:
+def skip_foreign(app: object, what: str, name: str, obj: object, skip: bool,
+                 options: object) -> bool | None:
+    """Leave out names of types, and what a module imports from other packages."""
+    is_foreign = callable(obj) and not str(getattr(obj, '__module__', '')).startswith(project)
+    return True if what == 'module' and (is_foreign or get_origin(obj) is not None) else None
+
+
+def setup(app: Any) -> None:
     """Write the reference pages before Sphinx looks for its sources."""
     write_pages(DOCS / 'reference')
+    app.connect('autodoc-skip-member', skip_foreign)
