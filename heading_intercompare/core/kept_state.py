@@ -22,7 +22,6 @@ import json
 from heading_intercompare.core.decision.criteria import Limits, Printed
 from heading_intercompare.core.decision.guarded import Evidence
 from heading_intercompare.core.decision.taken_out import Stretch
-from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
 from heading_intercompare.core.runs.record_pieces import PieceState
 from heading_intercompare.core.runs.run_cutter import CutterState
 from heading_intercompare.core.typed_reader import make_plain, read_plain
@@ -45,7 +44,6 @@ class KeptRun:
     printed: Printed
     alone: tuple[Outcome, str]
     stabilization_s: float | str
-    set_backs: tuple[SetBack, ...]
     cut_ns: int
     judged: tuple[Finding, ...]
     fingerprint: str | None

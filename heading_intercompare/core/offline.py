@@ -200,7 +200,9 @@ def _pair_again(ts: Headings, rs: Headings, result: RunResult, settings: Setting
         return None
     # The table that selects the run leaves out its margins; the record as it is has them apart.
     again = replace(now[0], pieces=(), outside=result.outside)
-    return again if again.set_backs else again.with_set_backs(result.set_backs)
+    if again.share is None or again.share.set_backs or result.share is None:
+        return again
+    return replace(again, share=replace(again.share, set_backs=result.share.set_backs)).conclude()
 
 
 def _fix_method(result: RunResult, rule: Pairing) -> Pairing:

@@ -28,7 +28,6 @@ from heading_intercompare.core.pairing.incarnations import Incarnations
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
 from heading_intercompare.core.pairing.pair_sampling import PairSampler
 from heading_intercompare.core.pairing.pairer import Pairer
-from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
 from heading_intercompare.core.runs.growing_columns import Keep
 from heading_intercompare.core.runs.live_figures import (
     compute_figures,
@@ -344,29 +343,27 @@ class Compliance:
             shares = [LedgerSegment(cut_ns, dict.fromkeys(keys, r.verdict.n_input))
                       for r, cut_ns in finished]
             inside = shares
-            set_backs: list[tuple[SetBack, ...]] = [()] * len(results)
         else:
             # The run in progress also has a share, though it is not among the results yet.
             in_progress = [] if run is None else [run.cut_ns]
             before = [] if self._earlier_ns is None else [self._earlier_ns]
             starts = [*before, *(cut_ns for _, cut_ns in finished), *in_progress]
             shares = ledger.shares(starts)[len(before):]
-            set_backs = ledger.share_set_backs(starts)[len(before):]
             inside = [ledger.count_between(r.start_ns, r.end_ns)
                       for r in (result.verdict for result in results)]
         n = self._count_old(results)
         # What the runs of the verdict leave out does not depend on when others were left.
         results[n:] = self._account_for_left_out(results[n:], results[:n], short, run)
-        rows = [*zip(results, shares, inside, set_backs)]
+        rows = [*zip(results, shares, inside)]
         notes = []
         if n_short := self._n_short_before + len(short):
             notes.append(f'{n_short} pieces shorter than runs.min_duration_s were left out')
         if n_earlier := self._n_earlier + n:
             notes.append(f'earlier_runs: {n_earlier} runs before the newest runs.keep = '
                          f'{self.settings.runs.keep} cuts are not part of this verdict')
-        return ([r.with_pairing(share, within, (), steps) for r, share, within, steps in rows[:n]],
-                [r.with_pairing(share, within, notes if at == 0 else (), steps)
-                 for at, (r, share, within, steps) in enumerate(rows[n:])])
+        return ([r.with_pairing(share, within) for r, share, within in rows[:n]],
+                [r.with_pairing(share, within, notes if at == 0 else ())
+                 for at, (r, share, within) in enumerate(rows[n:])])
 
     def _count_old(self, results: Sequence[RunResult]) -> int:
         """Return how many of the runs are too old for the verdict."""

@@ -74,8 +74,9 @@ def test_clocks_that_were_set_back_arrive_with_their_ledger():
     back = decode_ledger(encode_ledger(ledger)).ledger
     assert back.set_backs == ledger.set_backs
     assert back.segments == ledger.segments
-    assert back.share_set_backs([1, 6, 8]) == [(steps[0],), (steps[2],), (steps[1],)]
-    assert back.share_set_backs([6, 100]) == [tuple(steps), ()]
+    assert [share.set_backs for share in back.shares([1, 6, 8])] == [
+        (steps[0],), (steps[2],), (steps[1],)]
+    assert [share.set_backs for share in back.shares([6, 100])] == [tuple(steps), ()]
 
 
 @pytest.mark.slow

@@ -222,11 +222,14 @@ class LedgerSegment:
         First stamp of the segment; None for the first segment, which has no beginning.
     counts
         Pairs, and readings by fate. An absent key is 0.
+    set_backs
+        Of the share of a run: the clocks that were set back within it.
 
     """
 
     start_ns: int | None
     counts: Mapping[LedgerKey, int] = field(default_factory=dict)
+    set_backs: tuple[SetBack, ...] = ()
 
     def __post_init__(self) -> None:
         """Turn strings into keys."""
@@ -525,24 +528,24 @@ class Ledger:
         Returns
         -------
         list of LedgerSegment, length m
-            A segment goes to the last run that starts at or before it, otherwise to the first.
+            A segment goes to the last run that starts at or before it, otherwise to the first, and
+            so does a clock that was set back.
 
         """
         starts = np.asarray(start_ns, dtype=np.int64)
-        shares: list[Counter[LedgerKey]] = [Counter() for _ in range(max(1, len(starts)))]
-        for segment in self.segments:
-            at = 0
-            if segment.start_ns is not None:
-                at = max(0, int(np.searchsorted(starts, segment.start_ns, side='right')) - 1)
-            shares[at].update(segment.counts)
-        return [LedgerSegment(int(s), dict(c)) for s, c in zip(starts.tolist(), shares)]
 
-    def share_set_backs(self, start_ns: ArrayLike) -> list[tuple[SetBack, ...]]:
-        """Divide the set backs of the clocks among runs in the way of `shares`."""
-        starts = np.asarray(start_ns, dtype=np.int64)
-        shares: list[list[SetBack]] = [[] for _ in range(max(1, len(starts)))]
+        def find(stamp_ns: int | None) -> int:
+            """Return the run that a stamp belongs to."""
+            return 0 if stamp_ns is None else max(
+                0, int(np.searchsorted(starts, stamp_ns, side='right')) - 1)
+
+        n = max(1, len(starts))
+        shares: list[Counter[LedgerKey]] = [Counter() for _ in range(n)]
+        for segment in self.segments:
+            shares[find(segment.start_ns)].update(segment.counts)
+        set_backs: list[list[SetBack]] = [[] for _ in range(n)]
         for stream in ('ts', 'rs'):
             for set_back in self.set_backs.get(stream, ()):
-                at = int(np.searchsorted(starts, set_back.stamp_ns, side='right')) - 1
-                shares[max(0, at)].append(set_back)
-        return [tuple(share) for share in shares]
+                set_backs[find(set_back.stamp_ns)].append(set_back)
+        return [LedgerSegment(int(start), dict(counts), tuple(within))
+                for start, counts, within in zip(starts.tolist(), shares, set_backs)]

@@ -74,9 +74,10 @@ def _judge(e: Examined) -> Finding:
 
 def _settle(finding: Finding | None, account: RunAccount) -> Finding | None:
     """Add the clocks that were set back within the run."""
-    if finding is None or not account.set_backs:
+    set_backs = () if account.share is None else account.share.set_backs
+    if finding is None or not set_backs:
         return finding
-    steps = [str(set_back) for set_back in account.set_backs]
+    steps = [str(set_back) for set_back in set_backs]
     if len(steps) > _MOST_NAMED:
         steps[_MOST_NAMED:] = [f'clocks were set back {len(steps)} times in all']
     evidence = '; '.join((*steps, 'readings with the repeated times are rejected',

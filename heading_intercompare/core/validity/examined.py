@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Callable, Sequence
+from typing import Callable
 
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.guarded import Guarded
@@ -27,7 +27,6 @@ from heading_intercompare.core.motion.motion_check import MotionCheck
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.pairing.ledger import LedgerSegment
 from heading_intercompare.core.raw_streams.decimal_steps import find_decimal_step
-from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
 from heading_intercompare.core.records import Reals
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.statistics.normality import Normality
@@ -107,8 +106,6 @@ class RunAccount:
     share, inside
         Ledger of the readings of the run, and of those between its first and last pair. None as
         long as unknown, as at a look.
-    set_backs
-        Clocks that were set back within the run.
     normality
         Holds the steps of both sensors as paired, and those whose rounding would show.
 
@@ -122,7 +119,6 @@ class RunAccount:
     interpolated: str | None
     share: LedgerSegment | None = None
     inside: LedgerSegment | None = None
-    set_backs: Sequence[SetBack] = ()
     normality: Normality | None = None
 
     def step_deg(self, stream: str) -> float | None:

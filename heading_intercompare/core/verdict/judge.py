@@ -41,7 +41,6 @@ from heading_intercompare.core.diagnostics.run_findings import describe_drift, l
 from heading_intercompare.core.motion.motion_check import check_motion
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.pairing.ledger import LedgerSegment
-from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
 from heading_intercompare.core.record_conditions.losses import (
     warn_of_alone,
     warn_of_held,
@@ -97,8 +96,6 @@ class RunResult:
     stabilization_s
     judged
         Findings on its pairs, before the account of its readings is known.
-    set_backs
-        Clocks that were set back within the run.
     first_pair
         Pairs of its input before its first one, in runs or not.
     pieces
@@ -120,7 +117,6 @@ class RunResult:
     settings: Settings
     stabilization_s: float | str
     judged: tuple[Finding, ...] = ()
-    set_backs: tuple[SetBack, ...] = ()
     first_pair: int = 0
     pieces: tuple[JudgedPiece, ...] = ()
     outside: tuple[Stretch, ...] = ()
@@ -129,8 +125,7 @@ class RunResult:
     fingerprint: str | None = None
 
     def with_pairing(self, share: LedgerSegment, inside: LedgerSegment,
-                     warnings: Sequence[str] = (),
-                     set_backs: Sequence[SetBack] = ()) -> 'RunResult':
+                     warnings: Sequence[str] = ()) -> 'RunResult':
         """
         Return the result with the account of its readings, and what that says of its conditions.
 
@@ -142,8 +137,6 @@ class RunResult:
             The part of the share between the first and the last pair of the run.
         warnings : sequence of str
             Warnings to add.
-        set_backs
-            Clocks that were set back within the run.
 
         """
         old = self.verdict.pairing
@@ -153,12 +146,7 @@ class RunResult:
                           warnings=(*self.verdict.warnings, *warnings,
                                     *warn_of_rejected(share), *warn_of_held(share),
                                     *warn_of_alone(share, inside, self.settings)))
-        return replace(self, verdict=verdict, share=share, inside=inside,
-                       set_backs=tuple(set_backs)).conclude()
-
-    def with_set_backs(self, set_backs: Sequence[SetBack]) -> 'RunResult':
-        """Return the result with the clocks that were set back within the run."""
-        return replace(self, set_backs=tuple(set_backs)).conclude()
+        return replace(self, verdict=verdict, share=share, inside=inside).conclude()
 
     @property
     def left_out(self) -> tuple[Stretch, ...]:
@@ -184,8 +172,7 @@ class RunResult:
             outcome=alone, guarded=verdict.guarded, limits=self.limits, settings=self.settings,
             lost_share=verdict.correlation.stamps.lost_share,
             interpolated=verdict.pairing.find_interpolated(self.settings.pairing.method),
-            share=self.share, inside=self.inside, set_backs=self.set_backs,
-            normality=verdict.normality))
+            share=self.share, inside=self.inside, normality=verdict.normality))
         return replace(self, verdict=_conclude(verdict, self.alone, findings))
 
     def place_among(self, run: int, runs: Homogeneity) -> 'RunResult':

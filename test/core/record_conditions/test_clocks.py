@@ -21,6 +21,7 @@ import pytest
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.guarded import decide, Evidence
 from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.pairing.ledger import LedgerSegment
 from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
 from heading_intercompare.core.record_conditions.clocks import CLOCKS
 from heading_intercompare.core.settings import Settings
@@ -34,11 +35,11 @@ STEP = 'the clock of the TS was set back by 60.0 s at 2001-09-09 01:46:40.000 UT
 
 def settle(effect, words, *stamps_ns):
     """Return the finding on the clocks of a run in which the TS was set back at these stamps."""
-    steps = [SetBack('ts', stamp_ns, 60 * 10 ** 9) for stamp_ns in stamps_ns]
+    steps = tuple(SetBack('ts', stamp_ns, 60 * 10 ** 9) for stamp_ns in stamps_ns)
     limits = Limits.of(SETTINGS.norms, SETTINGS.model)
     guarded = decide(Evidence(0, None, None, 0.0, 0.0, 0, 0, 0.0), limits, SETTINGS.risk)
     account = RunAccount(Outcome.COMPLIANT, guarded, limits, SETTINGS, lost_share=None,
-                         interpolated=None, set_backs=steps)
+                         interpolated=None, share=LedgerSegment(None, {}, steps))
     return CLOCKS.settle(CLOCKS.find(effect, words, 'as seen'), account)
 
 
