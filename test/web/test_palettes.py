@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import pytest
 
-from heading_intercompare.web.page import PALETTES, style
+from heading_intercompare.web.palettes import PALETTES, style
 
 
 def light(colour):

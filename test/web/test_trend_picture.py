@@ -23,7 +23,7 @@ import pytest
 
 from heading_intercompare.web.bridge.bridge_records import TrendView
 from heading_intercompare.web.figures.trend import TrendColumn
-from heading_intercompare.web.page import draw_trend
+from heading_intercompare.web.palettes import draw_trend
 
 COLUMNS = (TrendColumn(1700.0, -0.2, 0.3), TrendColumn(5.0, 0.1, 0.1))
 
