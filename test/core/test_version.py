@@ -40,13 +40,13 @@ def differences(kind: str, n: int = 6000) -> np.ndarray:
 
 # To be renewed together with RULE_VERSION, of which the first column tells.
 @pytest.mark.parametrize('rule, kind, outcome, reason, nu, lower_deg2, upper_deg2', [
-    (6, 'white', 'compliant', 'upper_bound_within_acceptance_limit', 3684.0697118618336,
+    (1, 'white', 'compliant', 'upper_bound_within_acceptance_limit', 3684.0697118618336,
      0.03857881846602693, 0.04453915200022388),
-    (6, 'loud', 'non_compliant', 'lower_bound_above_rejection_limit', 3684.0697118619,
+    (1, 'loud', 'non_compliant', 'lower_bound_above_rejection_limit', 3684.0697118619,
      0.3472093661942422, 0.40085236800201923),
-    (6, 'slow', 'compliant', 'upper_bound_within_acceptance_limit', 189.25875653419513,
+    (1, 'slow', 'compliant', 'upper_bound_within_acceptance_limit', 189.25875653419513,
      0.046591742661007365, 0.07354393812085472),
-    (6, 'heavy', 'indeterminate', 'data_limited', 1637.6761250291897,
+    (1, 'heavy', 'indeterminate', 'data_limited', 1637.6761250291897,
      0.08070667152514643, 0.09731121947150415),
 ])
 def test_the_rule_of_this_version_decides_so(rule, kind, outcome, reason, nu, lower_deg2,

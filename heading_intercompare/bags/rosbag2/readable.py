@@ -17,11 +17,22 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Callable, Iterable, Iterator, Mapping, Protocol, Sequence, TypeVar
+from typing import (
+    Callable,
+    Iterable,
+    Iterator,
+    Mapping,
+    Protocol,
+    Sequence,
+    TYPE_CHECKING,
+    TypeVar,
+)
 
 from heading_intercompare.core.records import Headings, Losses
 
-from .bag_reader import BagMessage, TopicInfo
+if TYPE_CHECKING:
+    # Live nodes read no bag, and need nothing that reads one.
+    from .bag_reader import BagMessage, TopicInfo
 
 _BATCH = 20_000
 _Chunk = TypeVar('_Chunk')

@@ -20,12 +20,13 @@ import os
 import re
 import sys
 import time
-from typing import Any
+from typing import Any, Sequence
 
 from .console import open_console
 
 _USUAL = 80
-_BAR = 24
+#: Columns of the bar, and of what stands beside it and the words.
+_LEAST_BAR, _BAR, _BESIDE = 8, 24, 20
 #: Beginnings of a text that say how much of the work is done.
 _NUMBER, _PERCENT = re.compile(r'\d[\d.,]*'), re.compile(r'(\d+)%')
 _OF = re.compile(r'(?:replaying at )?([\d,]+(?:\.\d+)?)(?: s)? of ([\d,]+(?:\.\d+)?)\b')
@@ -53,7 +54,8 @@ class Progress:
         self._on = not quiet and sys.stderr.isatty()
         console = open_console(sys.stderr) if self._on else None
         self._display = None if console is None else _make_display(console)
-        self._columns = self._display.columns if self._display else ()
+        self._columns: Sequence[Any] = self._display.columns if self._display else ()
+        self._bar: Any = None if self._display is None else self._display.columns[-2]
         self._next = 0.0
         self._words = ''
         self._width = 0
@@ -89,8 +91,9 @@ class Progress:
         display.update(task.id, description=line, completed=share or 0.0,
                        total=None if share is None else 1.0)
         display.console.width = room
-        # Without a bar the words have its room.
+        # Without a bar the words have its room; with one the words go first.
         display.columns = self._columns[:None if share is not None and room > 2 * _BAR else -2]
+        self._bar.bar_width = min(_BAR, max(_LEAST_BAR, room - len(line) - _BESIDE))
         if display.live.is_started:
             display.refresh()
         else:

@@ -31,6 +31,7 @@ from typing import Iterable, Mapping, Sequence
 import numpy as np
 from numpy.typing import ArrayLike
 
+from heading_intercompare.core.declared_figures import no_key
 from heading_intercompare.core.raw_streams.decimal_steps import DECIMAL_STEPS
 from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
 
@@ -223,13 +224,13 @@ class LedgerSegment:
     counts
         Pairs, and readings by fate. An absent key is 0.
     set_backs
-        Of the share of a run: the clocks that were set back within it.
+        Of the share of a run: the clocks that were set back within it; None otherwise.
 
     """
 
     start_ns: int | None
     counts: Mapping[LedgerKey, int] = field(default_factory=dict)
-    set_backs: tuple[SetBack, ...] = ()
+    set_backs: tuple[SetBack, ...] | None = no_key()
 
     def __post_init__(self) -> None:
         """Turn strings into keys."""
