@@ -25,6 +25,7 @@ import ast
 import inspect
 import json
 from pathlib import Path
+import re
 import textwrap
 from typing import Any, Iterator, Mapping, NamedTuple
 
@@ -75,10 +76,8 @@ class Section(NamedTuple):
 
     Attributes
     ----------
-    node
     classes
         Classes of its settings.
-    comment
     given
         Values that differ from the defaults.
     examples : mapping or None
@@ -273,14 +272,19 @@ def keys(text: str) -> str:
                                  if '.' not in key}
     for name, rows in tables.items():
         text = _fill(text, name, '| key | meaning |\n|---|---|\n' + ''.join(
-            f'| `{key}` | {_cell(words)} |\n' for key, words in rows.items()))
+            f'| `{key}` | {_link(_cell(words))} |\n' for key, words in rows.items()))
     return text
+
+
+def _link(text: str, folder: str = '') -> str:
+    """Return a text in which the name of a page leads to it."""
+    return re.sub(r'\b\w+\.md\b', lambda name: f'[{name[0]}]({folder}{name[0]})', text)
 
 
 def columns(text: str) -> str:
     """Return docs/howto/judge_many.md with the columns of the table of runs."""
     figures = list_figures(RunVerdict)
-    rows = ''.join(f'| `{column}` | {_cell(_describe(column, key, figures))} |\n'
+    rows = ''.join(f'| `{column}` | {_link(_cell(_describe(column, key, figures)), "../")} |\n'
                    for column, key in COLUMNS.items())
     return _fill(text, 'columns', f'| column | holds |\n|---|---|\n{rows}')
 

@@ -325,8 +325,10 @@ class Motion(_Columns):
     @classmethod
     def of(cls, what: str, stamp_ns: ArrayLike, *columns: ArrayLike) -> 'Motion':
         """Build a chunk of rows that tell one thing; stamps must be integers."""
-        stamps = integer_stamps(stamp_ns)
-        values = dict(zip(MOTION_COLUMNS[what], map(_reals, columns)))
+        stamps, names = integer_stamps(stamp_ns), MOTION_COLUMNS[what]
+        if len(columns) != len(names):
+            raise ValueError(f'{what}: {len(columns)} columns, must be {", ".join(names)}')
+        values = dict(zip(names, map(_reals, columns)))
         none = np.full(stamps.shape, np.nan)
         return cls(stamps, *(values.get(name, none) for name in cls.__slots__[1:]))
 

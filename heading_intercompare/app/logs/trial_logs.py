@@ -161,12 +161,12 @@ def plan_logs(logs: Mapping[str, str], settings: Settings,
     Return the log of each sensor, and how to read it and a log of the motion, by name.
 
     The reference is last, so that `find_motion` searches its log first. A row of `sensors`
-    chooses sentence, talker and instrument; in all else a sensor that `drivers` does not name is
-    read as `ts`.
+    chooses sentence, talker and instrument. Where `drivers` does not name a sensor of these rows,
+    its log is read as that of `ts` in all that the row does not say.
     """
     order = sorted(list_sensors(settings), key=lambda sensor: sensor.is_reference)
     drivers = drivers or {}
-    shared = drivers.get('ts', DriverSettings())
+    shared = drivers.get('ts', DriverSettings()) if settings.sensors else DriverSettings()
     return ({sensor.name: logs[sensor.name] for sensor in order},
             {'motion': drivers.get('motion', DriverSettings()),
              **{sensor.name: replace(drivers.get(sensor.name, shared), **describe_driver(sensor))

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from typing import Mapping
 
 from heading_intercompare.core.declared_figures import figure
-from heading_intercompare.core.pairing.ledger import LedgerKey, LedgerSegment
+from heading_intercompare.core.pairing.ledger import LedgerKey, LedgerSegment, LOSSES, REASONS
 
 
 @dataclass(frozen=True, slots=True)
@@ -31,7 +31,7 @@ class RejectedReadings:
     rs: Mapping[str, int] = figure('of these rejected, by reason', 'RS readings')
 
 
-_PLACES = {'on_the_way': 'on the way', 'at_source': 'at source', 'before_start': 'before start'}
+_PLACES = {place: place.replace('_', ' ') for place in LOSSES}
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,8 +55,7 @@ class PairingFigures:
     rs_used: int = figure('of these paired or interpolated between', 'RS readings')
     rs_unused: int = figure('of these not used', 'RS readings')
     rejected: RejectedReadings = figure('rejected readings by sensor and reason',
-                                        '`invalid`, `out_of_range`, `no_stamp`, '
-                                        '`stamp_not_increasing`, `jump`')
+                                        ', '.join(f'`{reason}`' for reason in REASONS))
     mean_lag_s: float | None = figure('mean lag RS - TS')
     max_lag_s: float | None = figure('largest |lag|')
     rs_variance_factor: float | None = figure('factor of the RS noise variance by interpolation',

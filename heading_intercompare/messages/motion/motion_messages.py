@@ -175,5 +175,7 @@ def _motion(type_name: str, what: str, data: BytesLike, start: Integers, size: I
 def read_motion(type_name: str, what: str,
                 messages: Sequence[bytes]) -> tuple[Motion, list[str]]:
     """Return the rows of single messages that tell one thing, and what is wrong with others."""
+    if not messages:
+        return Motion.empty(), []
     rows, refused = read_sound(partial(decode_motion, type_name, what), messages, Motion)
     return rows.select(what), refused

@@ -30,6 +30,7 @@ import ctypes
 from functools import partial
 import gc
 import math
+from operator import methodcaller
 import os
 from pathlib import Path
 import signal
@@ -183,7 +184,7 @@ def spin_nodes(context: Context) -> Iterator[tuple[QuickExecutor, list[GraphNode
 
 
 def end(executor: QuickExecutor, nodes: Sequence[GraphNode], linger_s: float = 0.0,
-        destroy: Callable[[GraphNode], None] = GraphNode.destroy_node) -> None:
+        destroy: Callable[[GraphNode], None] = methodcaller('destroy_node')) -> None:
     """End and destroy nodes in the given order; spin each for `linger_s` after its end."""
     executor.eager = True
     for node in nodes:

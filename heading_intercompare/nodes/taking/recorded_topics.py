@@ -215,15 +215,15 @@ class _Row(NamedTuple):
     expected: bool
 
 
-def _list_rows(node: Node, settings: Settings, places: Sequence[str],
-               headings: Sequence[str]) -> list[_Row]:
+def _list_rows(node: Node, places: Sequence[str], headings: Sequence[str],
+               several: bool) -> list[_Row]:
     """Return the topics whose messages are recorded as they come, in the order to subscribe."""
     rows = [*(_Row(topic, HEADING_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, True)
               for topic in headings),
             _Row(MARKER_TOPIC, STATUS_TYPES, qos.MARKER, qos.MARKER, True),
             _Row(NOTE_TOPIC, TEXT_TYPES, qos.NOTE, qos.NOTE, False)]
     judged = [(f'{place}compliance/verdict', f'{place}{REPORT_TOPIC}') for place in places]
-    if settings.sensors:
+    if several:
         judged.append(('sensors/verdict', SENSORS_REPORT_TOPIC))
     for verdict, report in judged:
         rows += [_Row(verdict, STATUS_TYPES, qos.VERDICT, qos.VERDICT, True),
@@ -247,18 +247,18 @@ def make_intakes(node: Node, settings: Settings, taking: Taking, types: HeadingT
                                                                 settings.rs_topic]
     tested, reference = list_tested(sensors), find_reference(sensors)
     # The place of the nodes of two sensors, or the places of those of each tested sensor.
-    places = [f'{sensor.name}/' for sensor in tested] or ['']
+    places = [f'{sensor.name}/' for sensor in tested] if sensors else ['']
     known_types = {**dict.fromkeys(headings, types.ts_message_type), (
         reference.heading_topic if reference else settings.rs_topic): types.rs_message_type}
     topics = {topic: Recorded(_offer(qos.HEADINGS_OUT), make_motion_intake(
         node, health, what, topic, taking), False)
         for what, topic in motion_topics(settings.motion).items() if settings.motion.compare}
-    for row in _list_rows(node, settings, places, headings):
-        is_heading = row.taken is qos.HEADINGS_IN
+    for row in _list_rows(node, places, headings, bool(sensors)):
+        takes_headings = row.taken is qos.HEADINGS_IN
         topics[row.topic] = Recorded(_offer(row.offered), Intake(
             node, row.topic, row.types, row.taken, health,
-            unreliable=qos.HEADINGS_UNRELIABLE if is_heading else None,
-            kept=qos.HEADINGS_KEPT if is_heading else None, first_wait_s=taking.first_wait_s,
+            unreliable=qos.HEADINGS_UNRELIABLE if takes_headings else None,
+            kept=qos.HEADINGS_KEPT if takes_headings else None, first_wait_s=taking.first_wait_s,
             sole=False, needed=row.expected, known_type=known_types.get(row.topic)),
             row.expected, is_heading=row.topic in headings)
     heard = [topics[topic].intake for topic in headings]

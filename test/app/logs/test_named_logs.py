@@ -23,6 +23,7 @@ from heading_intercompare import judge_logs
 from heading_intercompare.app.inputs import judge_input
 from heading_intercompare.app.logs.trial_logs import name_logs
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.drivers.settings import DriverSettings
 
 SETTINGS = Settings.of(sensors=TABLE)
 
@@ -70,3 +71,13 @@ def test_notes_of_a_bag_name_it(tmp_path):
     judged = judge_input(path, SETTINGS, name='night')
     assert judged.entries[0].path == 'night' and judged.entries[0].sha256
     assert judged.notes == [] and {*judged.earlier} == {'gyro1', 'gyro2'}
+
+
+def test_the_driver_of_ts_does_not_read_the_log_of_rs(tmp_path):
+    headings = make_three()
+    logs = {'ts': str(write_log(tmp_path / 'ts.log', headings['gyro1'], 'HE')),
+            'rs': str(write_log(tmp_path / 'rs.log', headings['gnss'], 'GP'))}
+    settings = Settings.of(sigma_max_deg=0.3, sigma_ref_max_deg=0.1)
+    judged = judge_logs(logs, settings, {'ts': DriverSettings(talker='HE')})
+    assert [(entry.ts_topic, entry.rs_topic) for entry in judged.verdict.inputs] == [
+        ('HEHDT', None), (None, 'GPHDT')]
