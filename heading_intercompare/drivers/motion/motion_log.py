@@ -26,7 +26,7 @@ from heading_intercompare.drivers.log_lines.log_files import LogFiles
 from heading_intercompare.drivers.log_lines.log_order import open_log
 from heading_intercompare.drivers.settings import DriverSettings
 
-from .motion_decoder import MotionDecoder
+from .motion_decoder import may_tell, MotionDecoder
 from .motion_sentences import ATTITUDE, Family, MOTION
 
 
@@ -111,13 +111,4 @@ def _open(path: str | os.PathLike[str], rule: DriverSettings, family: Family) ->
     """Open a log; None if it cannot have a sentence of the family, as a csv."""
     name = os.fspath(path)
     files = open_csv(name, rule) or open_log(name, rule)
-    if is_csv_file(files.paths[0]):
-        return None
-    tokens = [f'{kind},'.encode() for kind in family.parsers]
-    tail = b''
-    for block in files.bare_blocks():
-        text = tail + block
-        if any(token in text for token in tokens):
-            return files
-        tail = block[-7:]
-    return None
+    return files if not is_csv_file(files.paths[0]) and may_tell(files, family) else None
