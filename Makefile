@@ -50,7 +50,7 @@ demo: .venv/.demo
 
 quick: .venv/.test
 	@.ci/step form $(BIN)/ruff check .
-	@.ci/step 'quick tests' $(BIN)/python $(TESTS) -q -m 'not (slow or ros or process)' test $(PYTEST)
+	@.ci/step 'quick tests' $(BIN)/python $(TESTS) -q -m 'not (slow or ros or process)' $(if $(filter test%,$(PYTEST)),,test) $(PYTEST)
 
 test: .venv/.test
 ifneq ($(PYTHON312),)
@@ -75,13 +75,13 @@ endif
 # Apart from the other tests, which it would slow down by more than half.
 coverage: .venv/.test
 	$(BIN)/python $(TESTS) -q -m 'not (slow or ros or process)' --cov=heading_intercompare \
-		--cov-report=term:skip-covered test $(PYTEST)
+		--cov-report=term:skip-covered $(if $(filter test%,$(PYTEST)),,test) $(PYTEST)
 
 # What tests say of the sources does not depend on versions.
 test-pins: .venv-pins/.test
 	HYPOTHESIS_PROFILE=pins .venv-pins/bin/python $(TESTS) -m 'not (slow or ros or process) or colcon' \
 		$(addprefix --ignore=test/test_,architecture.py plain_english.py ament_lint.py benchmarks.py) \
-		$(PINNED) $(PYTEST)
+		$(if $(filter test%,$(PYTEST)),,$(PINNED)) $(PYTEST)
 
 release: addresses test
 	@.ci/step 'tests that take long' $(BIN)/python $(TESTS) -m endurance
