@@ -19,8 +19,6 @@ from __future__ import annotations
 from functools import reduce
 from operator import xor
 
-__all__ = ['checksum_of', 'with_checksum']
-
 
 def checksum_of(body: str) -> int:
     """Return the checksum of what stands between ``$`` and ``*``."""

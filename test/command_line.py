@@ -21,8 +21,6 @@ from typing import Any, Sequence
 
 from heading_intercompare.cli import main
 
-__all__ = ['analyze_json', 'NORMS', 'refusal']
-
 #: The norms of most tests of the command line.
 NORMS = ('--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1')
 

@@ -22,8 +22,6 @@ from pathlib import Path
 import tempfile
 from typing import BinaryIO
 
-__all__ = ['DOMAIN', 'take_domain']
-
 #: The ports of higher ones are those that the kernel gives to any program.
 _MOST = 101
 

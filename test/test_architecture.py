@@ -443,6 +443,8 @@ def test_the_table_of_the_docs_is_the_one_the_test_enforces():
 
 
 def test_the_order_of_the_docs_names_every_room_and_module_beside_the_rooms():
+    assert {*ORDER} == {'core', 'drivers', 'ahrs', 'bags', 'readers', 'report', 'web', 'nodes',
+                        'cli'}
     for folder, order in ORDER.items():
         places = {p.stem for p in (PACKAGE / folder).iterdir()
                   if not p.stem.startswith('__')

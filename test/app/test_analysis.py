@@ -17,9 +17,9 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
-import json
 import warnings
 
+from command_line import analyze_json
 import numpy as np
 import pytest
 from trials import write_headings
@@ -28,13 +28,11 @@ from heading_intercompare import analyze_bag, analyze_bags, Headings, judge_bags
 from heading_intercompare.bags.csv.pairs_csv import write_pairs_csv
 from heading_intercompare.bags.mcap.chunk_writer import Rows
 from heading_intercompare.bags.recording.bag_writer import BagWriter
-from heading_intercompare.cli import main
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.messages.heading_messages import encode_imu, IMU
 
 S = 1_000_000_000
 SETTINGS = Settings(norms=Norms(sigma_max_deg=0.3, sigma_ref_max_deg=0.1))
-NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1']
 
 
 def start_ns(number: int) -> int:
@@ -56,10 +54,8 @@ def bags(tmp_path):
 
 def printed(capsys, *arguments) -> tuple[dict, list[str]]:
     """Return the JSON and the notes of `analyze`."""
-    capsys.readouterr()
-    assert main(['analyze', *map(str, arguments), *NORMS, '--json', '-']) == 0
-    out, err = capsys.readouterr()
-    return json.loads(out), [line.removeprefix('note: ') for line in err.splitlines()]
+    verdict, notes = analyze_json(capsys, *arguments)
+    return verdict, [note.removeprefix('note: ') for note in notes]
 
 
 def test_a_bag_is_judged_as_on_the_command_line(bags, capsys):

@@ -34,6 +34,7 @@ import sys
 import time
 from types import SimpleNamespace
 
+from command_line import analyze_json, refusal
 from deadlines import DEADLINE_S
 import numpy as np
 import pytest
@@ -73,10 +74,8 @@ def bags(tmp_path, capsys):
 
 def judged(capsys, *arguments) -> tuple[dict, str]:
     """Return the JSON of `analyze` and its other output."""
-    capsys.readouterr()
-    assert main(['analyze', *arguments, *NORMS, '--json', '-']) == 0
-    out, err = capsys.readouterr()
-    return json.loads(out), err
+    verdict, notes = analyze_json(capsys, *arguments, norms=NORMS)
+    return verdict, ''.join(f'{note}\n' for note in notes)
 
 
 @pytest.fixture
@@ -244,9 +243,7 @@ def test_a_report_is_written_though_a_bag_is_bad(bags, tmp_path, capsys, process
 
 
 def test_where_no_input_can_be_read_nothing_is_judged(tmp_path, capsys):
-    assert main(['analyze', str(tmp_path / 'a'), str(tmp_path / 'b'), *NORMS]) == 2
-    out, err = capsys.readouterr()
-    assert out == '' and err.count('\n') == 1
+    err = refusal(capsys, 'analyze', tmp_path / 'a', tmp_path / 'b', *NORMS)
     assert 'none of the 2 inputs can be read' in err and 'No such file' in err
 
 
@@ -259,10 +256,7 @@ def test_a_wrong_number_of_processes_is_refused(capsys, jobs):
 def test_without_the_library_of_dask_one_line_says_what_to_install(bags, capsys, monkeypatch):
     monkeypatch.delitem(sys.modules, 'heading_intercompare.app.cluster', raising=False)
     monkeypatch.setitem(sys.modules, 'distributed', None)
-    capsys.readouterr()
-    assert main(['analyze', *bags, *NORMS, '--dask', 'tcp://127.0.0.1:8786']) == 2
-    out, err = capsys.readouterr()
-    assert out == '' and err.count('\n') == 1
+    err = refusal(capsys, 'analyze', *bags, *NORMS, '--dask', 'tcp://127.0.0.1:8786')
     assert 'no module distributed: install heading_intercompare[dask]' in err
 
 
@@ -270,10 +264,7 @@ def test_without_the_library_of_dask_one_line_says_what_to_install(bags, capsys,
 def test_what_a_cluster_does_not_do_is_refused_before_a_file_is_touched(
         bags, tmp_path, capsys, option):
     given = '2' if option == '--jobs' else str(tmp_path / 'new')
-    capsys.readouterr()
-    assert main(['analyze', bags[0], *NORMS, option, given, '--dask', 'tcp://127.0.0.1:1']) == 2
-    out, err = capsys.readouterr()
-    assert out == '' and err.count('\n') == 1
+    err = refusal(capsys, 'analyze', bags[0], *NORMS, option, given, '--dask', 'tcp://127.0.0.1:1')
     assert f'{option} {given}: ' in err and '--dask' in err
     assert not (tmp_path / 'new').exists()
 

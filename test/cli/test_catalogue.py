@@ -18,12 +18,11 @@ from __future__ import annotations
 
 import json
 
+from command_line import NORMS
 import numpy as np
 import pytest
 
 from heading_intercompare.cli import main
-
-NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1']
 
 SHIP = """\
 title: A ship that turns

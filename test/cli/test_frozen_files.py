@@ -20,6 +20,7 @@ import csv
 import json
 from pathlib import Path
 
+from command_line import analyze_json
 import pytest
 
 from heading_intercompare.bags.rosbag2.bag_check import check_bag
@@ -36,15 +37,14 @@ FIGURES = ('start_ns', 'end_ns', 'n_input', 'n', 'mean_deg', 'min_deg', 'max_deg
            'variance_deg2', 'std_deg', 'outcome', 'paper_outcome')
 
 
-def judged(capsys, *arguments: str) -> dict:
+def analyze_run(capsys, *arguments: str) -> dict:
     """Return the only run of a verdict."""
-    assert main(['analyze', *arguments, *NORMS, '--json', '-']) == 0
-    return json.loads(capsys.readouterr().out)['runs'][0]
+    return analyze_json(capsys, *arguments, norms=NORMS)[0]['runs'][0]
 
 
 @pytest.mark.parametrize('recording', [[BAG], [f'{BAG}/bag_0.mcap'], [PAIRS]])
 def test_a_bag_and_a_csv_of_pairs_give_the_figures_that_they_gave(capsys, recording):
-    run = judged(capsys, *recording)
+    run = analyze_run(capsys, *recording)
     for name in FIGURES:
         assert run[name] == (pytest.approx(RUN[name], rel=1e-9) if isinstance(
             RUN[name], float) else RUN[name]), name
@@ -65,8 +65,8 @@ def test_a_bag_is_judged_as_its_report_says(capsys):
 
 
 def test_the_tables_are_written_as_they_were(capsys, tmp_path):
-    judged(capsys, BAG, '--csv', str(tmp_path / 'p.csv'), '--ensembles', str(tmp_path / 'e.csv'),
-           '--ensemble-s', '60')
+    analyze_run(capsys, BAG, '--csv', tmp_path / 'p.csv', '--ensembles', tmp_path / 'e.csv',
+                '--ensemble-s', '60')
     assert (tmp_path / 'e.csv').read_bytes() == Path(ENSEMBLES).read_bytes()
     now, then = (list(csv.DictReader(Path(path).open(newline='', encoding='utf-8')))
                  for path in (tmp_path / 'p.csv', PAIRS))

@@ -20,6 +20,7 @@ import hashlib
 import time
 
 from checksums import with_checksum
+from command_line import NORMS
 import pytest
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
@@ -28,7 +29,6 @@ from heading_intercompare.cli import main
 from heading_intercompare.core.version import VERSION
 
 S = 1_000_000_000
-NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1']
 NOTES = ['--note', 'MV Example', '--note', '2014-08-01T00:00:02Z course change']
 
 

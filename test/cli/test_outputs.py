@@ -22,7 +22,7 @@ from pathlib import Path
 import re
 import subprocess
 
-from command_line import refusal
+from command_line import NORMS, refusal
 import numpy as np
 import pytest
 from trials import write_headings
@@ -34,7 +34,6 @@ from heading_intercompare.logbook.logbook_file import Logbook
 
 S = 1_000_000_000
 T0 = 1_406_851_200 * S
-NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1']
 
 
 @pytest.fixture(scope='module')

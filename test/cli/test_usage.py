@@ -22,7 +22,7 @@ import shutil
 import subprocess
 import sys
 
-from command_line import refusal
+from command_line import NORMS, refusal
 import numpy as np
 import pytest
 from trials import write_headings
@@ -34,7 +34,6 @@ from heading_intercompare.messages.cdr import encode
 
 S = 1_000_000_000
 T0 = 1_400_000_000 * S
-NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1']
 
 
 @pytest.fixture(scope='module')

@@ -22,6 +22,7 @@ import subprocess
 import sys
 
 from checksums import with_checksum
+from command_line import NORMS
 import pytest
 
 from heading_intercompare.cli.program import COMMANDS
@@ -51,7 +52,6 @@ from heading_intercompare.cli import main
 sys.exit(main(sys.argv[2:]))
 """
 
-NORMS = ('--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1')
 RUNS_NODES = {'demo', 'live', 'record', 'note', 'replay'}
 
 

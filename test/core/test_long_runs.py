@@ -22,7 +22,7 @@ import re
 import numpy as np
 import pytest
 from scipy.signal import lfilter
-from trials import judge_pairs
+from trials import find_finding, judge_pairs
 
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.records import Pairs
@@ -147,7 +147,7 @@ def test_rare_things_are_found_wherever_they_are(both):
     spans = [range(part.start, part.stop) for part in blocking.pick_stretches(N - 3000)]
     assert not any(GLITCH in span or OUTLIER - 3000 in span for span in spans)
     averaged, _ = both
-    (outliers,) = [f for f in averaged.validity if f.condition == 'outliers']
+    outliers = find_finding(averaged, 'outliers')
     assert '2 isolated' in outliers.evidence
     assert averaged.correlation.stamps.silences == 1
 

@@ -22,6 +22,7 @@ import warnings
 
 import numpy as np
 import pytest
+from trials import find_finding
 
 from heading_intercompare import (
     analyze,
@@ -129,7 +130,7 @@ def test_readings_of_a_ts_between_two_stamps_of_a_slow_rs_are_not_lost(rng):
             for h in (ts, rs)]
     run = analyze(*both, settings()).runs[1]
     assert run.pairing.ts_unpaired > 0.5 * run.pairing.ts_received
-    (found,) = (f for f in run.validity if f.condition == 'losses')
+    found = find_finding(run, 'losses')
     assert found.effect == 'holds'
 
 

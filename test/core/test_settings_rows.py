@@ -20,8 +20,7 @@ from dataclasses import dataclass
 
 import pytest
 
-from heading_intercompare.core.declared_settings import Checked, setting
-from heading_intercompare.core.sensor_table import read_rows
+from heading_intercompare.core.declared_settings import Checked, read_rows, setting
 
 
 @dataclass(frozen=True, slots=True)

@@ -27,8 +27,6 @@ from heading_intercompare.bags.rosbag2.motion_topics import read_bag_motion
 from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.settings import MotionRule, Settings
 
-__all__ = ['assert_same', 'log', 'offline']
-
 
 def log(path, n, first_s, heading_deg):
     """Write a log of n HDT sentences, 5 per second."""

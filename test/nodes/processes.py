@@ -26,8 +26,6 @@ from deadlines import DEADLINE_S
 from nodes.launch_files import make_environment
 from ros_domain import DOMAIN
 
-__all__ = ['Processes', 'wait_for']
-
 
 class Processes:
     """Processes of one graph; whatever happens, none is left running."""

@@ -30,9 +30,6 @@ from heading_intercompare.messages.heading_messages import (
 from heading_intercompare.messages.ledger_messages import decode_ledger
 from heading_intercompare.messages.status_messages import decode_marks, encode_mark
 
-__all__ = ['heading_messages', 'headings_from', 'ledger_from', 'marker_message', 'marks_from',
-           'name_of', 'pairs_from']
-
 
 def name_of(message):
     """Return the name of the type of a message, as package/msg/Type."""

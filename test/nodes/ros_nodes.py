@@ -24,8 +24,6 @@ from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
-__all__ = ['NoPage', 'NORMS', 'Ros']
-
 NORMS = {'norms.sigma_max_deg': 0.2, 'norms.sigma_ref_max_deg': 0.1}
 
 

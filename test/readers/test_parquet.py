@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import json
 
+from command_line import NORMS
 import numpy as np
 import pytest
 
@@ -38,7 +39,7 @@ from heading_intercompare.readers.parquet import (  # noqa: E402
 
 S = 1_000_000_000
 T0 = 1_406_851_200 * S + 183_000_001
-NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1', '--quiet']
+QUIET_NORMS = (*NORMS, '--quiet')
 
 
 def written(tmp_path, **columns):
@@ -92,7 +93,7 @@ def test_pairs_in_parquet_give_the_verdict_of_their_csv(tmp_path, capsys):
     assert has_pairs(path) and Pairs.concatenate(list(PairsParquet(path))) == pairs
     runs = []
     for one in (path, tmp_path / 'a.csv'):
-        assert main(['analyze', str(one), *NORMS, '--json', '-']) == 0
+        assert main(['analyze', str(one), *QUIET_NORMS, '--json', '-']) == 0
         out, err = capsys.readouterr()
         run, = json.loads(out)['runs']
         runs.append({**run, 'source': ''})

@@ -22,7 +22,7 @@ import math
 import sqlite3
 import sys
 
-from command_line import analyze_json, refusal
+from command_line import analyze_json, NORMS, refusal
 import numpy as np
 import pytest
 
@@ -40,7 +40,7 @@ from heading_intercompare.readers.stream_recording import ReaderError
 S = 1_000_000_000
 T0_S = 1_400_000_000
 N = 900
-NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1', '--quiet']
+QUIET_NORMS = (*NORMS, '--quiet')
 
 
 def readings():
@@ -138,12 +138,12 @@ def test_a_file_of_both_sensors_and_two_files_give_the_same_run(files, capsys):
 
 def test_one_stream_of_several_is_chosen_by_its_name(files, capsys, tmp_path):
     _, (both, ts, rs), names = files
-    problem = refusal(capsys, 'analyze', both, rs, *NORMS)
+    problem = refusal(capsys, 'analyze', both, rs, *QUIET_NORMS)
     assert problem.startswith(f'{both}: has 2 streams: ') and '--ts-talker' in problem
     assert all(name in problem for name in names)
     of_two, _ = analyze_json(capsys, both, rs, '--ts-talker', names[0])
     assert of_two['runs'][0]['n'] == N
-    problem = refusal(capsys, 'analyze', both, *NORMS)
+    problem = refusal(capsys, 'analyze', both, *QUIET_NORMS)
     assert problem.startswith(f"{both}: has no stream 'ts/heading'; it has ")
     assert main(['import-nmea', '--ts', str(both), '--ts-talker', names[0], '--rs', str(rs), '-o',
                  str(tmp_path / 'bag'), '--quiet']) == 0
@@ -200,7 +200,7 @@ def test_a_folder_of_files_of_one_form_is_one_recording(files, capsys, tmp_path)
 def test_a_folder_of_two_forms_is_refused_and_one_of_a_bag_is_a_bag(tmp_path, capsys):
     (tmp_path / 'a.txt').write_text(openrvdas(35, 0, 1.0) + '\n')
     (tmp_path / 'b.txt').write_text(candump(35, 0, 1.0) + '\n')
-    said = refusal(capsys, 'analyze', tmp_path, *NORMS)
+    said = refusal(capsys, 'analyze', tmp_path, *QUIET_NORMS)
     assert said.startswith(
         f'{tmp_path}: holds OpenRVDAS records ({tmp_path}/a.txt) and NMEA 2000, candump '
         f'({tmp_path}/b.txt): give the files of one form')
@@ -235,7 +235,7 @@ def test_a_log_of_sentences_is_no_recording_but_can_be_shown(tmp_path, capsys):
     assert open_log_of_streams(path) is None
     assert main(['info', str(path)]) == 0
     assert 'format: log of one sensor' in capsys.readouterr().out
-    assert 'give two logs' in refusal(capsys, 'analyze', path, *NORMS)
+    assert 'give two logs' in refusal(capsys, 'analyze', path, *QUIET_NORMS)
 
 
 def write_sqlite(path):
@@ -274,7 +274,7 @@ def test_what_cannot_be_read_says_how_to_convert_it(tmp_path, capsys, name):
         write_sqlite(path)
     else:
         path.write_bytes(data)
-    for command in (['analyze', path, *NORMS],
+    for command in (['analyze', path, *QUIET_NORMS],
                     ['import-nmea', '--ts', path, '--rs', path, '-o', tmp_path / 'b']):
         said = refusal(capsys, *command)
         assert said.startswith(f'{path}: ') and problem in said
@@ -306,7 +306,7 @@ def test_a_library_that_is_not_installed_is_named_with_its_extra(
     path = tmp_path / 'a.dat'
     path.write_bytes(data)
     form = find_format(path)
-    for command in (['analyze', path, *NORMS], ['info', path]):
+    for command in (['analyze', path, *QUIET_NORMS], ['info', path]):
         assert refusal(capsys, *command) == (
             f'{path}: is {form.name}, and reading it needs {library}: install '
             f'heading_intercompare[{form.extra}]')

@@ -21,7 +21,7 @@ import shutil
 import sqlite3
 import struct
 
-from command_line import analyze_json
+from command_line import analyze_json, NORMS
 import numpy as np
 import pytest
 
@@ -43,7 +43,7 @@ from rosbags.typesys import get_types_from_msg, get_typestore, Stores
 S = 1_000_000_000
 T0 = 1_400_000_000 * S
 N = 9000
-NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1', '--quiet']
+QUIET_NORMS = (*NORMS, '--quiet')
 SENTENCE = 'nmea_msgs/msg/Sentence'
 QUATERNION = 'geometry_msgs/msg/QuaternionStamped'
 LAYOUT = 'std_msgs/Header header\nstring sentence'
@@ -210,7 +210,7 @@ def test_a_damaged_bag_is_one_line(bags, tmp_path, capsys, kind, flipped):
     data = victim.read_bytes()
     half = len(data) // 2
     victim.write_bytes(data[:half] + (b'\xa5' * 5000 + data[half + 5000:] if flipped else b''))
-    assert main(['analyze', str(path), *NORMS]) == 2
+    assert main(['analyze', str(path), *QUIET_NORMS]) == 2
     out, err = capsys.readouterr()
     assert err.count('\n') == 1 and f'{path}' in err and 'Traceback' not in err
 

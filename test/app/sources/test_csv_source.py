@@ -21,6 +21,7 @@ import json
 import re
 
 import command_line
+from command_line import refusal
 from journals import some_pairs, write_journal
 import numpy as np
 import pytest
@@ -265,9 +266,7 @@ def test_a_wrong_account_is_one_line(pairs, capsys, text, problem):
     if isinstance(text, dict):
         text = json.dumps({**json.loads(account.read_text()), **text})
     account.write_bytes(text if isinstance(text, bytes) else text.encode())
-    assert main(['analyze', str(path), *NORMS]) == 2
-    out, err = capsys.readouterr()
-    assert out == '' and err.count('\n') == 1
+    err = refusal(capsys, 'analyze', path, *NORMS)
     assert f'{account}: ' in err and 'remove it to judge the pairs alone' in err
     assert re.search(problem, err)
 

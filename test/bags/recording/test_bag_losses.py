@@ -19,6 +19,7 @@ from __future__ import annotations
 from mcap.writer import Writer
 import numpy as np
 import pytest
+from trials import find_finding
 
 from heading_intercompare import Headings, judge_bags, Settings, Verdict
 from heading_intercompare.bags.mcap.chunk_writer import Rows
@@ -71,7 +72,7 @@ def judged(path, **settings):
     """Return the only run of a bag, and its finding on the losses."""
     rule = Settings.from_mapping({**SETTINGS.to_mapping(), **settings})
     run, = judge_bags([path], rule).verdict.runs
-    return run, next(f for f in run.validity if f.condition == 'losses')
+    return run, find_finding(run, 'losses')
 
 
 @pytest.mark.parametrize('kept, effect, outcome', [
@@ -117,7 +118,7 @@ def test_a_gap_that_ends_a_run_is_in_no_run(tmp_path):
     verdict = judge_bags([write(tmp_path / 'bag', kept)], SETTINGS).verdict
     assert [run.n for run in verdict.runs] == [1000, 1000]
     for run in verdict.runs:
-        assert next(f for f in run.validity if f.condition == 'losses').effect == 'holds'
+        assert find_finding(run, 'losses').effect == 'holds'
     assert sum(run.pairing.lost.rs.get('on_the_way', 0) for run in verdict.runs) == 4000
 
 

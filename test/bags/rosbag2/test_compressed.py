@@ -251,7 +251,7 @@ def test_unpacked_files_last_as_long_as_their_reader(write_bag, monkeypatch, tmp
 
 
 def test_a_file_that_unpacks_to_far_too_much_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(packed_files, '_MOST_BYTES', 2**22)
+    monkeypatch.setattr(packed_files, '_MOST_FILE_BYTES', 2**22)
     file = tmp_path / 'x.mcap.zstd'
     file.write_bytes(zstandard.ZstdCompressor().compress(bytes(2**24)))
     with pytest.raises(BagError, match='unpacks to more than 4194304 bytes'):

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import json
 
+from command_line import refusal
 import pytest
 
 from heading_intercompare.cli import main
@@ -49,6 +50,5 @@ def test_the_table_says_how_long_to_measure(capsys, tmp_path):
     ([*GIVEN, '--seed', '-1'], '--seed -1: must be at least 0'),
     ([*GIVEN, '--json', '/'], '--json /: is a folder')])
 def test_a_mistake_is_one_line(arguments, words, capsys):
-    assert main(['plan', *arguments]) == 2
-    out, err = capsys.readouterr()
-    assert out == '' and err.count('\n') == 1 and words in err
+    err = refusal(capsys, 'plan', *arguments)
+    assert words in err

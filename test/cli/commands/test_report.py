@@ -18,14 +18,13 @@ from __future__ import annotations
 
 import json
 
-from command_line import refusal
+from command_line import NORMS, refusal
 import numpy as np
 import pytest
 
 from heading_intercompare.cli import main
 
 S = 1_000_000_000
-NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1']
 
 
 @pytest.fixture

@@ -24,12 +24,12 @@ from pathlib import Path
 import subprocess
 import sys
 
+from command_line import NORMS
 import numpy as np
 import pytest
 
 from heading_intercompare.cli import main
 
-NORMS = ['--set', 'norms.sigma_max_deg=0.3', '--set', 'norms.sigma_ref_max_deg=0.1']
 FULL = pytest.mark.skipif(not Path('/dev/full').exists(), reason='no /dev/full')
 
 

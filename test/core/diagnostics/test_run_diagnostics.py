@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""All diagnostics of a run: faults are found, any n, the page of keys, the memory."""
+"""All diagnostics of a run: faults are found, any n, the memory."""
 
 from __future__ import annotations
 
@@ -203,8 +203,6 @@ def test_a_long_run_takes_little_memory(ar1, yaw):
     tracemalloc.stop()
     assert peak < 80 * n
 
-
-# --- the page of the keys ---
 
 def test_the_drift_left_in_is_that_of_the_block(rng):
     stamps = np.arange(4000) * 10 ** 8

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from trials import find_finding
 
 from heading_intercompare import Headings, Settings
 from heading_intercompare.core.pairing.ledger import LedgerKey, LedgerSegment
@@ -45,7 +46,7 @@ def noisy(rng, stamps, sigma_deg=0.1):
 
 def losses_of(run):
     """Return the finding on the losses of a run."""
-    return next(f for f in run.validity if f.condition == 'losses')
+    return find_finding(run, 'losses')
 
 
 def test_lost_is_not_received_and_a_burst_is_rejected():

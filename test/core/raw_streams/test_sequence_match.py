@@ -16,6 +16,7 @@
 
 import numpy as np
 import pytest
+from trials import find_finding
 
 from heading_intercompare import analyze
 from heading_intercompare.core.outcome import Outcome
@@ -130,7 +131,7 @@ def test_the_ledger_carries_the_counts_however_the_streams_come(sensor, rng):
 
 
 def source(verdict):
-    return next(f for f in verdict.runs[0].validity if f.condition == 'same_source')
+    return find_finding(verdict.runs[0], 'same_source')
 
 
 @pytest.mark.parametrize('late_s, alignment, m_low', [

@@ -161,7 +161,7 @@ def test_readings_rejected_between_runs_are_not_lost_from_a_run(rng):
     both = Headings.as_sent(stamps, ts), Headings.as_sent(stamps, rs)
     run = analyze(*both, Settings.from_mapping({
         'norms': {'sigma_max_deg': 0.3, 'sigma_ref_max_deg': 0.1}})).runs[0]
-    assert next(f for f in run.validity if f.condition == 'losses').effect == HOLDS
+    assert find_finding(run, 'losses').effect == HOLDS
 @pytest.mark.parametrize('twin', ['TS', 'RS'])
 def test_a_sound_sensor_that_sends_two_sentences_a_reading_is_certified(twin, rng):
     """HDT and THS 5 ms apart: void before, with 90 % lost."""
@@ -175,5 +175,5 @@ def test_a_sound_sensor_that_sends_two_sentences_a_reading_is_certified(twin, rn
         streams.append(Headings.as_sent(np.rint(at * 1e9).astype(np.int64), heading))
     verdict = analyze(*streams, Settings.from_mapping({
         'norms': {'sigma_max_deg': 0.2, 'sigma_ref_max_deg': 0.1}}))
-    losses = next(f for f in verdict.runs[0].validity if f.condition == 'losses')
+    losses = find_finding(verdict.runs[0], 'losses')
     assert (losses.effect, verdict.outcome.value) == (HOLDS, 'compliant')

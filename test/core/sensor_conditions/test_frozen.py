@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from trials import find_finding
 
 from heading_intercompare import analyze, Headings, Settings
 from heading_intercompare.core.records import Motion
@@ -89,7 +90,7 @@ def moored(rng, sticks, range_deg, hold_s, holds):
 
 
 def frozen(verdict):
-    return next(found for found in verdict.runs[0].validity if found.condition == 'frozen')
+    return find_finding(verdict.runs[0], 'frozen')
 
 
 @pytest.mark.parametrize('sensor', ['TS', 'RS'])

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from trials import find_finding
 
 from heading_intercompare import analyze, Headings, Settings
 from heading_intercompare.core.outcome import Outcome
@@ -57,7 +58,7 @@ def judge(ship, rng, sensor, off_deg, motion=None, ts_deg=0.05):
 
 def effect(verdict, condition):
     """Return the effect of the finding on a condition."""
-    return next(f.effect for f in verdict.runs[0].validity if f.condition == condition)
+    return find_finding(verdict.runs[0], condition).effect
 
 
 @pytest.mark.parametrize('sensor', ['ts', 'rs'])

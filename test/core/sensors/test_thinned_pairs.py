@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from trials import find_finding
 
 from heading_intercompare.core.pairing.pair_sampling import PairSampler
 from heading_intercompare.core.pipeline import Intercomparison
@@ -43,7 +44,7 @@ def losses(rng, ts_hz, rs_hz, jitter, missing=0.0):
     one.update(stream(rng, ts_hz, jitter, missing), stream(rng, rs_hz, jitter, 0.0))
     one.finish()
     (run,) = one.verdict().runs
-    return next(f for f in run.validity if f.condition == 'losses')
+    return find_finding(run, 'losses')
 
 
 @pytest.mark.parametrize('jitter', [0.0, 0.2, 0.6])

@@ -20,6 +20,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from trials import find_finding
 
 from heading_intercompare import (
     analyze,
@@ -148,7 +149,7 @@ def test_what_is_taken_out_is_not_lost_and_does_not_count_as_time(readings):
     ts, rs = readings(bad=(0, 0))
     run, whole = (analyze(ts, rs, settings).runs[0]
                   for settings in (excluding((1000, 4000, 'half of it')), BASE))
-    losses = [next(f for f in one.validity if f.condition == 'losses') for one in (run, whole)]
+    losses = [find_finding(one, 'losses') for one in (run, whole)]
     assert losses[0] == losses[1] and losses[0].effect == 'holds'
     assert whole.coverage.longest_s / run.coverage.longest_s == pytest.approx(2.0, rel=0.01)
     short = analyze(ts, rs, replace(excluding((300, 5800, 'nearly all')))).runs[0]
@@ -161,7 +162,7 @@ def test_the_same_outcome_is_also_said(readings):
     assert verdict.outcome.value == 'compliant' and verdict.validity_effect == 'holds'
     assert verdict.headline.endswith(
         '; 1 % of the pairs are left out (a tug alongside), as recorded compliant')
-    (finding,) = (f for f in verdict.campaign.validity if f.condition == 'left_out')
+    finding = find_finding(verdict.campaign, 'left_out')
     assert finding.effect == 'holds' and finding.evidence.startswith('60 pairs, ')
 
 

@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 from scipy import interpolate
 
-from heading_intercompare.core.timing.heading_track import CubicSpline
+from heading_intercompare.core.timing.cubic_spline import CubicSpline
 
 
 def test_a_cubic_is_its_own_spline():

@@ -100,7 +100,7 @@ def test_a_block_that_was_pasted_makes_a_run_void(rng):
 
 def test_a_sound_run_says_that_no_stretch_comes_twice(rng):
     run, = judge([trial(rng)]).runs
-    held = next(one for one in run.validity if one.condition == 'repeated_readings')
+    held = find_finding(run, 'repeated_readings')
     assert (held.effect, held.evidence) == ('holds', 'no stretch of some minutes comes twice')
 
 

@@ -21,7 +21,7 @@ import re
 
 import numpy as np
 import pytest
-from trials import judge_headings
+from trials import find_finding, judge_headings
 
 from heading_intercompare import analyze, Headings, Settings
 from heading_intercompare.core.outcome import Outcome
@@ -119,7 +119,7 @@ def test_one_sensor_twice_is_no_comparison(pair):
 
 def same_source(verdict):
     """Return the finding of the run on one source."""
-    return next(f for f in verdict.runs[0].validity if f.condition == 'same_source')
+    return find_finding(verdict.runs[0], 'same_source')
 
 
 def test_glitches_that_both_send_are_one_source(ship):
@@ -288,7 +288,7 @@ def test_one_bad_reading_is_named_and_not_called_a_slow_error(pair):
     assert effects(verdict) == {'outliers': DOUBTFUL}
     run = verdict.runs[0]
     assert run.reason == 'outliers_decide'
-    evidence = next(f.evidence for f in run.validity if f.condition == 'outliers')
+    evidence = find_finding(run, 'outliers').evidence
     assert STAMPS[5000] == 500_100_000_000
     assert '+40 deg at 1970-01-01 00:08:20.100 UTC' in evidence
     assert 'without them the outcome is compliant' in evidence
@@ -695,7 +695,7 @@ def legged(ship):
 
 def of_motion(verdict):
     """Return the finding of the first run on the motion of the ship."""
-    return next(f for f in verdict.runs[0].validity if f.condition == 'motion')
+    return find_finding(verdict.runs[0], 'motion')
 
 
 def test_without_motion_no_finding_and_no_key(pair):
