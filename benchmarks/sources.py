@@ -49,7 +49,6 @@ class Sources:
 
     Attributes
     ----------
-    files, code_lines
     above_10, above_20
         Functions with more than 10 and 20 branches.
     names

@@ -25,11 +25,11 @@ from heading_intercompare.ahrs.ship.wave_sea import Hull, Waves
 from heading_intercompare.core.declared_settings import (
     Checked,
     from_mapping,
+    read_rows,
     setting,
     SettingsError,
     to_mapping,
 )
-from heading_intercompare.core.sensor_table import read_rows
 
 from .faults import FAULTS
 from .plans import (

@@ -45,7 +45,7 @@ VELOCITY_SIGMA_M_S = 0.05
 RATE_SIGMA_DEG_S = 0.05
 """Standard deviation of a rate of turn, degrees per second; white."""
 
-_BLOCK = 64
+_DRAWN_AT_ONCE = 64
 _METRES_A_DEGREE = 111_200.0
 
 
@@ -55,7 +55,6 @@ class ToldMotion:
 
     Parameters
     ----------
-    ship
     start_ns
         UTC stamp of the start, nanoseconds.
     seed
@@ -103,7 +102,7 @@ class ToldMotion:
     def _draw(self, n: int) -> Reals:
         """Return the next numbers, shape (5, n); drawn in blocks, whatever the chunks."""
         while self._noise.shape[1] < n:
-            more = self._rng.standard_normal((5, _BLOCK))
+            more = self._rng.standard_normal((5, _DRAWN_AT_ONCE))
             self._noise = np.concatenate((self._noise, more), axis=1)
         drawn, self._noise = self._noise[:, :n], self._noise[:, n:]
         return drawn

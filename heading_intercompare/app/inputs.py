@@ -26,7 +26,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Callable, Iterable, Iterator, Mapping, Sequence
 
-from heading_intercompare.app.sources.judged_input import hash_files
+from heading_intercompare.app.sources.file_hash import hash_files
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.recording.journal import (
     is_journal,
@@ -324,8 +324,8 @@ def _list_conventions(comparison: InputComparison, settings: Settings) -> dict[s
 def describe_recording(path: str, entry: Input, settings: Settings) -> JudgedInput:
     """Return a recording without runs of its own, with its entries in the verdicts."""
     return JudgedInput(path=path, results={}, entries=[entry], entries_of_tested={
-                           sensor.name: [_name_topics(entry, sensor, reference, settings)]
-                           for sensor, reference in pair_with_reference(settings)})
+        sensor.name: [_name_topics(entry, sensor, reference, settings)]
+        for sensor, reference in pair_with_reference(settings)})
 
 
 def _name_topics(entry: Input, ts: Sensor, rs: Sensor, settings: Settings) -> Input:

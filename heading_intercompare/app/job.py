@@ -128,7 +128,6 @@ class Job:
 
     Attributes
     ----------
-    settings
     table : sequence of (start_ns, stop_ns, source), optional
         Runs.
     sketched

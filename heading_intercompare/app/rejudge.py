@@ -50,8 +50,6 @@ class FormerVerdict:
 
     Attributes
     ----------
-    outcome
-    headline, validity_effect
     software_version, rule_version, settings_sha256
         The software, rule and settings of the verdict.
 
@@ -84,7 +82,6 @@ class Rejudged:
 
     Attributes
     ----------
-    path
     status : {'changed', 'not_judged', 'no_report', 'same'}
         'changed' if the outcome differs, or has become doubtful or is no longer doubtful.
     former
@@ -208,7 +205,7 @@ def _compare(path: str, report: Verdict | SensorsVerdict | None, verdict: Verdic
     return Rejudged(path=path, status=status, former=former, outcome=verdict.outcome,
                     headline=verdict.headline, validity_effect=verdict.validity_effect,
                     rule_version=verdict.rule_version, settings_sha256=verdict.settings_sha256,
-                    settings_changed=tuple(changed), error=None, notes=notes)
+                    settings_changed=tuple(changed), notes=notes)
 
 
 def _read_report(reader: BagReader) -> tuple[Verdict | SensorsVerdict | None, list[str]]:

@@ -34,7 +34,7 @@ from .errors import BagError
 
 _MAGIC = b'\x28\xb5\x2f\xfd'
 
-MOST_BYTES = 2**27
+MOST_MESSAGE_BYTES = 2**27
 """A message that claims to be larger when unpacked is left as it is."""
 
 #: No heading, and no message of the ship's motion, is larger.
@@ -46,7 +46,7 @@ def is_packed(data: BytesLike, start: Integers) -> bool:
     return bool(len(start)) and bytes(data[start[0]:start[0] + len(_MAGIC)]) == _MAGIC
 
 
-def unpack_payload(data: bytes, most: int = MOST_BYTES) -> bytes | None:
+def unpack_payload(data: bytes, most: int = MOST_MESSAGE_BYTES) -> bytes | None:
     """Return a message decompressed; None if it is not a frame of zstd, or too large."""
     try:
         size = zstandard.frame_content_size(data)
@@ -90,7 +90,7 @@ PACKED = '.zstd'
 
 _PIECE_BYTES = 2**20
 #: A file may unpack to this many bytes, or to this many times its own size if that is more.
-_MOST_BYTES, _MOST_TIMES = 2**30, 200
+_MOST_FILE_BYTES, _MOST_TIMES = 2**30, 200
 #: This much of the disk is left free.
 _FREE_BYTES = 2**28
 
@@ -121,7 +121,7 @@ def unpack_file(path: Path, folder: Path) -> tuple[Path, str | None]:
 
     """
     place = folder / plain_name(path.name)
-    most = max(_MOST_BYTES, _MOST_TIMES * path.stat().st_size)
+    most = max(_MOST_FILE_BYTES, _MOST_TIMES * path.stat().st_size)
     size = 0
     with path.open('rb') as packed, place.open('wb') as file:
         reader = zstandard.ZstdDecompressor().stream_reader(packed, read_across_frames=True)

@@ -24,7 +24,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from heading_intercompare.core.records import Reals
+from .records import Reals
 
 #: Angles processed at once: intermediate results stay in the cache.
 _PIECE = 32768

@@ -22,6 +22,8 @@ from functools import cache
 import hashlib
 import json
 import math
+import re
+import shlex
 import types
 from typing import (
     Any,
@@ -328,3 +330,84 @@ class Checked:
             if not isinstance(getattr(self, name), group):
                 raise SettingsError(f'{name} = {getattr(self, name)!r}: must be '
                                     f'{group.__name__}(...); from_mapping takes mappings')
+
+
+_NAME = re.compile('[A-Za-z][A-Za-z0-9_]{0,39}', re.ASCII)
+_TRUTH = {'true': True, 'false': False}
+
+
+def read_rows(text: str | None, kind: type,
+              words: Mapping[str, tuple[str, Any]] | None = None) -> Iterator[tuple[str, Any]]:
+    """
+    Yield the settings of each row with their name.
+
+    Parameters
+    ----------
+    text
+        Rows separated by line ends or ``;``: a name, then ``setting=value`` in any order. Values
+        with spaces stand in quotes; ``#`` begins a comment.
+    kind
+        The settings class of each row.
+    words
+        Single words that stand for a setting and its value.
+
+    Yields
+    ------
+    name, settings : str, object
+
+    Raises
+    ------
+    ValueError
+        If a row is wrong, or a name comes twice; the message names the row.
+
+    """
+    rules = {rule.name: rule for rule in list_settings(kind)}
+    seen: set[str] = set()
+    rows = [row for row in map(str.strip, re.split(r'[;\r\n]', text or ''))
+            if row and not row.startswith('#')]
+    for at, row in enumerate(rows, 1):
+        try:
+            name, *assignments = shlex.split(row, comments=True)
+            if not _NAME.fullmatch(name):
+                raise ValueError(f'{name!r}: a name must begin with a letter, and have only '
+                                 'letters, digits and _, at most 40')
+            if name.lower() in seen:
+                raise ValueError(f'the name {name} is given twice')
+            settings = from_mapping(kind, _read_values(assignments, rules, words or {}))
+        except ValueError as error:
+            raise ValueError(f'row {at} ({row:.60}): {error}') from error
+        seen.add(name.lower())
+        yield name, settings
+
+
+def _read_values(assignments: list[str], rules: Mapping[str, Setting],
+                 words: Mapping[str, tuple[str, Any]]) -> dict[str, Any]:
+    values: dict[str, Any] = {}
+    for word in assignments:
+        key, equals, text = word.partition('=')
+        value: Any = text
+        if word in words:
+            key, value = words[word]
+        elif not equals:
+            raise ValueError(f'{word!r}: must be setting=value'
+                             + ''.join(f', or {flag}' for flag in words))
+        elif key not in rules:
+            raise explain_unknown('setting', key, rules)
+        else:
+            value = _read_value(rules[key], text)
+        if key in values:
+            raise ValueError(f'{key} is given twice')
+        values[key] = value
+    return values
+
+
+def _read_value(rule: Setting, text: str) -> Any:
+    """Return a text as the setting takes it: a truth value, a number, or the text."""
+    if bool in rule.kinds and text.lower() in _TRUTH:
+        return _TRUTH[text.lower()]
+    if {int, float} & {*rule.kinds}:
+        try:
+            return float(text)
+        except ValueError:
+            pass
+    return text

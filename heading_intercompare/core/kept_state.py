@@ -24,7 +24,6 @@ from heading_intercompare.core.decision.guarded import Evidence
 from heading_intercompare.core.decision.taken_out import Stretch
 from heading_intercompare.core.runs.record_pieces import PieceState
 from heading_intercompare.core.runs.run_cutter import CutterState
-from heading_intercompare.core.typed_reader import make_plain, read_plain
 from heading_intercompare.core.validity.condition import Finding
 from heading_intercompare.core.verdict.judge import RunResult
 from heading_intercompare.core.verdict.recorded import JudgedPiece
@@ -32,6 +31,7 @@ from heading_intercompare.core.verdict.verdict_document import RunVerdict
 
 from .outcome import Outcome
 from .settings import Settings
+from .typed_reader import make_plain, read_plain
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,8 +24,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Any, Mapping
 
-from heading_intercompare.core.sensor_table import read_sensors, SENSOR_CLASS_NAMES
-
 from .declared_settings import (
     Checked,
     from_mapping,
@@ -34,6 +32,7 @@ from .declared_settings import (
     SettingsError,
     to_mapping,
 )
+from .sensor_table import read_sensors, SENSOR_CLASS_NAMES
 from .time_rules.clock_cuts import ClockCuts
 from .time_rules.exclusions import read_exclusions
 from .units.full_turns import ANGLE_UNITS

@@ -25,8 +25,8 @@ import re
 from types import NoneType, UnionType
 from typing import Any, get_args, get_origin, get_type_hints, Literal, TypeGuard, Union
 
-from heading_intercompare.core.declared_figures import is_left_out, list_keys
-from heading_intercompare.core.outcome import Outcome
+from .declared_figures import is_left_out, list_keys
+from .outcome import Outcome
 
 _WORDS = {bool: 'true or false', float: 'a number', int: 'an integer', str: 'text',
           NoneType: 'null'}

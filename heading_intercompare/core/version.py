@@ -14,7 +14,6 @@
 
 """The versions of the software and of its decision rule, as verdicts state them."""
 
-
 #: setup.py reads it here, and bags state it.
 VERSION = '0.1.0'
 

@@ -170,7 +170,7 @@ def _parse_hdg(fields: list[bytes]) -> float:
     if variation_deg is None:
         raise Rejected('no_variation')
     heading_deg = (sensor_deg + (deviation_deg or 0.0) + variation_deg) % 360.0
-    # A tiny negative angle rounds to 360.
+    # A tiny negative angle rounds to 360. `wrap360` would load numpy, which settings do without.
     return 0.0 if heading_deg == 360.0 else heading_deg
 
 

@@ -15,7 +15,7 @@
 """
 Sources of bytes: file, UDP, TCP, serial line. They use no threads; nothing runs between reads.
 
-This module has the lines that may break, TCP and serial, and opens any source.
+This module has datagrams (UDP) and the lines that may break (TCP, serial), and opens any source.
 
 The kernel stamps a datagram when it arrives, so the stamp is right however late the program reads
 it. The kernel also counts the datagrams that it drops because the program reads too slowly.
@@ -50,6 +50,41 @@ _NAMED = 3
 _MOST_SENDERS, _OTHERS = 1000, 'others'
 #: Longest datagram; ten times what an Ethernet frame holds.
 _MOST_BYTES = 16_384
+_LINE_END = b'\r\n'
+
+
+class Source(Protocol):
+    """
+    A source of bytes, as `open_source` returns it.
+
+    Attributes
+    ----------
+    exhausted
+        Nothing more will come.
+    status
+        Words for a diagnostic.
+    counts
+        What came and was not returned, by reason.
+
+    """
+
+    @property
+    def exhausted(self) -> bool:
+        """Whether nothing more will come."""
+
+    @property
+    def status(self) -> str:
+        """Words for a diagnostic."""
+
+    @property
+    def counts(self) -> Mapping[str, int]:
+        """Return what came and was not returned, by reason."""
+
+    def read(self, timeout_s: float) -> list[Received]:
+        """Return the bytes received; wait at most `timeout_s` for some. May return nothing."""
+
+    def close(self) -> None:
+        """Release the file, socket or device."""
 
 
 class UdpSource:
@@ -165,43 +200,6 @@ def _try_option(listener: socket.socket, option: int, value: int) -> None:
         listener.setsockopt(socket.SOL_SOCKET, option, value)
     except OSError:
         pass
-
-
-_LINE_END = b'\r\n'
-
-
-class Source(Protocol):
-    """
-    A source of bytes, as `open_source` returns it.
-
-    Attributes
-    ----------
-    exhausted
-        Nothing more will come.
-    status
-        Words for a diagnostic.
-    counts
-        What came and was not returned, by reason.
-
-    """
-
-    @property
-    def exhausted(self) -> bool:
-        """Whether nothing more will come."""
-
-    @property
-    def status(self) -> str:
-        """Words for a diagnostic."""
-
-    @property
-    def counts(self) -> Mapping[str, int]:
-        """Return what came and was not returned, by reason."""
-
-    def read(self, timeout_s: float) -> list[Received]:
-        """Return the bytes received; wait at most `timeout_s` for some. May return nothing."""
-
-    def close(self) -> None:
-        """Release the file, socket or device."""
 
 
 class TcpLine:

@@ -90,7 +90,6 @@ class Point:
 
     Attributes
     ----------
-    row
     mean_low_deg, mean_high_deg, sd_low_deg, sd_high_deg
         Limits of the mean and of the standard deviation, degrees.
     outside
@@ -113,7 +112,6 @@ class History:
 
     Attributes
     ----------
-    ship, settings_sha256
     points
         In the order of time.
     trends

@@ -46,7 +46,6 @@ class LedgerMessage(NamedTuple):
 
     Attributes
     ----------
-    ledger
     final
         It is the last one.
     started_ns

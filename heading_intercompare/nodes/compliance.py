@@ -35,7 +35,6 @@ from heading_intercompare.nodes.alarms.comparison_alarms import ComparisonAlarms
 from heading_intercompare.nodes.judging.pair_intake import PairIntake
 from heading_intercompare.nodes.judging.reporting import Reporting
 from heading_intercompare.nodes.judging.trial_journal import open_spool, TrialJournal
-from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.batches import Arrivals
 from heading_intercompare.nodes.ros.graph_node import GraphNode
 from heading_intercompare.nodes.ros.health import Health
@@ -49,6 +48,7 @@ from heading_intercompare.nodes.taking.mark_intake import explain_mark, MarkInta
 from heading_intercompare.nodes.taking.motion_intake import MotionIntake
 from heading_intercompare.nodes.taking.raw_subscription import subscribe
 
+from .ros import qos
 from .settings import ComplianceNode, Taking
 
 # How long the last messages of a synchronizer that has ended, and of a batch, may be under way.

@@ -28,7 +28,6 @@ from heading_intercompare.drivers.framing import Received
 from heading_intercompare.drivers.nmea import NmeaDecoder
 from heading_intercompare.messages.heading_messages import imu_messages
 from heading_intercompare.nodes.alarms.sentence_alarms import SentenceAlarms
-from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.parameters import resolve_topic
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.runtime.loss_publisher import LossPublisher
@@ -39,7 +38,9 @@ from heading_intercompare.nodes.runtime.publishing import (
     HeadingQueue,
 )
 from heading_intercompare.nodes.runtime.source_thread import ReadingNode
-from heading_intercompare.nodes.sensors import places
+
+from .ros import qos
+from .sensors import places
 
 
 class NmeaDriver(ReadingNode):

@@ -30,7 +30,6 @@ from heading_intercompare.bags.rosbag2.paced_replay import Replay
 from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.messages.stamps import encode_clock
 from heading_intercompare.messages.status_messages import MARKER_TOPIC, OK, WARN
-from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.endpoints import published_names
 from heading_intercompare.nodes.ros.graph_node import GraphNode
 from heading_intercompare.nodes.ros.health import Health
@@ -38,15 +37,16 @@ from heading_intercompare.nodes.ros.message_types import find_heading_type
 from heading_intercompare.nodes.ros.parameters import declare
 from heading_intercompare.nodes.ros.process import run
 from heading_intercompare.nodes.ros.steady_timer import every
-from heading_intercompare.nodes.runtime import replayed_beside as beside
 from heading_intercompare.nodes.runtime.publishing import (
     Allowance,
     Audience,
     await_acknowledgement,
     FlowControl,
 )
-from heading_intercompare.nodes.sensors import places
 
+from .ros import qos
+from .runtime import replayed_beside as beside
+from .sensors import places
 from .settings import REPLAYED, ReplayerNode, Sending
 
 _TICK_S = 0.02

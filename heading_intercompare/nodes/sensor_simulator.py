@@ -34,7 +34,6 @@ from heading_intercompare.bags.rosbag2.provenance import TRUTH_TOPIC
 from heading_intercompare.core.sensor_table import simulated_topics
 from heading_intercompare.messages.heading_messages import imu_messages
 from heading_intercompare.messages.status_messages import LEVELS, OK
-from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.graph_node import GraphNode
 from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.ros.parameters import declare, resolve_topic
@@ -47,8 +46,9 @@ from heading_intercompare.nodes.runtime.publishing import (
     await_acknowledgement,
     FlowControl,
 )
-from heading_intercompare.nodes.sensors import places
 
+from .ros import qos
+from .sensors import places
 from .settings import PUBLISHED, Sending, SimulatorNode
 
 _TICK_S, _STEP_S = 0.05, 0.5  # the latter: simulated time of a step as fast as possible

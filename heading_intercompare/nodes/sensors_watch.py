@@ -35,7 +35,6 @@ from heading_intercompare.messages.status_messages import (
     MARKER_TOPIC,
 )
 from heading_intercompare.nodes.alarms.alarm_panel import ACKNOWLEDGE_TOPIC, ALL
-from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.graph_node import GraphNode
 from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.ros.parameters import declare
@@ -51,6 +50,7 @@ from heading_intercompare.nodes.taking.mark_intake import MarkIntake
 from heading_intercompare.nodes.taking.motion_intake import MotionIntake
 from heading_intercompare.nodes.taking.raw_subscription import subscribe
 
+from .ros import qos
 from .settings import HeadingTypes, SensorsNode, Taking
 
 # Nobody waits for the pairs, and few large batches cost less than many small ones.

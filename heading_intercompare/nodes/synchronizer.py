@@ -30,7 +30,6 @@ from heading_intercompare.messages.heading_messages import pair_messages
 from heading_intercompare.messages.ledger_messages import encode_ledger
 from heading_intercompare.messages.status_messages import decode_marks, MARKER_TOPIC
 from heading_intercompare.nodes.alarms.stream_alarms import StreamAlarms
-from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.batches import Arrivals
 from heading_intercompare.nodes.ros.endpoints import count_subscribed
 from heading_intercompare.nodes.ros.graph_node import GraphNode
@@ -47,6 +46,7 @@ from heading_intercompare.nodes.taking.mark_intake import MarkIntake
 from heading_intercompare.nodes.taking.predecessor import Predecessor
 from heading_intercompare.nodes.taking.raw_subscription import subscribe
 
+from .ros import qos
 from .settings import HeadingTypes, PAIRED, SynchronizerNode, Taking
 
 # A subscriber of the pairs that hangs holds up the others no longer than this.

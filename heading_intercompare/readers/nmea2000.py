@@ -38,6 +38,12 @@ from heading_intercompare.core.motion.moved_rows import (
 
 from .stream_recording import Collected
 
+#: From here on a field says: not available, out of range, reserved.
+_NO_UNSIGNED, _NO_SIGNED = 65533, 32765
+_NO_LONG, _NO_LONGER = 0x7FFFFFFD, 0x7FFFFFFFFFFFFFFD
+#: What a heading or course refers to: north.
+_TRUE, _MAGNETIC = 0, 1
+
 FRAME_BYTES = 8
 """The most bytes of a frame."""
 
@@ -111,9 +117,6 @@ class FastPackets:
 
 
 _BEYOND = 'out_of_range'
-_TRUE_COURSE = 0
-_NO_COURSE, _NO_SPEED = 65533, 65533
-_NO_LONG, _NO_LONGER = 0x7FFFFFFD, 0x7FFFFFFFFFFFFFFD
 _RATE_DEG_S = math.degrees(1e-6 / 32.0)
 
 
@@ -138,9 +141,9 @@ def _decode_rapid_position(data: bytes) -> MovedRow | str:
 def _decode_course(data: bytes) -> MovedRow | str:
     """Read PGN 129026: sequence, reference, course in 1e-4 rad, speed in cm/s."""
     course, speed = (int.from_bytes(data[at:at + 2], 'little') for at in (2, 4))
-    if course >= _NO_COURSE or speed >= _NO_SPEED:
+    if course >= _NO_UNSIGNED or speed >= _NO_UNSIGNED:
         return 'empty'
-    return ('not_true' if data[1] & 3 != _TRUE_COURSE
+    return ('not_true' if data[1] & 3 != _TRUE
             else make_velocity(course * 1e-4, speed * 0.01) or _BEYOND)
 
 
@@ -216,7 +219,7 @@ def decode_motion_fields(pgn: int, fields: Mapping[str, Any], radians: float) ->
     reference = fields.get('COG Reference')
     if isinstance(reference, Mapping):
         reference = reference.get('value', reference.get('name'))
-    return ('not_true' if reference not in ('True', _TRUE_COURSE)
+    return ('not_true' if reference not in ('True', _TRUE)
             else make_velocity(values[0] * radians, values[1]) or _BEYOND)
 
 
@@ -225,10 +228,7 @@ PGN = 127250
 
 _KIND = f'PGN {PGN}'
 _RAD_DEG = 1e-4 * 180.0 / math.pi
-#: From here on a field says: not available, out of range, reserved.
-_NO_HEADING, _NO_ANGLE = 65533, 32765
 _FULL_TURN = 62832
-_TRUE, _MAGNETIC = 0, 1
 _SECOND_NS = 1_000_000_000
 
 _CAN = re.compile(rb'^\s*\((?:(\d{1,10})\.(\d{1,9})|(\d{4}-\d\d-\d\d \d\d:\d\d:\d\d\.\d+))\)\s+\S+'
@@ -292,13 +292,13 @@ def decode_vessel_heading(data: bytes) -> tuple[float, float | None, int] | str:
     heading = int.from_bytes(data[1:3], 'little')
     deviation, variation = (int.from_bytes(data[at:at + 2], 'little', signed=True)
                             for at in (3, 5))
-    if heading >= _NO_HEADING:
+    if heading >= _NO_UNSIGNED:
         return 'empty_heading'
     if heading > _FULL_TURN:
         return 'out_of_range'
     turn_deg = None
-    if variation < _NO_ANGLE:
-        turn_deg = (variation + (deviation if deviation < _NO_ANGLE else 0)) * _RAD_DEG
+    if variation < _NO_SIGNED:
+        turn_deg = (variation + (deviation if deviation < _NO_SIGNED else 0)) * _RAD_DEG
     return heading * _RAD_DEG, turn_deg, data[7] & 3
 
 

@@ -114,8 +114,11 @@ class Collected:
         if row is None:
             self.not_taken[why_none] += 1
             return
-        self._moved.setdefault((rank, row.what, stream), ColumnBuffer(len(row.values))).add(
-            stamp_ns, *row.values)
+        key = rank, row.what, stream
+        rows = self._moved.get(key)
+        if rows is None:
+            rows = self._moved[key] = ColumnBuffer(len(row.values))
+        rows.add(stamp_ns, *row.values)
 
     def add_motion_chunk(self, what: str, stream: str, rows: Motion, wrong: int) -> None:
         """Take many rows that tell one thing, and the number of values out of range."""

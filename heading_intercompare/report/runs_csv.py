@@ -28,16 +28,20 @@ from heading_intercompare.core.verdict.verdict_document import Verdict
 
 Cell = str | int | float | None
 
-
-COLUMNS = dict((column.split('=') * 2)[:2] for column in """
-    recording=source run start_utc=start_ns end_utc=end_ns start_ns end_ns duration_s
-    pairs=pairing.paired n nu=guarded.nu mean_deg max_abs_deg sd_deg=std_deg variance_deg2
-    lower_bound_deg2=guarded.lower_bound_deg2 upper_bound_deg2=guarded.upper_bound_deg2
-    acceptance_limit_deg2=guarded.acceptance_limit_deg2
-    rejection_limit_deg2=guarded.rejection_limit_deg2 n_plus=count_criterion.n_plus
-    n_plus_plus=count_criterion.n_plus_plus outcome validity=validity_effect
-    conditions=conditions_in_doubt reason outcome_as_printed=paper_outcome headline""".split())
-"""The columns, each with the key of its figure; in the text after = where it differs."""
+COLUMNS = {
+    'recording': 'source', 'run': 'run', 'start_utc': 'start_ns', 'end_utc': 'end_ns',
+    'start_ns': 'start_ns', 'end_ns': 'end_ns', 'duration_s': 'duration_s',
+    'pairs': 'pairing.paired', 'n': 'n', 'nu': 'guarded.nu', 'mean_deg': 'mean_deg',
+    'max_abs_deg': 'max_abs_deg', 'sd_deg': 'std_deg', 'variance_deg2': 'variance_deg2',
+    'lower_bound_deg2': 'guarded.lower_bound_deg2',
+    'upper_bound_deg2': 'guarded.upper_bound_deg2',
+    'acceptance_limit_deg2': 'guarded.acceptance_limit_deg2',
+    'rejection_limit_deg2': 'guarded.rejection_limit_deg2', 'n_plus': 'count_criterion.n_plus',
+    'n_plus_plus': 'count_criterion.n_plus_plus', 'outcome': 'outcome',
+    'validity': 'validity_effect', 'conditions': 'conditions_in_doubt', 'reason': 'reason',
+    'outcome_as_printed': 'paper_outcome', 'headline': 'headline',
+}
+"""The columns, each with the dotted key of its figure."""
 
 
 def write_runs(verdict: Verdict | SensorsVerdict, path: str | Path) -> None:

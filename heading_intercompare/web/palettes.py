@@ -20,48 +20,6 @@ from typing import Mapping
 
 from heading_intercompare.web.bridge.bridge_records import TrendView
 
-_WIDTH, _HEIGHT, _LEFT, _RIGHT, _TOP, _BOTTOM = 800, 180, 66, 8, 8, 22
-
-
-def draw_trend(trend: TrendView) -> str:
-    """
-    Return the trend as SVG: the extremes per column, the limits dashed, zero as a line.
-
-    The picture is wide enough for the data and the limits, so neither is ever cut off.
-    """
-    reach = [0.02] + [abs(value) for column in trend.columns
-                      for value in (column.low_deg, column.high_deg)]
-    limits: tuple[float, ...] = ()
-    if trend.limit_deg is not None:
-        limits = (trend.center_deg - trend.limit_deg, trend.center_deg + trend.limit_deg)
-        reach += [abs(limit) for limit in limits]
-    most = 1.1 * max(reach)
-
-    def place(x_deg: float) -> float:
-        return _TOP + (_HEIGHT - _TOP - _BOTTOM) * (most - x_deg) / (2.0 * most)
-
-    right = _WIDTH - _RIGHT
-    scale = (right - _LEFT) / trend.span_s
-    parts = [f'<svg viewBox="0 0 {_WIDTH} {_HEIGHT}" width="100%" role="img" '
-             'aria-label="difference TS - RS of the last 30 min">']
-    for kind, values in (('zero', (0.0,)), ('limit', limits)):
-        parts += [f'<line class="{kind}" x1="{_LEFT}" x2="{right}" y1="{place(value):.1f}" '
-                  f'y2="{place(value):.1f}"/>' for value in values]
-    parts += [f'<text class="mark" x="{_LEFT - 6}" y="{place(value) + 5:.1f}" text-anchor="end">'
-              f'{f"{value:+.2f}" if value else "0"}°</text>' for value in (*limits, 0.0)]
-    for minutes in range(0, round(trend.span_s / 60.0) + 1, 10):
-        at = right - scale * 60.0 * minutes
-        parts.append(f'<text class="mark" x="{at:.1f}" y="{_HEIGHT - 6}" text-anchor="'
-                     f'{"end" if minutes == 0 else "middle"}">{-minutes} min</text>')
-    columns = []
-    for column in trend.columns:
-        x, top, bottom = (right - scale * column.age_s, place(column.high_deg),
-                          place(column.low_deg))
-        columns.append(f'M{x - 0.8:.1f} {top - 0.8:.1f}h1.6V{bottom + 0.8:.1f}h-1.6z')
-    parts.append(f'<path class="trace" d="{"".join(columns)}"/></svg>')
-    return ''.join(parts)
-
-
 #: By palette: ground, panel, ink, faint ink, line, and the three tones of a verdict or state.
 PALETTES: Mapping[str, Mapping[str, str]] = {
     'day': {'ground': '#f2f4f7', 'panel': '#ffffff', 'ink': '#101418', 'faint': '#4a5460',
@@ -125,3 +83,45 @@ def style() -> str:
               for name, colours in PALETTES.items()]
     chosen = ',\n'.join(f'html[data-palette={name}] .bridge .k-{name}' for name in PALETTES)
     return '\n'.join([*blocks, _STYLE, f'{chosen} {{ border: 3px solid var(--ink); }}'])
+
+
+_WIDTH, _HEIGHT, _LEFT, _RIGHT, _TOP, _BOTTOM = 800, 180, 66, 8, 8, 22
+
+
+def draw_trend(trend: TrendView) -> str:
+    """
+    Return the trend as SVG: the extremes per column, the limits dashed, zero as a line.
+
+    The picture is wide enough for the data and the limits, so neither is ever cut off.
+    """
+    reach = [0.02] + [abs(value) for column in trend.columns
+                      for value in (column.low_deg, column.high_deg)]
+    limits: tuple[float, ...] = ()
+    if trend.limit_deg is not None:
+        limits = (trend.center_deg - trend.limit_deg, trend.center_deg + trend.limit_deg)
+        reach += [abs(limit) for limit in limits]
+    most = 1.1 * max(reach)
+
+    def place(x_deg: float) -> float:
+        return _TOP + (_HEIGHT - _TOP - _BOTTOM) * (most - x_deg) / (2.0 * most)
+
+    right = _WIDTH - _RIGHT
+    scale = (right - _LEFT) / trend.span_s
+    parts = [f'<svg viewBox="0 0 {_WIDTH} {_HEIGHT}" width="100%" role="img" '
+             'aria-label="difference TS - RS of the last 30 min">']
+    for kind, values in (('zero', (0.0,)), ('limit', limits)):
+        parts += [f'<line class="{kind}" x1="{_LEFT}" x2="{right}" y1="{place(value):.1f}" '
+                  f'y2="{place(value):.1f}"/>' for value in values]
+    parts += [f'<text class="mark" x="{_LEFT - 6}" y="{place(value) + 5:.1f}" text-anchor="end">'
+              f'{f"{value:+.2f}" if value else "0"}°</text>' for value in (*limits, 0.0)]
+    for minutes in range(0, round(trend.span_s / 60.0) + 1, 10):
+        at = right - scale * 60.0 * minutes
+        parts.append(f'<text class="mark" x="{at:.1f}" y="{_HEIGHT - 6}" text-anchor="'
+                     f'{"end" if minutes == 0 else "middle"}">{-minutes} min</text>')
+    columns = []
+    for column in trend.columns:
+        x, top, bottom = (right - scale * column.age_s, place(column.high_deg),
+                          place(column.low_deg))
+        columns.append(f'M{x - 0.8:.1f} {top - 0.8:.1f}h1.6V{bottom + 0.8:.1f}h-1.6z')
+    parts.append(f'<path class="trace" d="{"".join(columns)}"/></svg>')
+    return ''.join(parts)

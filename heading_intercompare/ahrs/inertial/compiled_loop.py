@@ -41,15 +41,7 @@ USED = frozenset(name for function in COMPILED for name in function.__code__.co_
 
 
 class CompiledLoop:
-    """
-    `loop.run` on records that hold the state of the objects while it runs.
-
-    Parameters
-    ----------
-    platform
-    computer
-
-    """
+    """`loop.run` on records that hold the state of the objects while it runs."""
 
     def __init__(self, platform: Platform, computer: Computer) -> None:
         parts = platform.instruments

@@ -20,7 +20,7 @@ from dataclasses import replace
 import os
 from typing import Sequence
 
-from heading_intercompare.app.sources.judged_input import hash_files
+from heading_intercompare.app.sources.file_hash import hash_files
 from heading_intercompare.core.motion.antennas import BaselineHeadings, find_baseline_headings
 from heading_intercompare.core.settings import Antennas
 from heading_intercompare.drivers.log_lines.log_files import LogFiles
@@ -57,8 +57,7 @@ def import_antennas(paths: Sequence[str], driver: DriverSettings, rule: Antennas
             lacking = ', '.join(f'{n} {why}' for why, n in motion.not_taken.items())
             raise DriverError(f'{path}: has no position: no GNS, GGA, RMC or GLL with a stamp'
                               + (f' (not taken: {lacking})' if lacking else ''))
-    baseline = find_baseline_headings(motions[0].rows['fix'], motions[1].rows['fix'],
-                                      rule)
+    baseline = find_baseline_headings(motions[0].rows['fix'], motions[1].rows['fix'], rule)
     name = ' and '.join(paths)
     if not len(baseline.headings):
         why = ', '.join(f'{n} {reason}' for reason, n in baseline.rejected.items())

@@ -21,7 +21,7 @@ import os
 import re
 from typing import Any, Callable, Mapping, Sequence
 
-from heading_intercompare.app.sources.judged_input import hash_files
+from heading_intercompare.app.sources.file_hash import hash_files
 from heading_intercompare.core.records import Headings
 from heading_intercompare.drivers.logs import LogReader
 from heading_intercompare.drivers.refused_lines import explain_no_heading

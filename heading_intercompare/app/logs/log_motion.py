@@ -90,15 +90,16 @@ def find_motion(paths: Mapping[str, str], drivers: Mapping[str, DriverSettings],
                               f'ROT with a stamp{f" (not taken: {lacking})" if lacking else ""}')
         for what, rows in motion.rows.items():
             words = f'{_WORDS[what]} of {motion.sentences[what]} in {path}'
-            if MOTION_WORDS[what] in origin:
+            if what in origin:
                 unused.append(words)
                 continue
-            origin[MOTION_WORDS[what]] = f'{motion.sentences[what]} {path}'
+            origin[what] = f'{motion.sentences[what]} {path}'
             chunks.append(rows)
             used.append(f'{words} ({len(rows)})')
     notes = [f'motion of the ship: {", ".join(used)}'
              + (f'; not used: {", ".join(unused)}' if unused else '')] if used else []
-    return FoundMotion(Motion.concatenate(chunks), tuple(notes), origin)
+    return FoundMotion(Motion.concatenate(chunks), tuple(notes), {
+        MOTION_WORDS[what]: sentence for what, sentence in origin.items()})
 
 
 def _of_streams(path: str) -> LoggedMotion:

@@ -62,7 +62,6 @@ class ObservationTable:
 
     Attributes
     ----------
-    observations
     notes : tuple of str
         What the observer wrote, one per row; may be empty.
     common_u_deg
@@ -165,8 +164,8 @@ def read_observation_table(path: str, target: Target | None = None, *, u_deg: fl
         common_u_deg=float(common.max()) if common.size else None,
         target_u_deg=seen.common_u_deg if by_target.any() else 0.0,
         target=seen.words if by_target.any() else OWN_BEARINGS, ts_step_deg=step,
-        ignored=tuple(name for name in names if name and name not in COLUMNS
-            and name not in ('side', 'note', find_time_column(names))))
+        ignored=tuple(name for name in names if name and name not in (
+            *COLUMNS, 'side', 'note', find_time_column(names))))
 
 
 def _read_rows(path: str) -> tuple[list[_Row], list[str], float | None]:

@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 from heading_intercompare.app.logs.log_import import import_log
 from heading_intercompare.app.sources.csv_source import has_pairs
-from heading_intercompare.app.sources.judged_input import hash_files
+from heading_intercompare.app.sources.file_hash import hash_files
 from heading_intercompare.bags.csv.pairs_csv import read_pairs_csv
 from heading_intercompare.core.observations.corrections import Corrections, find_corrections
 from heading_intercompare.core.observations.systematic_error import (
@@ -69,15 +69,12 @@ class Observed:
 
     Attributes
     ----------
-    table
     table_sha256
         Hash of the table.
     recording
         Path of the readings of the TS; None if the observers noted all of them.
     recording_sha256
         Hash of a recording that is one file.
-    corrections
-    error
 
     """
 

@@ -41,7 +41,6 @@ class SeedResult:
 
     Attributes
     ----------
-    seed
     outcome
         Of the verdict.
     mean_deg, std_deg
@@ -206,4 +205,4 @@ def _simulate(simulation: Simulation, settings: Settings) -> SeedResult:
         true_mean_deg=float(error_deg.mean()) if error_deg.size else math.nan,
         true_std_deg=float(error_deg.std()) if error_deg.size else math.nan,
         covered=float(np.mean(np.abs(error_deg[claimed]) <= _TWO_SIGMA * claim_deg[claimed]))
-            if claimed.any() else math.nan)
+        if claimed.any() else math.nan)

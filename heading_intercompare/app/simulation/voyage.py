@@ -27,7 +27,7 @@ from heading_intercompare.ahrs.ship.track_course import Track
 from heading_intercompare.ahrs.track_smoothing import fit_track, TrackRecord
 from heading_intercompare.app.logs.log_import import import_log
 from heading_intercompare.app.logs.log_motion import find_motion
-from heading_intercompare.app.sources.judged_input import hash_files
+from heading_intercompare.app.sources.file_hash import hash_files
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.rosbag2.motion_topics import read_bag_motion
 from heading_intercompare.bags.rosbag2.provenance import TRUTH_TOPIC

@@ -49,8 +49,9 @@ from heading_intercompare.readers.registry import (
 )
 from heading_intercompare.report import SeriesSketch
 
+from .file_hash import hash_files
 from .input_comparison import describe_two, Spans
-from .judged_input import hash_files, JudgedInput
+from .judged_input import JudgedInput
 
 _HEAD_BYTES = 1 << 12
 _NAME = re.compile(rb'[a-z_]+')

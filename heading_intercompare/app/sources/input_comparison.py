@@ -47,7 +47,6 @@ class InputComparison:
 
     Parameters
     ----------
-    settings
     source
         Name of the input in the runs.
     table : sequence of (start_ns, stop_ns), optional
@@ -165,7 +164,7 @@ class InputComparison:
 
         """
         notes, sensors = [*notes], {sensor.name: sensor for sensor in self.sensors}
-        motion = text_of_motion(self._motion)
+        motion = text_of_motion(self._motion) if self.comparison.tested else None
         entries_of_tested: dict[str, Sequence[Input]] = {}
         accounts = {}
         for names, pair in self.comparison.pairs.items():

@@ -17,27 +17,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-import hashlib
-import os
-from typing import Any, Iterable, Mapping, Sequence
+from typing import Any, Mapping, Sequence
 
 from heading_intercompare.bags.csv.pairs_account import PairsAccount
 from heading_intercompare.core.sensors.pair_settings import Names
 from heading_intercompare.core.verdict.judge import RunResult
 from heading_intercompare.core.verdict.verdict_document import Input, RunVerdict
 from heading_intercompare.report import SeriesSketch
-
-_BLOCK = 1 << 20
-
-
-def hash_files(paths: Iterable[str | os.PathLike[str]]) -> str:
-    """Return the SHA-256, in hexadecimal, of the bytes of files, one after the other."""
-    digest = hashlib.sha256()
-    for path in paths:
-        with open(path, 'rb') as file:
-            while block := file.read(_BLOCK):
-                digest.update(block)
-    return digest.hexdigest()
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,6 +81,7 @@ class JudgedInput:
         return JudgedInput(
             path=self.path, results={},
             entries=[replace(entry, **changes) for entry in self.entries],
-            entries_of_tested={name: [replace(entry, **changes) for entry in entries]
+            entries_of_tested={
+                name: [replace(entry, **changes) for entry in entries]
                 for name, entries in self.entries_of_tested.items()},
             notes=[f'{self.path}: {note}'])

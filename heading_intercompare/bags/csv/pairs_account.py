@@ -128,7 +128,6 @@ class PairsAccount:
         The ledger; see `ledger`.
     set_backs
         The times at which a clock was set back.
-    software_version
 
     """
 

@@ -17,7 +17,7 @@ Decoding of stretches of a bag in several processes.
 
 Threads would not help: the numpy calls are short, and between them only one thread runs. A helper
 is a forked copy of this process. It starts at once and returns headings through shared memory. If
-a helper fails, this process does its work.
+a helper fails, this process does its work. Without helpers a thread decodes ahead (`run_ahead`).
 """
 
 from __future__ import annotations
@@ -43,30 +43,12 @@ from .decoding import Decoded, Decoder, Found
 
 #: Items that are ready or in preparation while the caller uses one.
 _ITEMS_AHEAD = 2
-
 _Item = TypeVar('_Item')
-
-
-def run_ahead(items: Iterator[_Item]) -> Iterator[_Item]:
-    """
-    Yield the items of an iterator that runs in a second thread.
-
-    If the iterator raises, the error follows the items it yielded before.
-    """
-    # Any, because `is not` tells it from the items.
-    end: Any = object()
-    with ThreadPoolExecutor(1) as worker:
-        coming = deque(worker.submit(next, items, end) for _ in range(_ITEMS_AHEAD))
-        while (item := coming.popleft().result()) is not end:
-            coming.append(worker.submit(next, items, end))
-            yield item
-
-
 #: Stretches that a helper holds, waiting, in work or done, and the memory for each.
 _SLOTS = 4
 _SLOT_BYTES = 26 * 2**20
 #: Stretches per helper that this process decodes ahead of their turn instead of waiting.
-_AHEAD = 3
+_STRETCHES_AHEAD = 3
 #: With fewer stretches, forking takes longer than the work.
 _FEWEST = 12
 #: All processes together decode at most this many bytes of records at once.
@@ -310,10 +292,25 @@ def decode_stretches(decoder: Decoder, tasks: Sequence[Task], helpers: int = 0,
                     crew.collect(0.0)
                 if turn in crew.done or turn not in crew.asked:
                     break
-                if coming < min(len(tasks), turn + (_SLOTS + _AHEAD) * len(crew)):
+                if coming < min(len(tasks), turn + (_SLOTS + _STRETCHES_AHEAD) * len(crew)):
                     crew.done[coming] = decoder.stretch(*tasks[coming])
                     coming += 1
                 else:
                     crew.collect(None)
             coming = max(coming, turn + 1)
             yield crew.done.pop(turn) if turn in crew.done else decoder.stretch(*tasks[turn])
+
+
+def run_ahead(items: Iterator[_Item]) -> Iterator[_Item]:
+    """
+    Yield the items of an iterator that runs in a second thread.
+
+    If the iterator raises, the error follows the items it yielded before.
+    """
+    # Any, because `is not` tells it from the items.
+    end: Any = object()
+    with ThreadPoolExecutor(1) as worker:
+        coming = deque(worker.submit(next, items, end) for _ in range(_ITEMS_AHEAD))
+        while (item := coming.popleft().result()) is not end:
+            coming.append(worker.submit(next, items, end))
+            yield item

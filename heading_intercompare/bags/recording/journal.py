@@ -66,7 +66,6 @@ class JournalContents(NamedTuple):
 
     Attributes
     ----------
-    records
     size
         Bytes up to the end of the last whole record.
     torn

@@ -37,7 +37,7 @@ from heading_intercompare.bags.mcap.chunks import CHUNK_HEAD
 from heading_intercompare.bags.mcap.index_records import message_index
 from heading_intercompare.bags.mcap.message_blocks import Block, block_of, HEAD, MESSAGE_HEAD
 from heading_intercompare.bags.mcap.record_stream import parse_record
-from heading_intercompare.bags.packed_files import is_packed, MOST_BYTES, unpack_payload
+from heading_intercompare.bags.packed_files import is_packed, MOST_MESSAGE_BYTES, unpack_payload
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
 from heading_intercompare.core.records import Integers
@@ -128,7 +128,7 @@ class Transfer:
             self.refused += count
         if refused:
             self._note(inventory, f'{sum(refused.values())} messages cannot be decompressed, or '
-                       f'claim more than {MOST_BYTES} bytes')
+                       f'claim more than {MOST_MESSAGE_BYTES} bytes')
 
     def _add_topic(self, inventory: Inventory, section: int, number: int) -> int:
         """Add the topic of a channel to the new bag; return its number there, -1 without topic."""

@@ -294,13 +294,13 @@ class BagReader:
 
         """
         for topic, convention in conventions.items():
-            self._check_heading(topic, self.resolve(topic))
+            self._check_heading(self.resolve(topic))
             if convention not in ('enu', 'ned'):
                 raise BagError(f"convention of topic {topic} = {convention!r}: use 'enu' or "
                                "'ned'", self.path)
         return self._headings(conventions, helpers, lost)
 
-    def _check_heading(self, asked: str, topic: str) -> None:
+    def _check_heading(self, topic: str) -> None:
         kind = self.topics[topic].type_name
         if kind not in HEADING_TYPES:
             raise BagError(f'topic {topic} is {kind or "without a schema"}; a heading is '

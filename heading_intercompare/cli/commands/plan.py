@@ -26,12 +26,13 @@ import numpy as np
 
 from heading_intercompare.app.config import load_config, settings_for
 from heading_intercompare.app.outputs import check_outputs, name_file, Outputs
-from heading_intercompare.cli.commands.analyze import add_settings_arguments
 from heading_intercompare.cli.terminal.console import say
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.decision.coverage import span_words
 from heading_intercompare.core.decision.trial_plan import LEVELS, plan_trial, TrialPlan
 from heading_intercompare.core.settings import Settings
+
+from .analyze import add_settings_arguments
 
 _MARKS = ((r'(?m)^to certify .*$', 'bold'),)
 

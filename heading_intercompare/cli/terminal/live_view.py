@@ -24,30 +24,25 @@ import re
 import sys
 import threading
 import time
-from typing import IO, Sequence
+from typing import Sequence
 
 from heading_intercompare.web.bridge.bridge_view import BridgeView
 
 from .console import open_console
 from .keyboard import Keyboard
 from .status_lines import StatusLines
-from .view_lines import lay_out, Line, one_line
+from .view_lines import LABEL, lay_out, Line, one_line
 
 #: A line that rclpy logs: its level, time, logger and text.
 _LOGGED = re.compile(r'\[(DEBUG|INFO|WARN|ERROR|FATAL)\] \[(\d+)[.\d]*\] \[(.*?)\]: (.*)')
+_NUMBER = re.compile(r'\d[\d.,:]*')
 _STYLES = {'WARN': 'yellow', 'ERROR': 'red', 'FATAL': 'red'}
 _TONES = {'good': 'green', 'doubt': 'yellow', 'bad': 'red'}
-_LABEL = 9
 #: Lines that wait to be printed; more would only scroll by.
 _MOST = 500
 _TO_THE_END, _BELOW = '\x1b[K', '\x1b[J'
 # A terminal that knows this shows all of a drawing at once; others ignore it.
 _BEGIN, _END = '\x1b[?2026h', '\x1b[?2026l'
-
-
-def can_draw(stream: IO[str]) -> bool:
-    """Tell whether a stream is a terminal on which lines can be drawn again; it needs rich."""
-    return open_console(stream, colourless=True) is not None
 
 
 class _Tap:
@@ -157,10 +152,10 @@ class Screen:
     def _render(self, line: Line, columns: int) -> str:
         """Return a line in its colours, cut to the width."""
         style = ' '.join(filter(None, ['bold' if line.bold else '', _TONES.get(line.tone, '')]))
-        label = f'{line.label:<{_LABEL}}' if line.label else ''
-        room = max(1, columns - (_LABEL if label or not line.bold else 0))
+        label = f'{line.label:<{LABEL}}' if line.label else ''
+        room = max(1, columns - (LABEL if label or not line.bold else 0))
         if not label and not line.bold:
-            label = ' ' * _LABEL
+            label = ' ' * LABEL
         return self._style(label, 'dim') + self._style(line.text, style, room)
 
     def _style(self, text: str, style: str, columns: int | None = None) -> str:
@@ -180,9 +175,6 @@ class Screen:
         with suppress(OSError):
             while left:
                 left = left[os.write(self._file.fileno(), left):]
-
-
-_NUMBER = re.compile(r'\d[\d.,:]*')
 
 
 class LiveView:
@@ -208,7 +200,8 @@ class LiveView:
 
     def __init__(self, title: str, foot: str = '', quiet: bool = False) -> None:
         self._title, self._foot, self._quiet = title, foot, quiet
-        self._screen = Screen() if not quiet and can_draw(sys.stderr) else None
+        can_draw = not quiet and open_console(sys.stderr, colourless=True) is not None
+        self._screen = Screen() if can_draw else None
         self._open = ExitStack()
         self._keyboard: Keyboard | None = None
         self._lines = StatusLines()

@@ -16,13 +16,12 @@
 
 from __future__ import annotations
 
-import os
 import re
 import sys
 import time
 from typing import Any, Sequence
 
-from .console import open_console
+from .console import find_width, open_console
 
 _USUAL = 80
 #: Columns of the bar, and of what stands beside it and the words.
@@ -74,7 +73,7 @@ class Progress:
         if now < self._next and words == self._words:
             return
         self._next, self._words = now + 0.1, words
-        room, line = _columns() - 1, f'{self._label}: {text}'
+        room, line = (find_width(sys.stderr) or _USUAL) - 1, f'{self._label}: {text}'
         if self._display is not None:
             self._draw(self._display, _printable(line), _find_share(text), room)
             return
@@ -164,11 +163,3 @@ def _find_share(text: str) -> float | None:
 
 def _printable(text: str) -> str:
     return ''.join(letter if letter.isprintable() else '\ufffd' for letter in text)
-
-
-def _columns() -> int:
-    """Return the width of the terminal; 80 if it is unknown."""
-    try:
-        return os.get_terminal_size(sys.stderr.fileno()).columns or _USUAL
-    except OSError:
-        return _USUAL

@@ -32,7 +32,8 @@ from heading_intercompare.web.bridge.view_texts import (
     vote_words,
 )
 
-_LABEL = 9
+#: Columns of the label of a line.
+LABEL = 9
 _BAR = 24
 _LEVELS = '▁▂▃▄▅▆▇█'
 _LEAST_SPAN_S = 60.0
@@ -46,7 +47,6 @@ class Line(NamedTuple):
     ----------
     label
         Stands at the left; '' for a line that goes on with the one above.
-    text
     tone
         Colour of the text; the words alone say everything.
     bold
@@ -76,7 +76,7 @@ def lay_out(view: BridgeView, columns: int, rows: int, *, title: str = '', phase
 
     """
     texts = tell(view)
-    room = max(20, columns - _LABEL - 1)
+    room = max(20, columns - LABEL - 1)
 
     def line(label: str, *places: str, bold: bool = False) -> Line:
         phrases = [texts[place] for place in places if texts[place].text]

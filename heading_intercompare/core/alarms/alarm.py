@@ -12,63 +12,13 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""One alarm and its states after IMO MSC.302(87): raised, acknowledged, rectified."""
+"""Alarms and their states after IMO MSC.302(87): raised, acknowledged, rectified."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
 from enum import Enum
 from typing import Any, Iterable, Mapping
-
-
-class AlarmTable:
-    """
-    Alarms by name.
-
-    Parameters
-    ----------
-    rules
-        One for each alarm.
-
-    """
-
-    def __init__(self, rules: Iterable[Rule]) -> None:
-        self._alarms = {rule.name: Alarm(rule) for rule in rules}
-
-    def __len__(self) -> int:
-        return len(self._alarms)
-
-    @property
-    def alarms(self) -> tuple[Alarm, ...]:
-        """All alarms, in the order of their rules."""
-        return tuple(self._alarms.values())
-
-    def __getitem__(self, name: str) -> Alarm:
-        return self._alarms[name]
-
-    def update(self, signs: Mapping[str, Sign], now_ns: int) -> list[Alarm]:
-        """
-        Take what the detectors say at a time; alarms without a sign stay as they are.
-
-        Returns
-        -------
-        list of Alarm
-            Those whose state changed.
-
-        """
-        return self._change({name: self._alarms[name].see(sign, now_ns)
-                             for name, sign in signs.items()})
-
-    def acknowledge(self, name: str | None, now_ns: int) -> list[Alarm]:
-        """Acknowledge one alarm by its name, or all; return those whose state changed."""
-        return self._change({key: alarm.acknowledge(now_ns) for key, alarm in self._alarms.items()
-                             if name in (None, key)})
-
-    def _change(self, new: Mapping[str, Alarm]) -> list[Alarm]:
-        changed = [alarm for name, alarm in new.items()
-                   if alarm.state is not self._alarms[name].state]
-        self._alarms.update(new)
-        return changed
 
 
 class Priority(str, Enum):
@@ -111,7 +61,6 @@ class Rule:
     ----------
     name
         Name of the alarm.
-    priority
     clear_s
         The condition must be gone for this time before the alarm clears, seconds.
 
@@ -151,8 +100,6 @@ class Alarm:
 
     Attributes
     ----------
-    rule
-    state
     words
         The condition in words, as last seen.
     values
@@ -217,3 +164,53 @@ class Alarm:
         if self.state is AlarmState.RECTIFIED:
             return replace(self, state=AlarmState.NORMAL, acknowledged_ns=now_ns)
         return self
+
+
+class AlarmTable:
+    """
+    Alarms by name.
+
+    Parameters
+    ----------
+    rules
+        One for each alarm.
+
+    """
+
+    def __init__(self, rules: Iterable[Rule]) -> None:
+        self._alarms = {rule.name: Alarm(rule) for rule in rules}
+
+    def __len__(self) -> int:
+        return len(self._alarms)
+
+    @property
+    def alarms(self) -> tuple[Alarm, ...]:
+        """All alarms, in the order of their rules."""
+        return tuple(self._alarms.values())
+
+    def __getitem__(self, name: str) -> Alarm:
+        return self._alarms[name]
+
+    def update(self, signs: Mapping[str, Sign], now_ns: int) -> list[Alarm]:
+        """
+        Take what the detectors say at a time; alarms without a sign stay as they are.
+
+        Returns
+        -------
+        list of Alarm
+            Those whose state changed.
+
+        """
+        return self._change({name: self._alarms[name].see(sign, now_ns)
+                             for name, sign in signs.items()})
+
+    def acknowledge(self, name: str | None, now_ns: int) -> list[Alarm]:
+        """Acknowledge one alarm by its name, or all; return those whose state changed."""
+        return self._change({key: alarm.acknowledge(now_ns) for key, alarm in self._alarms.items()
+                             if name in (None, key)})
+
+    def _change(self, new: Mapping[str, Alarm]) -> list[Alarm]:
+        changed = [alarm for name, alarm in new.items()
+                   if alarm.state is not self._alarms[name].state]
+        self._alarms.update(new)
+        return changed

@@ -43,10 +43,6 @@ class MotionWatch:
     """
     Compares the newest pairs with the motion of the ship.
 
-    Parameters
-    ----------
-    settings
-
     Notes
     -----
     The check and its bounds are those of the verdict, over the last four minutes. The alarm is

@@ -30,7 +30,7 @@ from heading_intercompare.core.timing.bracketing_readings import (
     pairs_per_reading,
     readings_per_pair,
 )
-from heading_intercompare.core.timing.heading_track import CubicSpline
+from heading_intercompare.core.timing.cubic_spline import CubicSpline
 
 # Spectra. Segments of two minutes resolve a swell, and half an hour gives 28 of them at half
 # overlap; more than 160, or a quarter of a million samples, tell nothing new.

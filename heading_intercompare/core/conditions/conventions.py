@@ -120,7 +120,7 @@ def find_turn_direction(stamp_ns: np.ndarray, x_deg: np.ndarray, rs_deg: np.ndar
     best, clearest = Direction(), 0.0
     width = 1
     while rs.size >= _LEAST_WINDOWS * width:
-        direction, clear = _compare(ts, rs, width, min(most, rs.size // 4), uneven)
+        direction, clear = _compare_turns(ts, rs, width, min(most, rs.size // 4), uneven)
         if clear > _CLEARER * clearest:
             best, clearest = direction, clear
         width *= 2
@@ -145,10 +145,10 @@ def _interpolation_share(step_s: float) -> float:
     return 2.0 * (2.0 * math.pi * step_s / _FASTEST_YAW_S) ** 4 / 120.0
 
 
-def _compare(ts: np.ndarray, rs: np.ndarray, width: int, most: int,
+def _compare_turns(ts: np.ndarray, rs: np.ndarray, width: int, most: int,
              uneven: float) -> tuple[Direction, float]:
     """Return the direction by spans of `width` samples, and how clear the balance is."""
-    d_ts, (d_rs, mean_rs) = _changes(ts, width)[0], _changes(rs, width)
+    d_ts, (d_rs, mean_rs) = _mean_changes(ts, width)[0], _mean_changes(rs, width)
     n = d_ts.size - 2 * most
     if n < 2:
         return Direction(), 0.0
@@ -182,7 +182,7 @@ def _compare(ts: np.ndarray, rs: np.ndarray, width: int, most: int,
     return Direction(word, turned, ratio if math.isfinite(ratio) else None), clear
 
 
-def _changes(heading: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
+def _mean_changes(heading: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:
     """Return the changes from mean to mean over `width` samples, and the means."""
     total = np.concatenate(([0.0], np.cumsum(heading - heading[0])))
     mean = (total[width:] - total[:-width]) / width

@@ -29,63 +29,6 @@ from heading_intercompare.core.settings import Norms, Settings
 from .error_models import coverage_factor, ts_factor
 from .norm_presets import sigma_max_deg
 
-
-@dataclass(frozen=True, slots=True)
-class Printed:
-    """
-    Findings of the criteria as printed.
-
-    Attributes
-    ----------
-    variance
-    counts
-    total
-    outcome
-        The worst of the three; the total error counts only if it has a norm.
-
-    """
-
-    variance: VarianceCriterion
-    counts: CountCriterion
-    total: TotalError
-    outcome: Outcome
-
-
-def apply_gk(n: int, mean_deg: float | None, variance_deg2: float | None,
-             count: Callable[[float], int], limits: Limits, settings: Settings) -> Printed:
-    """
-    Apply the criteria of GK.
-
-    Parameters
-    ----------
-    n
-        Number of differences.
-    mean_deg, variance_deg2
-        Their mean and variance; None for too few differences.
-    count
-        ``count(limit_deg)`` returns the number of deviations above a limit.
-    limits
-        Of variance and counts.
-    settings
-        Uses norms and model.
-
-    References
-    ----------
-    GK (5), (6), (7).
-
-    """
-    variance = apply_variance_criterion(variance_deg2, limits)
-    printed = limits.as_printed
-    counts = apply_count_criterion(n, count(printed.count_limit_deg),
-                                   count(printed.tightened_count_limit_deg), printed)
-    total = estimate_total_error(mean_deg, variance_deg2, limits, settings.norms, settings.model)
-    outcomes = [variance.outcome, counts.outcome]
-    if total.outcome is not None:
-        outcomes.append(total.outcome)
-    together = Outcome.INDETERMINATE if variance_deg2 is None else worst(outcomes)
-    return Printed(variance, counts, total, together)
-
-
 _PRINTED_P = 0.997
 
 _MOST_DEG = 180.0
@@ -481,3 +424,56 @@ def estimate_total_error(mean_deg: float | None, variance_deg2: float | None, li
                       low_deg=mean_deg - wide, up_deg=mean_deg + wide,
                       low_narrow_deg=mean_deg - narrow, up_narrow_deg=mean_deg + narrow,
                       outcome=outcome)
+
+
+@dataclass(frozen=True, slots=True)
+class Printed:
+    """
+    Findings of the criteria as printed.
+
+    Attributes
+    ----------
+    outcome
+        The worst of the three; the total error counts only if it has a norm.
+
+    """
+
+    variance: VarianceCriterion
+    counts: CountCriterion
+    total: TotalError
+    outcome: Outcome
+
+
+def apply_gk(n: int, mean_deg: float | None, variance_deg2: float | None,
+             count: Callable[[float], int], limits: Limits, settings: Settings) -> Printed:
+    """
+    Apply the criteria of GK.
+
+    Parameters
+    ----------
+    n
+        Number of differences.
+    mean_deg, variance_deg2
+        Their mean and variance; None for too few differences.
+    count
+        ``count(limit_deg)`` returns the number of deviations above a limit.
+    limits
+        Of variance and counts.
+    settings
+        Uses norms and model.
+
+    References
+    ----------
+    GK (5), (6), (7).
+
+    """
+    variance = apply_variance_criterion(variance_deg2, limits)
+    printed = limits.as_printed
+    counts = apply_count_criterion(n, count(printed.count_limit_deg),
+                                   count(printed.tightened_count_limit_deg), printed)
+    total = estimate_total_error(mean_deg, variance_deg2, limits, settings.norms, settings.model)
+    outcomes = [variance.outcome, counts.outcome]
+    if total.outcome is not None:
+        outcomes.append(total.outcome)
+    together = Outcome.INDETERMINATE if variance_deg2 is None else worst(outcomes)
+    return Printed(variance, counts, total, together)

@@ -44,8 +44,7 @@ _WIDER = 60.0
 _LOOKED_AT = 1 << 14
 _CELLS = 1 << 16
 
-
-#: They outlast the turns if the ship makes fewer than four full turns, and the errors change too
+#: Errors outlast the turns if the ship makes fewer than four full turns, and they change too
 #: slowly to be told from a dependence on the heading.
 _REASONS = {'insufficient_data': 'too few differences', 'headings_too_narrow': 'too few headings',
             'errors_outlast_the_turns': 'the errors outlast the turns'}

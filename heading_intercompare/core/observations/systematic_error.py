@@ -169,7 +169,6 @@ class SystematicError:
     ----------
     n
         Number of corrections.
-    outcome
     reason
         'bound_within_norm', 'bound_above_norm'; or why it is open: 'no_norm',
         'insufficient_data', 'void.mean_difference', 'outliers_decide', 'reference_limited',

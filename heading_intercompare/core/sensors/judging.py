@@ -91,9 +91,9 @@ def judge_sensors(settings: Settings, verdicts: Mapping[str, Verdict],
              for names, judged in runs.items()]
     split = _split(sensors, pairs)
     norms = [_norm_of(sensor, sensors, settings) for sensor in sensors]
-    vote = _find_wrong_sensors(sensors, pairs, [sensor.name for sensor, norm, share
-                                  in zip(sensors, norms, split or ())
-                                  if share.interval_deg2[0] > norm ** 2])
+    vote = _find_wrong_sensors(sensors, pairs, [
+        sensor.name for sensor, norm, share in zip(sensors, norms, split or ())
+        if share.interval_deg2[0] > norm ** 2])
     judgements = []
     for at, sensor in enumerate(sensors):
         outcome: Outcome | None

@@ -25,16 +25,14 @@ from heading_intercompare.core.declared_settings import settings_sha256
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.typed_reader import (
-    check_schema,
     make_plain,
     read_plain,
-    VerdictError,
 )
 from heading_intercompare.core.verdict.compare_verdicts import compare_plain, drop_sources
 from heading_intercompare.core.verdict.verdict_document import (
     Input,
     make_document,
-    read_settings,
+    read_head,
     Software,
     Verdict,
 )
@@ -43,6 +41,97 @@ from heading_intercompare.core.version import RULE_VERSION
 from .pair_figures import PairFigures
 from .variance_split import SensorVariance
 from .vote import Vote
+
+_SCHEMA = 'heading_intercompare/sensors/'
+SCHEMA_VERSION = '1.0'
+"""Major and minor version of the mapping, as for a verdict."""
+_MAJOR = int(SCHEMA_VERSION.partition('.')[0])
+SCHEMA = f'{_SCHEMA}{_MAJOR}'
+"""Kind of the document, and its major version only."""
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SensorResult:
+    """What the comparison says of one sensor; keys of the JSON."""
+
+    name: str = figure('name of the sensor')
+    role: str = figure('role of the sensor', '`ts` or `rs`')
+    topic: str = figure('its topic')
+    sigma_max_deg: float = figure('its norm')
+    outcome: Outcome | None = figure('outcome of the sensor', 'null for the reference')
+    headline: str = figure('outcome in one line')
+    validity_effect: str = figure('gravest effect of a finding', '`holds`, `doubtful` or `void`')
+    variance: SensorVariance | None = figure('its share in all variances', 'null for two sensors')
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SensorsVerdict:
+    """The verdict on several sensors."""
+
+    outcome: Outcome = figure('worst outcome of the tested sensors')
+    headline: str = figure('all outcomes and the vote in one line')
+    validity_effect: str = figure('gravest effect on any outcome', '`holds`, `doubtful` or `void`')
+    software: Software = figure('the program that judged', default=Software())
+    rule_version: int = figure('version of the decision rule', default=RULE_VERSION)
+    settings: Settings = figure('every setting by its dotted name', 'with the sensors')
+    inputs: Sequence[Input] = figure('where the readings came from')
+    sensors: Sequence[SensorResult] = figure('what the comparison says of each sensor')
+    pairs: Sequence[PairFigures] = figure('figures of each pair of sensors')
+    vote: Vote = figure('which sensor is wrong')
+    risk: float = figure('risk that the vote names a sound sensor while most are sound')
+    verdicts: Mapping[str, Verdict] = figure('verdict on each tested sensor against the '
+                                             'reference, by name', 'empty without a reference')
+
+    @property
+    def settings_sha256(self) -> str:
+        """Hash of the settings."""
+        return settings_sha256(self.settings.to_mapping())
+
+    def find_pair(self, first: str, second: str) -> tuple[PairFigures, float] | None:
+        """Return the figures of two sensors, and 1, or -1 if they stand for second - first."""
+        for pair in self.pairs:
+            if pair.names == (first, second):
+                return pair, 1.0
+            if pair.names == (second, first):
+                return pair, -1.0
+        return None
+
+    def __str__(self) -> str:
+        """Return the tables that the command line prints."""
+        return sensors_text(self)
+
+    def __repr__(self) -> str:
+        """Return the number of sensors and the headline."""
+        return f'<Verdict on {len(self.sensors)} sensors: {self.headline}>'
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the verdict as plain dictionaries and lists, ready for JSON."""
+        return make_document(replace(self, verdicts={}), SCHEMA, SCHEMA_VERSION) | {
+            'verdicts': {name: verdict.to_dict() for name, verdict in self.verdicts.items()}}
+
+    @classmethod
+    def from_dict(cls, mapping: Mapping[str, Any]) -> 'SensorsVerdict':
+        """
+        Return the verdict from a mapping of `to_dict`, or from its JSON.
+
+        Raises
+        ------
+        VerdictError
+            If it is another kind of document or of another major version, a key is missing, or a
+            value is not of its type: one line that names the key.
+
+        """
+        settings = read_head(mapping, _SCHEMA, _MAJOR, 'verdicts')
+        documents = read_plain(Mapping[str, Any], mapping['verdicts'], 'verdicts')
+        verdict: SensorsVerdict = read_plain(
+            cls, {**mapping, 'settings': make_plain(settings), 'verdicts': {}})
+        return replace(verdict, verdicts={
+            name: Verdict.from_dict(document) for name, document in documents.items()})
+
+
+def is_of_sensors(mapping: object) -> bool:
+    """Tell whether a document is a verdict on several sensors, of any version."""
+    return isinstance(mapping, Mapping) and str(mapping.get('schema', '')).startswith(_SCHEMA)
 
 
 def find_sensor_differences(a: SensorsVerdict, b: SensorsVerdict) -> Iterator[str]:
@@ -55,10 +144,10 @@ def find_sensor_differences(a: SensorsVerdict, b: SensorsVerdict) -> Iterator[st
         One difference with the names of the JSON, as `find_differences`.
 
     """
-    yield from compare_plain(_drop_sources(a), _drop_sources(b))
+    yield from compare_plain(_describe_without_sources(a), _describe_without_sources(b))
 
 
-def _drop_sources(verdict: SensorsVerdict) -> dict[str, Any]:
+def _describe_without_sources(verdict: SensorsVerdict) -> dict[str, Any]:
     return replace(verdict, inputs=(), verdicts={
         name: drop_sources(of_pair) for name, of_pair in verdict.verdicts.items()}).to_dict()
 
@@ -144,102 +233,3 @@ def _align(rows: Sequence[Sequence[str]]) -> Iterator[str]:
     for row in rows:
         yield '  ' + '  '.join([f'{row[0]:{widths[0]}}', *(
             f'{cell:>{width}}' for cell, width in zip(row[1:], widths[1:]))]).rstrip()
-
-
-_SCHEMA = 'heading_intercompare/sensors/'
-SCHEMA_VERSION = '1.0'
-"""Major and minor version of the mapping, as for a verdict."""
-_MAJOR = int(SCHEMA_VERSION.partition('.')[0])
-SCHEMA = f'{_SCHEMA}{_MAJOR}'
-"""Kind of the document, and its major version only."""
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SensorResult:
-    """What the comparison says of one sensor; keys of the JSON."""
-
-    name: str = figure('name of the sensor')
-    role: str = figure('role of the sensor', '`ts` or `rs`')
-    topic: str = figure('its topic')
-    sigma_max_deg: float = figure('its norm')
-    outcome: Outcome | None = figure('outcome of the sensor', 'null for the reference')
-    headline: str = figure('outcome in one line')
-    validity_effect: str = figure('gravest effect of a finding', '`holds`, `doubtful` or `void`')
-    variance: SensorVariance | None = figure('its share in all variances', 'null for two sensors')
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class SensorsVerdict:
-    """The verdict on several sensors."""
-
-    outcome: Outcome = figure('worst outcome of the tested sensors')
-    headline: str = figure('all outcomes and the vote in one line')
-    validity_effect: str = figure('gravest effect on any outcome', '`holds`, `doubtful` or `void`')
-    software: Software = figure('the program that judged', default=Software())
-    rule_version: int = figure('version of the decision rule', default=RULE_VERSION)
-    settings: Settings = figure('every setting by its dotted name', 'with the sensors')
-    inputs: Sequence[Input] = figure('where the readings came from')
-    sensors: Sequence[SensorResult] = figure('what the comparison says of each sensor')
-    pairs: Sequence[PairFigures] = figure('figures of each pair of sensors')
-    vote: Vote = figure('which sensor is wrong')
-    risk: float = figure('risk that the vote names a sound sensor while most are sound')
-    verdicts: Mapping[str, Verdict] = figure('verdict on each tested sensor against the '
-                                             'reference, by name', 'empty without a reference')
-
-    @property
-    def settings_sha256(self) -> str:
-        """Hash of the settings."""
-        return settings_sha256(self.settings.to_mapping())
-
-    def find_pair(self, first: str, second: str) -> tuple[PairFigures, float] | None:
-        """Return the figures of two sensors, and 1, or -1 if they stand for second - first."""
-        for pair in self.pairs:
-            if pair.names == (first, second):
-                return pair, 1.0
-            if pair.names == (second, first):
-                return pair, -1.0
-        return None
-
-    def __str__(self) -> str:
-        """Return the tables that the command line prints."""
-        from .sensors_verdict import sensors_text
-        return sensors_text(self)
-
-    def __repr__(self) -> str:
-        """Return the number of sensors and the headline."""
-        return f'<Verdict on {len(self.sensors)} sensors: {self.headline}>'
-
-    def to_dict(self) -> dict[str, Any]:
-        """Return the verdict as plain dictionaries and lists, ready for JSON."""
-        return make_document(replace(self, verdicts={}), SCHEMA, SCHEMA_VERSION) | {
-            'verdicts': {name: verdict.to_dict() for name, verdict in self.verdicts.items()}}
-
-    @classmethod
-    def from_dict(cls, mapping: Mapping[str, Any]) -> 'SensorsVerdict':
-        """
-        Return the verdict from a mapping of `to_dict`, or from its JSON.
-
-        Raises
-        ------
-        VerdictError
-            If it is another kind of document or of another major version, a key is missing, or a
-            value is not of its type: one line that names the key.
-
-        """
-        if not isinstance(mapping, Mapping):
-            raise VerdictError(f'a verdict must be an object, not {type(mapping).__name__}')
-        check_schema(mapping, _SCHEMA, _MAJOR)
-        for name in ('settings', 'settings_sha256', 'verdicts'):
-            if name not in mapping:
-                raise VerdictError(f'{name} is missing')
-        settings = read_settings(mapping['settings'], mapping['settings_sha256'])
-        documents = read_plain(Mapping[str, Any], mapping['verdicts'], 'verdicts')
-        verdict: SensorsVerdict = read_plain(
-            cls, {**mapping, 'settings': make_plain(settings), 'verdicts': {}})
-        return replace(verdict, verdicts={
-            name: Verdict.from_dict(document) for name, document in documents.items()})
-
-
-def is_of_sensors(mapping: object) -> bool:
-    """Tell whether a document is a verdict on several sensors, of any version."""
-    return isinstance(mapping, Mapping) and str(mapping.get('schema', '')).startswith(_SCHEMA)

@@ -24,7 +24,8 @@ import numpy as np
 
 from heading_intercompare.core.statistics.blocking import block_means, block_size
 
-from .heading_track import CubicSpline, Track
+from .cubic_spline import CubicSpline
+from .heading_track import Track
 from .skew_instrument import Fit, Instrument, LEAST_STRENGTH
 
 REACH_S = 60.0

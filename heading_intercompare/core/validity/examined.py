@@ -44,8 +44,6 @@ class Examined:
     ----------
     columns
         The analysed pairs, and what the detectors share.
-    diagnostics
-    settings
     outcome
         Outcome of the run as it is, before any finding.
     guarded
@@ -96,9 +94,6 @@ class RunAccount:
     ----------
     outcome
         Outcome of the run as it is, before any finding.
-    guarded
-    limits
-    settings
     lost_share
         Share of pairs missing in the gaps between pairs; None if unknown.
     interpolated

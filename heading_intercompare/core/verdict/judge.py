@@ -51,9 +51,7 @@ from heading_intercompare.core.runs.pairing_figures import PairingFigures
 from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.settings import Risk, Settings
 from heading_intercompare.core.statistics.cells import Cells
-from heading_intercompare.core.statistics.stationarity import (
-    Homogeneity,
-)
+from heading_intercompare.core.statistics.stationarity import Homogeneity
 from heading_intercompare.core.time_rules.exclusions import (
     Exclusion,
     find_excluded,
@@ -86,14 +84,8 @@ class RunResult:
 
     Attributes
     ----------
-    verdict
-    evidence
-    limits
-    printed
     alone
         Outcome and reason before any finding.
-    settings
-    stabilization_s
     judged
         Findings on its pairs, before the account of its readings is known.
     first_pair

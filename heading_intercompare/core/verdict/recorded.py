@@ -57,7 +57,6 @@ class JudgedPiece:
         Its finite differences.
     evidence
         Of those after a warm-up that they show.
-    limits
 
     """
 

@@ -352,13 +352,7 @@ class Verdict:
         `to_dict` of the result is the mapping again. A number that was not finite is nan.
 
         """
-        if not isinstance(mapping, Mapping):
-            raise VerdictError(f'a verdict must be an object, not {type(mapping).__name__}')
-        check_schema(mapping, _SCHEMA, _MAJOR)
-        for name in ('settings', 'settings_sha256', 'ledger_complete'):
-            if name not in mapping:
-                raise VerdictError(f'{name} is missing')
-        settings = read_settings(mapping['settings'], mapping['settings_sha256'])
+        settings = read_head(mapping, _SCHEMA, _MAJOR, 'ledger_complete')
         try:
             Limits.of(settings.norms, settings.model)
         except SettingsError as error:
@@ -383,6 +377,25 @@ def make_document(verdict: Any, schema: str, version: str) -> dict[str, Any]:
         if not is_left_out(declared, value):
             document[declared.name] = make_plain(value)
     return document
+
+
+def read_head(mapping: Any, schema: str, major: int, key: str) -> Settings:
+    """
+    Return the settings of a document of this schema, which must also have a key.
+
+    Raises
+    ------
+    VerdictError
+        If it is another kind of document, or a key is missing, or as in `read_settings`.
+
+    """
+    if not isinstance(mapping, Mapping):
+        raise VerdictError(f'a verdict must be an object, not {type(mapping).__name__}')
+    check_schema(mapping, schema, major)
+    for name in ('settings', 'settings_sha256', key):
+        if name not in mapping:
+            raise VerdictError(f'{name} is missing')
+    return read_settings(mapping['settings'], mapping['settings_sha256'])
 
 
 def read_settings(mapping: Any, sha256: Any) -> Settings:

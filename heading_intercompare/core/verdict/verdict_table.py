@@ -16,25 +16,25 @@
 
 from __future__ import annotations
 
-from functools import partial
+from functools import cache, partial
 import math
 from typing import Callable, Iterator, Sequence
 from xml.etree.ElementTree import Element, SubElement, tostring
 
+from heading_intercompare.core.decision.campaign import CAMPAIGN_REASONS
 from heading_intercompare.core.declared_figures import Figure, find_figure, list_figures
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.validity.condition import DOUBTFUL, VOID
-from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
 
 from .conclusion import explain
+from .headline import OUTCOME_WORDS
 from .verdict_document import RunVerdict, Verdict
-from .vocabulary import CAMPAIGN_WORDS, EFFECT_WORDS, law_words, NO_RUN
+from .vocabulary import EFFECT_WORDS, law_words, NO_RUN
 
 Row = tuple[str, Callable[[RunVerdict], str]]
 
 _COLUMNS = 5
-_FIGURES = list_figures(RunVerdict)
 
 #: What is known of the mean of the TS, GK Table I.
 _VARIANTS = {'A': 'the mean of the TS is known to be 0',
@@ -63,7 +63,7 @@ def _limit(run: RunVerdict) -> str:
 
 def _list_reasons(key: str, run: RunVerdict) -> str:
     """Return the readings of both sensors by reason."""
-    words = _FIGURES[f'{key}.ts'].choices
+    words = list_figures(RunVerdict)[f'{key}.ts'].choices
     return ', '.join(f'{n} {sensor.upper()} {words.get(reason, reason)}'
                      for sensor in ('ts', 'rs')
                      for reason, n in find_figure(run, f'{key}.{sensor}').items()) or '0'
@@ -77,7 +77,7 @@ def _counts(run: RunVerdict) -> str:
 def _declare(keys: str) -> Iterator[Row]:
     """Yield the rows of declared figures by their keys, units in ASCII."""
     for key in keys.split():
-        figure = _FIGURES[key]
+        figure = list_figures(RunVerdict)[key]
         unit = '' if figure.unit in ('', '1', 'UTC') else f' [{figure.unit.replace("²", "2")}]'
         words = figure.row or figure.words.replace('of these ', '  ')
         yield words + unit, partial(_cell, key, figure)
@@ -92,24 +92,28 @@ def _cell(key: str, figure: Figure, run: RunVerdict) -> str:
     return utc(value) if figure.unit == 'UTC' else _number(value, digits)
 
 
-_ROWS: tuple[Row, ...] = (
-    *_declare("""
-        outcome paper_outcome start_ns duration_s pairing.paired pairing.ts_received
-        pairing.ts_paired pairing.ts_used pairing.ts_unpaired pairing.ts_unbridged pairing.ts_held
-        pairing.rs_received pairing.rs_used pairing.rs_unused pairing.rs_unbridged
-        pairing.rs_held"""),
-    ('rejected', partial(_list_reasons, 'pairing.rejected')),
-    ('lost', partial(_list_reasons, 'pairing.lost')),
-    *_declare('n guarded.nu mean_deg max_abs_deg'),
-    ('limit of 95 % of them [deg]', _limit),
-    *_declare('std_deg variance_deg2'),
-    ('  with its bounds [deg2]',
-     lambda r: _range(r.guarded.lower_bound_deg2, r.guarded.upper_bound_deg2, 6)),
-    *_declare("""
-        guarded.acceptance_limit_deg2 guarded.rejection_limit_deg2 variance_criterion.outcome"""),
-    ('n+ / n++ / allowed', _counts),
-    *_declare('count_criterion.outcome guarded.sigma_ts_lower_deg total_error.low_deg'),
-)
+@cache
+def _list_rows() -> tuple[Row, ...]:
+    """Return the rows of the table; a program that prints none does not wait for them."""
+    return (
+        *_declare("""
+            outcome paper_outcome start_ns duration_s pairing.paired pairing.ts_received
+            pairing.ts_paired pairing.ts_used pairing.ts_unpaired pairing.ts_unbridged
+            pairing.ts_held pairing.rs_received pairing.rs_used pairing.rs_unused
+            pairing.rs_unbridged pairing.rs_held"""),
+        ('rejected', partial(_list_reasons, 'pairing.rejected')),
+        ('lost', partial(_list_reasons, 'pairing.lost')),
+        *_declare('n guarded.nu mean_deg max_abs_deg'),
+        ('limit of 95 % of them [deg]', _limit),
+        *_declare('std_deg variance_deg2'),
+        ('  with its bounds [deg2]',
+         lambda r: _range(r.guarded.lower_bound_deg2, r.guarded.upper_bound_deg2, 6)),
+        *_declare("""
+            guarded.acceptance_limit_deg2 guarded.rejection_limit_deg2
+            variance_criterion.outcome"""),
+        ('n+ / n++ / allowed', _counts),
+        *_declare('count_criterion.outcome guarded.sigma_ts_lower_deg total_error.low_deg'),
+    )
 
 
 def _describe_norms(verdict: Verdict) -> str:
@@ -137,7 +141,7 @@ def _tables(verdict: Verdict) -> Iterator[list[tuple[str, ...]]]:
     for first in range(0, len(verdict.runs), _COLUMNS):
         runs = verdict.runs[first:first + _COLUMNS]
         yield [('', *(f'run {r.run}' for r in runs)),
-               *((name, *(text(r) for r in runs)) for name, text in _ROWS)]
+               *((name, *(text(r) for r in runs)) for name, text in _list_rows())]
 
 
 def _reasons(verdict: Verdict) -> Iterator[tuple[str, list[str]]]:
@@ -171,7 +175,7 @@ def describe_together(verdict: Verdict) -> list[str]:
     if len(verdict.runs) < 2:
         return []
     reason = verdict.campaign.reason
-    return [f'together ({verdict.campaign.rule}): {CAMPAIGN_WORDS.get(reason, reason)}']
+    return [f'together ({verdict.campaign.rule}): {CAMPAIGN_REASONS.get(reason, reason)}']
 
 
 def head_lines(verdict: Verdict) -> list[str]:

@@ -16,15 +16,7 @@
 
 from __future__ import annotations
 
-from heading_intercompare.core.decision.campaign import CAMPAIGN_REASONS
-
-from .conclusion import ALL_REASONS
-
 NO_RUN = 'No run: there are no pairs, or none in a run of sufficient length.'
-
-CAMPAIGN_WORDS = CAMPAIGN_REASONS
-
-REASON_WORDS = ALL_REASONS
 
 EFFECT_WORDS = {'holds': 'holds', 'doubtful': 'DOUBTFUL', 'void': 'VOID',
                 'not_testable': 'not testable'}

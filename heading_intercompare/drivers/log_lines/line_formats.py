@@ -290,11 +290,6 @@ def half_day_ns(ns: int, zone: bytes) -> int:
     return ns + shift * 3600 * SECOND_NS
 
 
-#: Groups of a pattern of one's own.
-OWN_GROUPS = ('epoch', 'year', 'month', 'day', 'yday', 'hour', 'minute', 'second', 'fraction',
-              'zone')
-
-
 def read_own(match: re.Match[bytes]) -> tuple[str, int, bytes | None]:
     """
     Return kind, nanoseconds and zone of a stamp that a pattern of one's own found.

@@ -37,8 +37,6 @@ class ComparisonAlarms:
 
     Parameters
     ----------
-    node
-    health
     settings
         Must hold the norms.
 

@@ -33,8 +33,6 @@ class SentenceAlarms:
 
     Parameters
     ----------
-    node
-    health
     talker
         The talker that the user chose.
 

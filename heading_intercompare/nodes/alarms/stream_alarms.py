@@ -41,10 +41,8 @@ class StreamAlarms:
 
     Parameters
     ----------
-    node
     health
         Shows the parts `pairing` and `rejected`.
-    rule
     taking
         Says how long silence is allowed, and how long losses are shown.
 

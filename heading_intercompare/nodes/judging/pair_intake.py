@@ -99,14 +99,13 @@ class PairIntake(Intake):
 
         What cannot be read is refused, and pairs with the stamp of the pair before.
         """
-        pairs, refused = read_pairs([message for message, _ in self.take()])
+        pairs = self.read_rows(lambda type_name, messages: read_pairs(messages))
         new = np.diff(pairs.stamp_ns, prepend=self._read_ns) != 0
         if not new.all():
             # A synchronizer makes no such pair; another node may.
-            refused += [f'the stamp {stamp_ns} ns is that of the pair before'
-                        for stamp_ns in pairs.stamp_ns[~new].tolist()]
+            self.refuse([f'the stamp {stamp_ns} ns is that of the pair before'
+                         for stamp_ns in pairs.stamp_ns[~new].tolist()])
             pairs = pairs[new]
-        self.refuse(refused)
         if len(pairs):
             self._read_ns = int(pairs.stamp_ns[-1])
         return pairs

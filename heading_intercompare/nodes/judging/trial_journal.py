@@ -63,7 +63,7 @@ class TrialJournal:
 
     def __init__(self, node: Node, compliance: Compliance, own: ComplianceNode | SensorsNode,
                  health: Health, what: str = '') -> None:
-        self._health, self._compliance = health, compliance
+        self._health = health
         self._part = f'journal {what}'.rstrip()
         self._journal: RunJournal | None = None
         self.kept, self._fault = Kept(), ''

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Publishing of figures: the mean and scatter with every batch, the bounds once a second."""
+"""Publishing of figures: mean and scatter with every batch, bounds and numbers each second."""
 
 from __future__ import annotations
 

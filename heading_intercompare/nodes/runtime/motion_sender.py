@@ -44,8 +44,6 @@ class MotionSender:
 
     Parameters
     ----------
-    node
-    health
     rule
         Names the topics. Without `compare` nothing is published.
     after_s

@@ -38,7 +38,6 @@ class SensorsIntake:
     ----------
     node, health, taking
         As for `Intake`.
-    comparison
 
     Attributes
     ----------

@@ -66,7 +66,6 @@ class SensorsReporting:
         The node, and its state.
     settings
         With `sensors`.
-    own
     comparison
         Has the pairs without the reference.
     journals

@@ -72,7 +72,6 @@ class BridgeIntake:
         Its state.
     settings
         Of the analysis.
-    taking
     trend_limit_deg
         As for `Bridge`.
 

@@ -413,8 +413,11 @@ class Intake:
                           latency_s=self._latency_s)
         lost, refused = (count.take(total, now_s) for count, total in zip(
             self._recent, (self.lost, self.refused)))
-        troubles = [f'{lost} messages lost on the way'] * bool(lost) + [
-            f'{refused} messages refused: {self._why_refused}'] * bool(refused)
+        troubles = []
+        if lost:
+            troubles.append(f'{lost} messages lost on the way')
+        if refused:
+            troubles.append(f'{refused} messages refused: {self._why_refused}')
         self._health.note(f'{self._topic} lost', WARN if troubles else OK,
                           '; '.join(troubles) or 'nothing lost lately',
                           lost=self.lost, refused=self.refused or None)

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The further findings: the figures of the JSON in sections, with their words and units."""
+"""The further findings: figures of the JSON in sections, in words; and the deviation card."""
 
 from __future__ import annotations
 
@@ -38,38 +38,8 @@ from heading_intercompare.report.formatting import (
 
 from .tables import Table
 
-_STEP_DEG = 45.0
-_WIDEST_ARC_DEG = 120.0
-
-
-def make_deviation_card(fit: HeadingDependence) -> Table | None:
-    """
-    Return the card of a run, a row per 45 deg.
-
-    Parameters
-    ----------
-    fit
-        The harmonics of the run.
-
-    Returns
-    -------
-    Table or None
-        None without coefficients, or if the ship left out more than 120 deg of the compass: there
-        the fit would be a guess.
-
-    """
-    if fit.coefficients_deg is None or (fit.empty_arc_deg or 0.0) > _WIDEST_ARC_DEG:
-        return None
-    headings = np.arange(0.0, 360.0, _STEP_DEG)
-    x_deg, u_deg = deviation_at(fit, headings)
-    mean_deg = fit.coefficients_deg[0]
-    return Table(
-        ['heading [deg]', 'TS - RS, fitted [deg]', 'correction to add to the TS [deg]',
-         'of this by the heading [deg]'],
-        [[number(at), with_uncertainty(x, u), with_uncertainty(-x, u), f'{mean_deg - x:.3f}']
-         for at, x, u in zip(headings.tolist(), x_deg.tolist(), u_deg.tolist())
-         if math.isfinite(x)])
-
+#: Rows of the deviation card, and the widest arc without a heading that it bridges.
+_STEP_DEG, _WIDEST_ARC_DEG = 45.0, 120.0
 
 Figures = Mapping[str, Figure]
 
@@ -296,3 +266,32 @@ def _conclude(finding: Finding, runs: Sequence[RunVerdict]) -> list[str]:
             f'{STATE_WORDS.get(assumption.state, assumption.state)}: {assumption.evidence}'
             for run in runs for assumption in run.assumptions
             if assumption.id in finding.assumptions]
+
+
+def make_deviation_card(fit: HeadingDependence) -> Table | None:
+    """
+    Return the card of a run, a row per 45 deg.
+
+    Parameters
+    ----------
+    fit
+        The harmonics of the run.
+
+    Returns
+    -------
+    Table or None
+        None without coefficients, or if the ship left out more than 120 deg of the compass: there
+        the fit would be a guess.
+
+    """
+    if fit.coefficients_deg is None or (fit.empty_arc_deg or 0.0) > _WIDEST_ARC_DEG:
+        return None
+    headings = np.arange(0.0, 360.0, _STEP_DEG)
+    x_deg, u_deg = deviation_at(fit, headings)
+    mean_deg = fit.coefficients_deg[0]
+    return Table(
+        ['heading [deg]', 'TS - RS, fitted [deg]', 'correction to add to the TS [deg]',
+         'of this by the heading [deg]'],
+        [[number(at), with_uncertainty(x, u), with_uncertainty(-x, u), f'{mean_deg - x:.3f}']
+         for at, x, u in zip(headings.tolist(), x_deg.tolist(), u_deg.tolist())
+         if math.isfinite(x)])

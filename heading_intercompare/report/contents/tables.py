@@ -53,7 +53,6 @@ class Row(Generic[Thing]):
 
     Attributes
     ----------
-    name
     unit
         '1' for a number without dimension, '' for anything but a number.
     figure
@@ -82,25 +81,6 @@ class Table:
     rows: Sequence[Sequence[str]]
 
 
-def _declare(kind: Any, keys: str, block: str = '') -> tuple[Row[Any], ...]:
-    """Return the rows of figures of a dataclass by their keys, which may be within a block."""
-    figures = list_figures(kind)
-    return tuple(_make_row(f'{block}{key}', figures[f'{block}{key}']) for key in keys.split())
-
-
-def _make_row(key: str, figure: Figure) -> Row[Any]:
-    def show(thing: Any) -> Any:
-        shown = find_figure(thing, key)
-        if figure.unit == 'UTC':
-            return utc(shown)
-        if isinstance(shown, Mapping):
-            return ', '.join(f'{n} {figure.choices.get(reason, reason)}'
-                             for reason, n in shown.items()) or '0'
-        return interval(shown, find_figure(thing, figure.up_key)) if figure.up_key else shown
-
-    return Row(figure.words, figure.unit, show, _HOLDS.get(key, lambda thing: True))
-
-
 #: The figures of a run that need not hold beside its outcome; all others do.
 _HOLDS: dict[str, Callable[[RunVerdict], bool]] = {
     **dict.fromkeys(('paper_outcome', 'variance_criterion.outcome', 'count_criterion.outcome',
@@ -113,6 +93,28 @@ _HOLDS: dict[str, Callable[[RunVerdict], bool]] = {
     'guarded.confidence_non_compliant': confidence_holds,
     'guarded.conformance_probability': probability_holds,
     'guarded.duration_factor': length_holds, 'guarded.hours_needed': length_holds}
+
+
+def _declare(kind: Any, keys: str, block: str = '') -> tuple[Row[Any], ...]:
+    """Return the rows of figures of a dataclass by their keys, which may be within a block."""
+    figures = list_figures(kind)
+    return tuple(_make_row(f'{block}{key}', figures[f'{block}{key}']) for key in keys.split())
+
+
+def _make_row(key: str, figure: Figure) -> Row[Any]:
+    def show(thing: Any) -> Any:
+        shown = find_figure(thing, key)
+        if figure.unit == 'UTC':
+            return utc(shown)
+        if key.endswith('interval_deg'):
+            return interval(*(shown or (None, None)))
+        if isinstance(shown, Mapping):
+            return ', '.join(f'{n} {figure.choices.get(reason, reason)}'
+                             for reason, n in shown.items()) or '0'
+        return interval(shown, find_figure(thing, figure.up_key)) if figure.up_key else shown
+
+    return Row(figure.words, figure.unit, show, _HOLDS.get(key, lambda thing: True))
+
 
 LEDGER: tuple[Row[RunVerdict], ...] = (
     *_declare(RunVerdict, """
@@ -171,10 +173,7 @@ GUARDED: tuple[Row[RunVerdict], ...] = (
         outcome count_outcome d_hat_deg2 upper_bound_deg2 acceptance_limit_deg2 lower_bound_deg2
         rejection_limit_deg2 sigma_ts_lower_deg nu f corner_j r_slow slow_variance_deg2
         slow_allowance_deg2 stated_times confidence_compliant confidence_non_compliant
-        conformance_probability duration_factor hours_needed bias_u_deg""", 'guarded.'),
-    Row('mean difference: 95 % interval', 'deg',
-        lambda run: interval(*(run.guarded.bias_interval_deg or (None, None)))),
-    *_declare(RunVerdict, """
+        conformance_probability duration_factor hours_needed bias_u_deg bias_interval_deg
         bias_significant rate_plus rate_plus_lower rate_plus_plus rate_plus_plus_upper""",
               'guarded.'),
 )

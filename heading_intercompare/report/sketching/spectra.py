@@ -46,7 +46,6 @@ class Level:
     ----------
     joined
         Samples of the series in each sample of the level: a power of 8.
-    segments
     power_deg2 : ndarray, shape (k,)
         One-sided spectrum times the rate: square degrees per cycle a sample of the level. Entry
         j is at j / length cycles a sample.

@@ -47,7 +47,6 @@ class LampView:
     ----------
     word
         The outcome in capitals; or 'NONE YET'.
-    tone
     given_ns
         Stamp of the data at which the verdict was given.
     what
@@ -83,7 +82,6 @@ class AlarmView:
         Node and alarm, as `compliance/acknowledge` takes it.
     priority, state
         As on the topic.
-    words
     raised_ns
         Stamp at which it was last raised.
 
@@ -124,13 +122,10 @@ class WindowView:
 
     Attributes
     ----------
-    n
     mean_deg, std_deg
         Degrees.
     limit_deg
         The norm for the scatter of the differences, degrees: root of GK (5).
-    age_s
-    stale
 
     """
 
@@ -159,8 +154,6 @@ class RunView:
         When the next look is due.
     lacking
         What is missing, in words.
-    age_s
-    stale
     ends_ns
         When the clock ends the run.
 

@@ -64,26 +64,20 @@ class BridgeView:
         it is stale.
     last_difference_deg, difference_age_s
         The last difference, however old, degrees; its age, seconds.
-    difference_stale
     turn_deg_min
         Rate of turn by the RS, otherwise by the TS, degrees per minute, positive to starboard.
     paired_share
         Share of the readings that were paired in the last minute.
     paired, rejected
         Pairs made, and readings rejected, by the newest ledger.
-    lamp
     validity
         What speaks against the comparison now.
-    window
-    run
-    trend
     alarms
         Those that are not normal, the gravest first.
     nodes
         By name.
     mode
         Mode of an AHRS, in words; None if there is none.
-    bag
     graph_age_s
         Time since anything came from the graph, seconds; None before the first message.
     judged

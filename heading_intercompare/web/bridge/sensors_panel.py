@@ -38,7 +38,6 @@ class SensorRow:
 
     Attributes
     ----------
-    name
     reference
         It is the reference of all others.
     now
@@ -78,10 +77,8 @@ class SensorsView:
         In the order of the settings.
     vote
         The vote on the rolling window, in words; '' before the first.
-    vote_tone
     age_s
         Age of all this, seconds.
-    stale
 
     """
 

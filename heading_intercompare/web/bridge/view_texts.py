@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The words and numerals of a view, by the place where they stand."""
+"""Times and texts of messages in words, and the words of a view by the place where they stand."""
 
 from __future__ import annotations
 
