@@ -41,9 +41,11 @@ from heading_intercompare.bags.recording.journal_reading import (
 from heading_intercompare.bags.recording.recorded_headings import find_problems, read_marks
 from heading_intercompare.bags.recording.recorder_losses import BagLosses, count_words
 from heading_intercompare.bags.rosbag2.bag_files import find_files
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.motion_topics import read_bag_motion, read_fixes
 from heading_intercompare.bags.rosbag2.provenance import read_notes
 from heading_intercompare.bags.rosbag2.readable import Readable
+from heading_intercompare.bags.rosbag2.trial_parts import is_joined
 from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.kept_state import KeptState
 from heading_intercompare.core.motion.antennas import find_baseline_headings
@@ -269,8 +271,12 @@ def _judge_recording(readers: Sequence[Readable], path: str, name: str, settings
     n, whole = 0, _count_headings(readers, conventions)
     comparison.take_motion(Motion.concatenate(
         [_read_motion(reader, settings, problems) for reader in readers]))
-    for reader in readers:
-        if reader is not first:
+    joined = [is_joined(*two, conventions) for two in zip(readers, readers[1:])]
+    for reader, before, goes_on, is_continued in zip(
+            readers, [None, *readers], [False, *joined], [*joined, False]):
+        if goes_on and isinstance(reader, BagReader) and isinstance(before, BagReader):
+            reader.go_on_from(before)
+        elif before is not None:
             comparison.begin_again()
             problems.append(f'{reader.path} goes on with this trial; readings between the two '
                             'are not counted')
@@ -293,7 +299,11 @@ def _judge_recording(readers: Sequence[Readable], path: str, name: str, settings
             progress(f'{n:,} of {whole:,} headings' if n <= whole else f'{n:,} headings')
         losses.read_told()
         losses.finish(comparison.comparison.newest_ns)
-        problems += find_problems(reader)
+        missing = find_problems(reader)
+        if is_continued and reader.incomplete in missing:
+            missing.remove(reader.incomplete)
+            remarks.append(f'{reader.incomplete}; the next bag goes on after its last message')
+        problems += missing
         remarks += reader.oddities
         if isinstance(reader, StreamRecording) and reader.not_taken:
             problems.append(f'{reader.kind}: {reader.words_present}')

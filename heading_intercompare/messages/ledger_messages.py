@@ -25,6 +25,7 @@ from typing import Iterator, Mapping, NamedTuple
 
 from heading_intercompare.core.pairing.incarnations import StreamNumbers
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
+from heading_intercompare.core.pairing.names import Span
 from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
 from heading_intercompare.core.records import Losses
 
@@ -67,7 +68,7 @@ def encode_ledger(ledger: Ledger, final: bool = False, started_ns: int = 0,
     total = Status('ledger', OK, 'final' if final else 'so far',
                    {'incarnation_ns': started_ns or None, 'final': final, **_words(ledger.total),
                     **{f'{stream}_{name}': value for stream, fields in (numbers or {}).items()
-                       for name, value in fields._asdict().items()}})
+                       for name, value in _number_words(fields).items()}})
     segments = [Status(f'{_SEGMENT} {number}', OK, '', {'start_ns': s.start_ns, **_words(s)})
                 for number, s in enumerate(ledger.segments)]
     set_backs = [Status(f'{_SET_BACK} {number}', WARN, '', {
@@ -75,6 +76,22 @@ def encode_ledger(ledger: Ledger, final: bool = False, started_ns: int = 0,
         for number, step in enumerate(step for steps in ledger.set_backs.values()
                                       for step in steps)]
     return encode_statuses(ledger.newest_ns or 0, [total, *segments, *set_backs])
+
+
+def _number_words(numbers: StreamNumbers) -> dict[str, str | int]:
+    """Return the numbers of a sensor by name; each span as publisher, first and last number."""
+    spans = ' '.join(f'{span.publisher}:{span.first}:{span.last}' for span in numbers.spans)
+    return {**numbers._asdict(), 'spans': spans}
+
+
+def _spans(text: str) -> tuple[Span, ...]:
+    """Return the spans in a text of `_number_words`."""
+    spans = []
+    for word in text.split():
+        publisher, first, last = word.rsplit(':', 2) if word.count(':') > 1 else (word, '', '')
+        spans.append(Span(publisher, _integer('ledger', 'spans', first),
+                          _integer('ledger', 'spans', last)))
+    return tuple(spans)
 
 
 def _words(segment: LedgerSegment) -> dict[str, int]:
@@ -113,10 +130,10 @@ def _numbers(values: Mapping[str, str]) -> dict[str, StreamNumbers]:
     for stream in ('ts', 'rs'):
         texts = [values.get(f'{stream}_{name}') for name in StreamNumbers._fields]
         if None not in texts:
-            first_publisher, first, last_publisher, last = (str(text) for text in texts)
+            first_publisher, first, last_publisher, last, spans = (str(text) for text in texts)
             numbers[stream] = StreamNumbers(
                 first_publisher, _integer('ledger', f'{stream}_first', first),
-                last_publisher, _integer('ledger', f'{stream}_last', last))
+                last_publisher, _integer('ledger', f'{stream}_last', last), _spans(spans))
     return numbers
 
 

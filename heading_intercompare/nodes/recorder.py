@@ -22,8 +22,10 @@ import time
 from typing import Any, Mapping, Sequence
 
 from heading_intercompare.bags.recording import recorder_losses
+from heading_intercompare.bags.recording.cut_bag import LastMessages, read_last
 from heading_intercompare.bags.recording.part_states import PartStates, STATES
 from heading_intercompare.bags.recording.resilient_recording import Recording
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import (
     describe_origin,
     NOTE_TOPIC,
@@ -32,6 +34,7 @@ from heading_intercompare.bags.rosbag2.provenance import (
     REPORT_TOPIC,
     SENSORS_REPORT_TOPIC,
 )
+from heading_intercompare.bags.rosbag2.publisher_starts import PublisherRecords
 from heading_intercompare.bags.rosbag2.trial_parts import find_place, name_first
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.core.settings import Settings
@@ -79,12 +82,28 @@ class Recorder(GraphNode):
             self._bag.attachment(*copy)
         self._awaited = [recorded.intake.full_name for recorded in self._topics.values()
                          if recorded.expected and not recorded.is_heading]
-        self._judged = JudgedHeadings(self._topics)
+        self._judged = JudgedHeadings(self._topics, self._go_on())
+        self._starts = PublisherRecords(self._bag.metadata)
         self._notes = Notes(self._bag.metadata)
         self._notes.add(self._own.note or '', time.time_ns())
         self._state, self._report, self._quiet_s, self._end_s = '', '', 0.0, math.inf
         self.health.add_refresher(self._note)
         every(self, max(taking.drain_period_s, _DRAIN_S), self._drain)
+
+    def _go_on(self) -> dict[str, str]:
+        """Go on after the bag of a recorder that was cut off; return its last publishers."""
+        if self._before is None:
+            return {}
+        try:
+            last = read_last(BagReader(Path(self.path).with_name(self._before)))
+        except (OSError, ValueError) as error:
+            self.get_logger().warning(f'what publishers still hold is not recorded: {error}')
+            return {}
+        for recorded in self._topics.values():
+            if recorded.intake.counted:
+                recorded.intake.go_on_after(last.get(recorded.intake.full_name, LastMessages()))
+        return {topic: last[name].publisher for topic, recorded in self._topics.items()
+                if (name := recorded.intake.full_name) in last}
 
     @property
     def written(self) -> int:
@@ -107,6 +126,9 @@ class Recorder(GraphNode):
             if messages:
                 self._bag.add_topic(recorded.intake.full_name, recorded.intake.type_name or '',
                                     recorded.offered)
+                if recorded.is_heading:
+                    recorded.intake.take_losses()
+                    self._starts.add(recorded.intake.full_name, recorded.intake.take_starts())
                 if topic in (REPORT_TOPIC, SENSORS_REPORT_TOPIC):
                     self._report = text_of(messages[-1][0])
             for data, info in messages if topic == NOTE_TOPIC else ():

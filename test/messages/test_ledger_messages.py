@@ -20,7 +20,9 @@ import numpy as np
 import pytest
 
 from heading_intercompare import analyze, Headings, Settings
+from heading_intercompare.core.pairing.incarnations import StreamNumbers
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment, LOSSES, REASONS
+from heading_intercompare.core.pairing.names import Span
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
@@ -65,6 +67,12 @@ def test_a_ledger_arrives_as_it_was(first, others, newest_ns, final):
     assert back.segments == segments
     assert (back.newest_ns, said_final) == (newest_ns, final)
     assert back.paired == ledger.paired
+
+
+def test_the_numbers_of_each_publisher_arrive():
+    numbers = {'ts': StreamNumbers('aa', 3, 'bb', 9, (Span('aa', 3, 70), Span('', 2, 9))),
+               'rs': StreamNumbers('', 0, '', 0)}
+    assert decode_ledger(encode_ledger(Ledger(), numbers=numbers)).numbers == numbers
 
 
 def test_clocks_that_were_set_back_arrive_with_their_ledger():

@@ -17,8 +17,11 @@ A player of bags that waits for nobody, as `ros2 bag play`: a process that knows
 
     python plain_player.py await PAIRS_SUBSCRIBERS
     python plain_player.py play BAG RATE kept|volatile|best_effort TOPIC...
+    python plain_player.py send COUNT RATE_HZ kept|volatile|best_effort SUBSCRIBERS TOPIC...
 
-The first form ends when a synchronizer runs that has done with looking who is there.
+The first form ends when a synchronizer runs that has done with looking who is there. The third
+one sends headings with the time of day at once, as a sensor does, and so many more once it has its
+subscribers; it prints how many it has sent.
 """
 
 from __future__ import annotations
@@ -31,6 +34,8 @@ from rclpy.duration import Duration
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.core.records import Headings
+from heading_intercompare.messages.heading_messages import IMU, imu_messages
 from heading_intercompare.messages.ledger_messages import decode_ledger
 from heading_intercompare.nodes.ros.message_types import HEADING_TYPES, STATUS_TYPES
 
@@ -55,6 +60,26 @@ def play(node, bag, rate, kind, *topics):
         publisher.wait_for_all_acked(Duration(seconds=60))
 
 
+def send(node, count, rate_hz, kind, subscribers, *topics):
+    """Publish headings of each topic, the first ones before anybody listens."""
+    publishers = [node.create_publisher(HEADING_TYPES[IMU], topic, QOS[kind]) for topic in topics]
+    began_s, number, end = time.monotonic(), 0, None
+    while number != end:
+        time.sleep(max(0.0, began_s + number / float(rate_hz) - time.monotonic()))
+        message, = imu_messages(Headings.as_sent([time.time_ns()], [90.0 + number % 7 / 10]), 'x')
+        for publisher in publishers:
+            publisher.publish(message)
+        number += 1
+        if end is None and min(publisher.get_subscription_count()
+                               for publisher in publishers) >= int(subscribers):
+            end = number + int(count)
+    print(number)
+    for publisher in publishers:
+        publisher.wait_for_all_acked(Duration(seconds=60))
+    # Nobody acknowledges what is best effort.
+    time.sleep(0.5)
+
+
 def await_graph(node, subscribers):
     """Wait until a synchronizer is old enough and its pairs have their subscribers."""
     told = []
@@ -67,5 +92,5 @@ def await_graph(node, subscribers):
 
 if __name__ == '__main__':
     rclpy.init()
-    {'play': play, 'await': await_graph}[sys.argv[1]](
+    {'play': play, 'send': send, 'await': await_graph}[sys.argv[1]](
         rclpy.create_node('plain_player'), *sys.argv[2:])

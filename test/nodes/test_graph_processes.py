@@ -69,11 +69,11 @@ def processes(tmp_path):
     made.reap()
 
 
-def config_of(folder, ts, rs, speed):
+def config_of(folder, ts, rs, speed, rule=NORMS):
     """Write a parameter file with two logs as sources."""
     path = folder / 'config.yaml'
     path.write_text(yaml.dump({
-        '/**': {'ros__parameters': NORMS},
+        '/**': {'ros__parameters': dict(rule)},
         'ts_driver': {'ros__parameters': {'source': ts, 'speed': speed}},
         'rs_driver': {'ros__parameters': {'source': rs, 'speed': speed}}}, sort_keys=False))
     return str(path)
@@ -331,8 +331,8 @@ def test_a_synchronizer_that_the_middleware_had_given_up_misses_nothing(
 
 
 @pytest.mark.slow
-def test_a_recorder_that_is_killed_leaves_all_but_the_last_second(processes, tmp_path):
-    """Started again by the launch file, it records the rest beside it, as the same trial."""
+def test_a_recorder_that_is_killed_goes_on_and_both_bags_are_one_whole(processes, tmp_path):
+    """Started again by the launch file, it takes what the publishers still hold."""
     config = config_of(tmp_path, log(tmp_path / 'ts.log', 2000, 0.0, 90.0),
                        log(tmp_path / 'rs.log', 2000, 0.05, 90.1), 20.0)
     bag = tmp_path / 'bag'
@@ -349,13 +349,25 @@ def test_a_recorder_that_is_killed_leaves_all_but_the_last_second(processes, tmp
     # 100 a second for two seconds, less at most the last one and a quarter for a busy machine.
     assert count_recorded(bag) - before >= 75
     assert BagReader(bag).incomplete
+    wait_for(lambda: time.monotonic() > began_s + 5.0)
     processes.start(made['recorder'])
     rest = tmp_path / 'bag_2'
     wait_for(lambda: count_recorded(rest) >= 100)
     end_trial(processes)
     assert not BagReader(rest).incomplete
-    judged = judge_bags([str(bag), str(rest)], Settings.from_mapping(NORMS))
-    assert [one.continues for one in judged.verdict.inputs] == [None, str(bag)]
+    judged = judge_bags([str(bag), str(rest)], Settings.from_mapping(NORMS)).verdict
+    assert [part.continues for part in judged.inputs] == [None, str(bag)]
+    written, = (tmp_path / 'reports').iterdir()
+    assert_same(json.loads(written.read_text('utf-8')), judged.to_dict())
+    assert judged.runs[0].n == 1999
+    for topic in ('/ts/heading', '/rs/heading', '/pairs'):
+        numbers = [message.sequence for part in (bag, rest)
+                   for message in BagReader(part).messages([topic])]
+        assert numbers == [*range(1, len(numbers) + 1)], topic
+        assert len(numbers) == (1999 if topic == '/pairs' else 2000)
+    counts = BagReader(rest).metadata()['recording']
+    assert {key: n for key, n in counts.items()
+            if n != '0' and not key.startswith('received.')} == {}
 
 
 def start_graph(processes, config, namespace, bag=None, reports=None):
@@ -428,15 +440,23 @@ def test_a_second_graph_in_one_namespace_is_refused_and_the_first_goes_on(proces
 
 
 @pytest.mark.slow
-def test_a_synchronizer_that_was_killed_may_start_again_at_once(processes, tmp_path):
-    """DDS lists the dead one for some 20 s; that holds nobody up, and nothing is missing."""
+@pytest.mark.parametrize('method, n_before', [('interpolate', 300), ('auto', 200)])
+def test_a_synchronizer_that_was_killed_may_start_again_at_once(
+        processes, tmp_path, method, n_before):
+    """
+    DDS lists the dead one for some 20 s; that holds nobody up, and nothing is missing.
+
+    With `auto` all readings wait for the choice, and the next synchronizer takes them again. The
+    account of the bag had them as lost.
+    """
+    rule = {**NORMS, 'pairing.method': method}
     config = config_of(tmp_path, log(tmp_path / 'ts.log', 1200, 0.0, 90.0),
-                       log(tmp_path / 'rs.log', 1200, 0.05, 90.1), 10.0)
+                       log(tmp_path / 'rs.log', 1200, 0.05, 90.1), 10.0, rule)
     bag, reports = tmp_path / 'bag', tmp_path / 'reports'
     made = plan_trial(config, bag, reports)
     for node in made.values():
         processes.start(node)
-    wait_for(lambda: count_recorded(bag) >= 300)
+    wait_for(lambda: count_recorded(bag) >= n_before)
     processes.running['synchronizer'].kill()
     processes.running['synchronizer'].wait()
     processes.start(made['synchronizer'])
@@ -448,6 +468,13 @@ def test_a_synchronizer_that_was_killed_may_start_again_at_once(processes, tmp_p
     assert 1195 <= run['n'] == run['pairing']['paired'] <= 1199
     assert run['pairing']['ts_received'] == run['pairing']['rs_received'] == 1200
     assert report['ledger_problems'] == []
+    judged, = judge_bags([bag], Settings.from_mapping(rule)).verdict.runs
+    assert (judged.pairing.ts_received, judged.pairing.rs_received) == (1200, 1200)
+    assert run['pairing']['lost'] == {'ts': {}, 'rs': {}}
+    assert judged.pairing.lost.ts == judged.pairing.lost.rs == {}
+    counts = BagReader(bag).metadata()['recording']
+    assert {key: n for key, n in counts.items() if 'heading' in key and n != '0'} == {
+        f'received./{stream}/heading': '1200' for stream in ('ts', 'rs')}
 
 
 @pytest.mark.slow

@@ -39,6 +39,7 @@ from heading_intercompare.bags.rosbag2.provenance import read_notes
 from heading_intercompare.cli import main
 from heading_intercompare.core.pairing.incarnations import StreamNumbers
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
+from heading_intercompare.core.pairing.names import Span
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.version import VERSION
 from heading_intercompare.messages.ledger_messages import encode_ledger
@@ -337,7 +338,8 @@ def test_headings_that_the_synchronizer_had_but_the_recorder_missed_at_the_end_a
     counts = {'ts_unpaired': 46, 'ts_rejected.burst': 3, 'ts_lost.on_the_way': 4, 'rs_unused': 18}
     ledgers.publish(deserialize_message(encode_ledger(
         Ledger.from_segments([LedgerSegment(None, counts)]), True, 7,
-        {stream: StreamNumbers('', 1, '', 20) for stream in ('ts', 'rs')}), DiagnosticArray))
+        {stream: StreamNumbers('', 1, '', last, (Span('', 1, last),))
+         for stream, last in (('ts', 50), ('rs', 18))}), DiagnosticArray))
     ros.spin_until(lambda: node.written == 41)
     bag = finish(ros, node, ledgers, *sensors)
     said = bag.metadata()['recording']
@@ -358,7 +360,8 @@ def test_headings_that_the_synchronizer_had_before_the_recorder_are_counted(ros,
     for message in some_headings(30)[10:]:
         sensor.publish(message)
     ledgers.publish(deserialize_message(encode_ledger(Ledger.from_segments([]), True, 7, {
-        'ts': StreamNumbers('', 4, '', 30), 'rs': StreamNumbers('', 0, '', 0)}),
+        'ts': StreamNumbers('', 4, '', 30, (Span('', 4, 30),)),
+        'rs': StreamNumbers('', 0, '', 0)}),
         DiagnosticArray))
     ros.spin_until(lambda: node.written == 21)
     said = finish(ros, node, ledgers, sensor).metadata()['recording']

@@ -27,6 +27,7 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.kept_state import KeptState
 from heading_intercompare.core.pairing.incarnations import Incarnations, StreamNumbers
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
+from heading_intercompare.core.pairing.names import Span
 from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
 from heading_intercompare.core.records import Motion, Pairs
 from heading_intercompare.core.utc_text import utc
@@ -323,7 +324,8 @@ class JournalReader:
         ledger = Ledger.from_segments(
             [LedgerSegment(start_ns, counts) for start_ns, counts in rows], plain['newest_ns'],
             [SetBack(*set_back) for set_back in plain['set_backs']])
-        numbers = {stream: StreamNumbers(*fields) for stream, fields in plain['numbers'].items()}
+        numbers = {stream: StreamNumbers(*fields)._replace(spans=tuple(Span(*s) for s in spans))
+                   for stream, (*fields, spans) in plain['numbers'].items()}
         self.kept.book(LedgerMessage(ledger, plain['final'], started_ns, numbers))
 
 

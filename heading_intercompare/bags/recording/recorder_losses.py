@@ -17,15 +17,21 @@
 from __future__ import annotations
 
 from collections import Counter
-from typing import Callable, Mapping, NamedTuple, TYPE_CHECKING
+from typing import Callable, Mapping, NamedTuple, Sequence, TYPE_CHECKING
 
 from heading_intercompare.bags.errors import decimal
 from heading_intercompare.bags.rosbag2.provenance import read_continues
 from heading_intercompare.bags.rosbag2.readable import Readable
 from heading_intercompare.core.pairing.ledger import LedgerKey
+from heading_intercompare.core.pairing.names import count_unknown, Span
 from heading_intercompare.core.records import Losses
 from heading_intercompare.messages.errors import MessageError
-from heading_intercompare.messages.ledger_messages import decode_ledger, decode_losses, lost_topic
+from heading_intercompare.messages.ledger_messages import (
+    decode_ledger,
+    decode_losses,
+    LedgerMessage,
+    lost_topic,
+)
 from heading_intercompare.messages.status_messages import ERROR, OK, STATUS_TYPE, WARN
 
 if TYPE_CHECKING:
@@ -33,16 +39,18 @@ if TYPE_CHECKING:
 
 class PublishedHeadings:
     """
-    Counts the published headings of each sensor, and says which ones were judged.
+    Says which headings of each sensor the synchronizers took, by publisher and number.
 
     A recorder that missed the last headings cannot know it from their numbers. The synchronizer
     received them, and each of its ledgers says so. Publishers that go on when the synchronizer has
-    ended send headings that nobody judges.
+    ended send headings that nobody judges. A synchronizer that was started again takes headings
+    that the one before it had taken: they are the same names, so each counts once.
     """
 
     def __init__(self) -> None:
-        self._newest: dict[int, dict[str, int]] = {}
-        self._spans: dict[str, tuple[int | None, int | None]] = {}
+        self._newest: dict[int, dict[str, tuple[Span, ...]]] = {}
+        self._at_first: dict[str, tuple[Span, ...]] = {}
+        self._followed: LedgerMessage | None = None
 
     def take(self, message: bytes) -> None:
         """Take a message of ``pairs/ledger``; a damaged one says nothing."""
@@ -50,28 +58,52 @@ class PublishedHeadings:
             newest = decode_ledger(message)
         except MessageError:
             return
-        total = newest.ledger.total
-        self._newest[newest.started_ns] = {
-            stream: (total.received(stream)
-                     - total.counts.get(LedgerKey.of_rejected(stream, 'burst'), 0)
-                     + total.counts.get(LedgerKey.of_lost(stream, 'on_the_way'), 0))
-            for stream in ('ts', 'rs')}
+        self._newest[newest.started_ns] = spans = {
+            stream: numbers.spans for stream, numbers in newest.numbers.items()}
+        self._at_first = self._at_first or spans
         if newest.started_ns == max(self._newest):
-            self._spans = {
-                stream: (numbers.first or None, numbers.last or None if newest.final else None)
-                for stream, numbers in newest.numbers.items()}
+            self._followed = newest
 
-    def find_span(self, stream: str) -> tuple[int | None, int | None]:
+    def find_span(self, stream: str, publisher: str = '') -> tuple[int | None, int | None]:
         """
         Return the numbers of the first and the last heading that the newest synchronizer took.
 
-        None for the first one before there is one, for the last one before its end.
+        None for the first one before there is one, for the last one before its end. The first one
+        is that of a publisher, if the synchronizer has heard it.
         """
-        return self._spans.get(stream, (None, None))
+        numbers = None if self._followed is None else self._followed.numbers.get(stream)
+        if numbers is None or self._followed is None:
+            return None, None
+        first = next((span.first for span in numbers.spans
+                      if publisher and span.publisher == publisher), numbers.first)
+        return first or None, numbers.last or None if self._followed.final else None
 
-    def count(self, stream: str) -> int:
-        """Return how many headings of ``'ts'`` or ``'rs'`` all synchronizers have counted."""
-        return sum(counts[stream] for counts in self._newest.values())
+    def count_missing(self, stream: str, heard: Sequence[Span]) -> tuple[int, int]:
+        """
+        Return how many headings of ``'ts'`` or ``'rs'`` were taken that a recorder did not hear.
+
+        Parameters
+        ----------
+        stream
+            The sensor.
+        heard
+            From which number to which one the recorder heard each publisher.
+
+        Returns
+        -------
+        before, after : int
+            Those before the first one heard of their publisher, or of publishers that were gone
+            by then; and those after the last one heard.
+
+        """
+        taken = [span for spans in self._newest.values() for span in spans.get(stream, ())]
+        publishers = {span.publisher for span in heard}
+        gone = [span for span in self._at_first.get(stream, ())
+                if span.publisher and span.publisher not in publishers]
+        earlier = [Span(span.publisher, 1, span.first - 1) for span in heard] + gone
+        to_the_last = [Span(span.publisher, 1, span.last) for span in heard]
+        return (count_unknown(taken, heard) - count_unknown(taken, [*heard, *earlier]),
+                count_unknown(taken, [*to_the_last, *gone]))
 
 
 class BagLosses:

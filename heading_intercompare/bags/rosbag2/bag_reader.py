@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from contextlib import closing
+from copy import deepcopy
 from dataclasses import dataclass
 from itertools import groupby
 import os
@@ -68,6 +69,7 @@ from heading_intercompare.messages.heading_messages import HEADING_TYPES
 from .bag_files import find_files
 from .bag_yaml import Qos
 from .provenance import RECORD
+from .publisher_starts import make_finder, read_starts
 from .sequence_gaps import Numbering
 from .topic_names import clean_namespace, find_topic, list_topics, read_namespace
 
@@ -152,14 +154,23 @@ def _open_files(path: Path, oddities: list[str],
     return parts, absent
 
 
+class _Numbers(NamedTuple):
+    """The numbers of a topic so far, and who is known to begin with a message."""
+
+    numbering: Numbering
+    find_new: Callable[[int, int], str | None]
+
+
 def _find_gaps(by_kind: Sequence[Found],
-               numbers: Sequence[Numbering]) -> Iterator[tuple[int, str, Losses]]:
+               numbers: Sequence[_Numbers]) -> Iterator[tuple[int, str, Losses]]:
     """Yield what the numbers of a block lack: the index of the topic, one of `LOST_AS`, gaps."""
     for readings in by_kind:
         for place in np.flatnonzero(np.bincount(readings.place)).tolist():
             mine = np.flatnonzero(readings.place == place)
-            losses = numbers[place].take(readings.sequence[mine], readings.headings.stamp_ns[mine])
-            for lost_as, gaps in (('lost.before_start', numbers[place].take_before()),
+            numbering, find_new = numbers[place]
+            losses = numbering.take(readings.sequence[mine], readings.headings.stamp_ns[mine],
+                                    find_new)
+            for lost_as, gaps in (('lost.before_start', numbering.take_before()),
                                   ('lost.on_the_way', losses)):
                 if len(gaps):
                     yield place, lost_as, gaps
@@ -205,6 +216,8 @@ class BagReader:
         reasons = absent + [part.incomplete for part in self._parts if part.incomplete]
         self.incomplete = '; '.join(reasons) or None
         self._metadata: dict[str, dict[str, str]] | None = None
+        self._numberings: dict[tuple[str, str], Numbering] = {}
+        self._earlier: Mapping[tuple[str, str], Numbering] = {}
         self._namespace = None if namespace is None else clean_namespace(namespace)
         self.start_ns = min((p.start_ns for p in self._parts if p.start_ns is not None),
                             default=None)
@@ -321,7 +334,11 @@ class BagReader:
         helpers = helpers if can_fork() else 0
         numbers = None
         if lost is not None and self.keeps_numbers():
-            numbers = [Numbering() for _ in once]
+            starts = read_starts(self)
+            self._numberings = {topic: deepcopy(self._earlier.get(topic)) or Numbering()
+                                for topic in once}
+            numbers = [_Numbers(self._numberings[topic], make_finder(starts.get(topic[0], ())))
+                       for topic in once]
         minutes = self._minutes(once, helpers, numbers)
         # Without helpers, decode ahead in a prefetch thread.
         for minute, gaps in minutes if helpers else run_ahead(minutes):
@@ -333,6 +350,10 @@ class BagReader:
                         lost(asked, lost_as, losses)
             yield {asked: by_topic[topic] for asked, topic in topics.items()}
 
+    def go_on_from(self, before: 'BagReader') -> None:
+        """Count what is missing from the last numbers of an earlier part, which was read."""
+        self._earlier = before._numberings
+
     def keeps_numbers(self) -> bool:
         """Tell whether the numbers of the messages are those of their publishers."""
         try:
@@ -342,7 +363,7 @@ class BagReader:
             return False
 
     def _minutes(self, topics: Sequence[tuple[str, str]], helpers: int,
-                 numbers: Sequence[Numbering] | None,
+                 numbers: Sequence[_Numbers] | None,
                  ) -> Iterator[tuple[list[Headings], list[tuple[int, str, Losses]]]]:
         """Yield the headings minute by minute, with the gaps found among their numbers."""
         window = Window(len(topics))

@@ -18,15 +18,18 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass, field
-from typing import NamedTuple, TypeGuard
+from typing import Callable, NamedTuple, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike
 
+from heading_intercompare.core.pairing.names import Span
 from heading_intercompare.core.records import Losses
 
 #: Publishers and gaps remembered per topic; no topic has more at once.
 _PUBLISHERS, _GAPS = 8, 16
+#: Publishers whose numbers are listed; more than restarts in any trial.
+_MOST_LISTED = 1000
 
 _NOTHING = Losses.empty()
 
@@ -38,9 +41,35 @@ class _Message(NamedTuple):
     stamp_ns: int
 
 
+@dataclass(slots=True)
+class _Publisher:
+    """A publisher: its name, '' if it is unknown, and what was heard of it."""
+
+    name: str
+    first: int
+    newest: _Message
+
+
+class _Gap(NamedTuple):
+    """Numbers missing between two messages; where they were counted."""
+
+    before: _Message
+    behind: _Message
+    since_ns: int
+
+    @property
+    def n(self) -> int:
+        """Return how many are missing."""
+        return _beyond(self.behind.number, self.before.number) - 1
+
+
 def _beyond(number: int, reference: int) -> int:
     """Return how far a 32-bit number is beyond another, counted through the wrap to 0."""
     return (number - reference + 2**31) % 2**32 - 2**31
+
+
+def _nobody(number: int, stamp_ns: int) -> None:
+    """Say that no publisher is known to begin with this message."""
 
 
 @dataclass(slots=True)
@@ -49,15 +78,17 @@ class Numbering:
     The sequence numbers of the messages of one topic, in order of arrival.
 
     Each publisher counts on its own, and a subscriber is not told which message is whose. So a
-    number is credited to the publisher whose last number it follows most closely. A number that
-    follows none starts a new count, or fills a gap that was no gap.
+    number that does not follow the last one is the first of a publisher that others know to begin
+    there. Otherwise it is credited to the publisher whose last number it follows most closely. A
+    number that follows none fills a gap, if its stamp lies within that, or starts a new count.
 
     Attributes
     ----------
     numbered
         Some number is not 0; rosbag2 writes only 0.
     missing
-        Numbers skipped between one message and the next.
+        Numbers skipped between one message and the next, and those that a later publisher gave
+        before its first message.
     restarts
         How often a number followed no other: a publisher restarted, or another one joined.
     first
@@ -70,24 +101,43 @@ class Numbering:
     missing: int = 0
     restarts: int = 0
     first: int | None = None
-    _newest: list[_Message] = field(default_factory=list)
+    _newest: list[_Publisher] = field(default_factory=list)
+    _listed: deque[_Publisher] = field(default_factory=lambda: deque(maxlen=_MOST_LISTED))
     _begun_ns: int | None = None
-    _gaps: deque[tuple[_Message, _Message]] = field(default_factory=lambda: deque(maxlen=_GAPS))
+    _gaps: deque[_Gap] = field(default_factory=lambda: deque(maxlen=_GAPS))
     _losses: list[tuple[int, int, int]] = field(default_factory=list)
 
     @classmethod
-    def go_on(cls, first: int, newest: int, missing: int) -> 'Numbering':
+    def go_on(cls, first: int, newest: int, missing: int, publisher: str = '') -> 'Numbering':
         """Return a numbering of one publisher that goes on from an earlier `summary`."""
-        return cls(numbered=True, missing=missing, restarts=0, first=first,
-                   _newest=[_Message(newest, 0)])
+        numbering = cls(numbered=True, missing=missing, restarts=0, first=first)
+        numbering._add(_Publisher(publisher, first, _Message(newest, 0)))
+        return numbering
 
     @property
     def summary(self) -> tuple[int, int, int]:
         """Return the first number, the newest one, and how many are missing."""
-        newest = self._newest[-1].number if self._newest else 0
+        newest = self._newest[-1].newest.number if self._newest else 0
         return self.first or 0, newest, self.missing
 
-    def take(self, numbers: ArrayLike, stamp_ns: ArrayLike | None = None) -> Losses:
+    @property
+    def spans(self) -> tuple[Span, ...]:
+        """Return from which number to which one each publisher was heard, in their order."""
+        return tuple(Span(publisher.name, publisher.first, publisher.newest.number)
+                     for publisher in self._listed)
+
+    @property
+    def publisher(self) -> str:
+        """Return the publisher of the newest message; '' if it is unknown."""
+        return self._newest[-1].name if self._newest else ''
+
+    def name_newest(self, publisher: str) -> None:
+        """Name the publisher of the newest message, if it is unknown."""
+        if self._newest and not self._newest[-1].name:
+            self._newest[-1].name = publisher
+
+    def take(self, numbers: ArrayLike, stamp_ns: ArrayLike | None = None,
+             find_new: Callable[[int, int], str | None] = _nobody) -> Losses:
         """
         Take the numbers of the next messages; only their lowest 32 bits count.
 
@@ -97,6 +147,10 @@ class Numbering:
             Sequence numbers, n >= 0, in order of arrival.
         stamp_ns : array_like of int, shape (n,), optional
             Stamps of the messages, nanoseconds.
+        find_new
+            Called with number and stamp of a message that does not follow the last one. Returns
+            the publisher that it is the first message of, '' if that is unknown; None if it is not
+            known to be the first of any.
 
         Returns
         -------
@@ -107,7 +161,7 @@ class Numbering:
         """
         if self._goes_on(numbers):
             stamp = 0 if stamp_ns is None else int(np.asarray(stamp_ns)[-1])
-            self._newest[0] = _Message(numbers[-1], stamp)
+            self._newest[-1].newest = _Message(numbers[-1], stamp)
             return _NOTHING
         numbers = np.asarray(numbers).astype(np.uint32)
         stamps = (np.zeros(len(numbers), np.int64) if stamp_ns is None
@@ -118,26 +172,31 @@ class Numbering:
         if not len(numbers):
             return _NOTHING
         if self.first is None:
-            self.numbered, self.first = True, int(numbers[0])
-            self._begun_ns = int(stamps[0])
-            self._newest.append(_Message(self.first, int(stamps[0])))
+            first = _Message(int(numbers[0]), int(stamps[0]))
+            self.numbered, self.first = True, first.number
+            self._begun_ns = first.stamp_ns
+            self._add(_Publisher(find_new(*first) or '', first.number, first))
             numbers, stamps = numbers[1:], stamps[1:]
-        before = self._newest[-1]
-        steps = np.diff(np.append(np.uint32(before.number), numbers)).view(np.int32)
-        if len(self._newest) == 1 and len(steps) and (steps == 1).all():
-            self._newest[-1] = _Message(int(numbers[-1]), int(stamps[-1]))
-            return _NOTHING
-        if len(self._newest) > 1 or (steps < 1).any():
-            for number, stamp in zip(numbers.tolist(), stamps.tolist()):
-                self._take(_Message(number, stamp))
-        elif len(numbers):
-            since = np.append(before.stamp_ns, stamps)
-            for at in np.flatnonzero(steps > 1).tolist():
-                self._miss(_Message(int(numbers[at]) - int(steps[at]), int(since[at])),
-                           _Message(int(numbers[at]), int(stamps[at])))
-            self._newest[-1] = _Message(int(numbers[-1]), int(stamps[-1]))
+        # Numbers that follow each other are those of one publisher; only its first one decides.
+        breaks = np.flatnonzero(np.diff(numbers).view(np.int32) != 1) + 1
+        for lo, hi in zip([0, *breaks.tolist()], [*breaks.tolist(), len(numbers)]):
+            if lo < hi:
+                self._take(_Message(int(numbers[lo]), int(stamps[lo])), find_new)
+                if hi - lo > 1:
+                    self._extend(numbers[lo:hi], stamps[lo:hi], find_new)
         losses, self._losses = self._losses, []
         return Losses.of(*zip(*losses)) if losses else _NOTHING
+
+    def _extend(self, numbers: np.ndarray, stamps: np.ndarray,
+                find_new: Callable[[int, int], str | None]) -> None:
+        """Take numbers that follow each other, of which the first one was taken."""
+        newest = self._newest[-1].newest
+        if newest.number % 2**32 != numbers[0]:
+            # The first one filled a gap, and so may the next.
+            for number, stamp in zip(numbers[1:].tolist(), stamps[1:].tolist()):
+                self._take(_Message(number, stamp), find_new)
+            return
+        self._newest[-1].newest = _Message(newest.number + len(numbers) - 1, int(stamps[-1]))
 
     def take_before(self) -> Losses:
         """
@@ -157,41 +216,93 @@ class Numbering:
 
     def _goes_on(self, numbers: ArrayLike) -> TypeGuard[list[int]]:
         """Tell whether the numbers of a live batch follow the last one without a gap."""
-        if not (isinstance(numbers, list) and numbers and len(self._newest) == 1):
+        if not (isinstance(numbers, list) and numbers and self._newest):
             return False
-        after = self._newest[0].number + 1
-        return after + len(numbers) < 2**32 and numbers == [*range(after, after + len(numbers))]
+        after = self._newest[-1].newest.number + 1
+        return numbers == [*range(after, after + len(numbers))]
 
-    def _take(self, message: _Message) -> None:
-        steps = [(step, at) for at, newest in enumerate(self._newest)
-                 if (step := _beyond(message.number, newest.number)) > 0]
-        if steps:
-            _, at = min(steps)
-            self._miss(self._newest.pop(at), message)
-        else:
-            self._begin(message)
-        self._newest = [*self._newest[1 - _PUBLISHERS:], message]
+    def _take(self, message: _Message, find_new: Callable[[int, int], str | None]) -> None:
+        # Of several that it follows as closely, the one heard last.
+        steps = [(step, -at) for at, publisher in enumerate(self._newest)
+                 if (step := _beyond(message.number, publisher.newest.number)) > 0]
+        at = -min(steps)[1] if steps else -1
+        if steps and min(steps)[0] == 1 and at == len(self._newest) - 1:
+            self._hear(at, message)
+            return
+        name = find_new(*message)
+        names = [publisher.name for publisher in self._newest]
+        if name and name in names:
+            at = names.index(name)
+        elif name is not None:
+            self._begin(message, name)
+            return
+        if _beyond(message.number, self._newest[at].newest.number) > 0:
+            self._hear(at, message)
+        elif not self._fill(message):
+            self._begin_unknown(message)
+
+    def _hear(self, at: int, message: _Message) -> None:
+        """Take the next message of a publisher."""
+        publisher = self._newest.pop(at)
+        before = publisher.newest
+        self._miss(before._replace(number=before.number % 2**32), message)
+        step = _beyond(message.number, before.number)
+        publisher.newest = message._replace(number=before.number + step)
+        self._newest.append(publisher)
+
+    def _add(self, publisher: _Publisher) -> None:
+        self._newest = [*self._newest[1 - _PUBLISHERS:], publisher]
+        self._listed.append(publisher)
+
+    def _begin(self, message: _Message, name: str) -> None:
+        """Take the first message heard of another publisher: what it sent before is missing."""
+        self.restarts += 1
+        self._miss(_Message(0, self._newest[-1].newest.stamp_ns), message)
+        self._add(_Publisher(name, message.number, message))
 
     def _miss(self, before: _Message, message: _Message) -> None:
         """Count the numbers missing between two."""
-        before = before._replace(number=before.number % 2**32)
-        step = _beyond(message.number, before.number)
-        if step > 1:
-            self._count(before, message, step - 1)
-            self._gaps.append((before, message))
+        gap = _Gap(before, message, before.stamp_ns)
+        if gap.n > 0:
+            self._count(gap, gap.n)
+            self._gaps.append(gap)
 
-    def _count(self, before: _Message, behind: _Message, count: int) -> None:
+    def _count(self, gap: _Gap, count: int) -> None:
         self.missing += count
-        self._losses.append((behind.stamp_ns, before.stamp_ns, count))
+        self._losses.append((gap.behind.stamp_ns, gap.since_ns, count))
 
-    def _begin(self, message: _Message) -> None:
-        """Take a number that follows none."""
-        for before, behind in self._gaps:
-            gap = _beyond(behind.number, before.number)
-            if 0 < _beyond(message.number, before.number) < gap:
-                # Nothing was missing there: the number after the gap was another publisher's.
-                self._gaps.remove((before, behind))
-                self._count(before, behind, 1 - gap)
-                self._miss(before, message)
-                break
+    def _find_gap(self, number: int) -> list[_Gap]:
+        """Return the gaps that a number lies in."""
+        return [gap for gap in self._gaps
+                if 0 < _beyond(number, gap.before.number) <= gap.n]
+
+    def _fill(self, message: _Message) -> bool:
+        """Take a number that comes late, into the gap that its stamp lies in too."""
+        for gap in self._find_gap(message.number):
+            if gap.before.stamp_ns < message.stamp_ns < gap.behind.stamp_ns:
+                self._gaps.remove(gap)
+                self._count(gap, -1)
+                for part in (gap._replace(behind=message._replace(stamp_ns=gap.behind.stamp_ns)),
+                             gap._replace(before=message)):
+                    if part.n > 0:
+                        self._gaps.append(part)
+                return True
+        return False
+
+    def _begin_unknown(self, message: _Message) -> None:
+        """Take a number that follows none, and is not late."""
+        # What a publisher sent before it was heard is explained by no other one.
+        for gap in (gap for gap in self._find_gap(message.number) if gap.before.number):
+            # Nothing was missing there: the number after the gap was another publisher's.
+            self._gaps.remove(gap)
+            self._count(gap, -gap.n)
+            self.restarts += 1
+            self._miss(gap.before, message)
+            self._add(_Publisher('', message.number, message))
+            return
+        if message.stamp_ns > self._newest[-1].newest.stamp_ns:
+            self._begin(message, '')
+            return
+        # Without a later stamp it may also be a message that comes late.
         self.restarts += 1
+        self._add(_Publisher('', message.number, message))

@@ -19,10 +19,12 @@ from __future__ import annotations
 from datetime import datetime, timezone
 import os
 from pathlib import Path
-from typing import Sequence
+from typing import Iterable, Sequence
 
 from .bag_reader import BagReader
 from .provenance import read_continues
+from .publisher_starts import read_starts
+from .readable import Readable
 
 
 def find_parts(paths: Sequence[str]) -> dict[str, list[str]]:
@@ -56,6 +58,22 @@ def find_parts(paths: Sequence[str]) -> dict[str, list[str]]:
             if len(chain) > 1:
                 parts[path] = chain[1:]
     return parts
+
+
+def is_joined(before: Readable, after: Readable, topics: Iterable[str]) -> bool:
+    """
+    Tell whether only the recorder was away between two bags of a trial.
+
+    Then a publisher of one of the topics went on, and the second recorder took what it still held.
+    """
+    return any(_follows(before, after, topic) for topic in topics)
+
+
+def _follows(before: Readable, after: Readable, topic: str) -> bool:
+    starts, next_starts = (read_starts(bag).get(bag.find(topic) or '', [])
+                           for bag in (before, after))
+    publishers = [start.publisher for start in starts if start.publisher]
+    return bool(publishers and next_starts) and publishers[-1] == next_starts[0].publisher
 
 
 def name_first() -> str:

@@ -23,6 +23,7 @@ from typing import Iterator, Mapping, NamedTuple, Sequence
 from heading_intercompare.core.utc_text import utc
 
 from .ledger import Ledger, LedgerKey, LedgerSegment
+from .names import Span
 
 #: A live synchronizer publishes its ledger every second.
 _PATIENCE_S = 2.5
@@ -127,6 +128,8 @@ class StreamNumbers(NamedTuple):
         The publishers of the first and of the newest one; '' if unknown.
     first, last
         The numbers that they gave.
+    spans
+        From which number to which one each publisher was heard.
 
     """
 
@@ -134,6 +137,7 @@ class StreamNumbers(NamedTuple):
     first: int
     last_publisher: str
     last: int
+    spans: tuple[Span, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

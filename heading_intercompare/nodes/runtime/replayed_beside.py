@@ -24,6 +24,7 @@ from rclpy.publisher import Publisher
 from heading_intercompare.bags.rosbag2.bag_reader import BagMessage, BagReader
 from heading_intercompare.bags.rosbag2.motion_topics import find_motion_topics, motion_topics
 from heading_intercompare.bags.rosbag2.provenance import read_continues
+from heading_intercompare.bags.rosbag2.publisher_starts import make_finder, read_starts
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
 from heading_intercompare.core.settings import MotionRule
 from heading_intercompare.messages.ledger_messages import encode_losses, lost_topic
@@ -124,6 +125,8 @@ class ReplayedLosses:
                       if (lost := lost_topic(topic)) in reader.topics}
         self.topics = [*names, *self._told]
         self._keeps_numbers = reader.keeps_numbers()
+        starts = read_starts(reader) if self._keeps_numbers else {}
+        self._find_new = {topic: make_finder(starts.get(topic, ())) for topic in names}
         self._round = 0
         self._whole = whole and not read_continues(reader)
         self._taken: dict[str, list[tuple[int, int]]] = {}
@@ -147,7 +150,8 @@ class ReplayedLosses:
         """Publish the gaps among the numbers of the headings taken since the last call."""
         headings, self._taken = self._taken, {}
         for topic, rows in headings.items():
-            losses = self._numbering[topic].take(*zip(*rows))
+            numbers, stamps = zip(*rows)
+            losses = self._numbering[topic].take(numbers, stamps, self._find_new[topic])
             losses_by_cause = {'lost.on_the_way': losses}
             if self._whole and self._round == 1:
                 losses_by_cause['lost.before_start'] = self._numbering[topic].take_before()

@@ -30,6 +30,8 @@ from rclpy.qos import (
 )
 from rclpy.topic_endpoint_info import TopicEndpointInfo
 
+from heading_intercompare.bags.recording.cut_bag import LastMessages
+from heading_intercompare.bags.rosbag2.publisher_starts import PublisherStart
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
 from heading_intercompare.core.pairing.incarnations import StreamNumbers
 from heading_intercompare.core.records import Losses
@@ -42,6 +44,7 @@ from heading_intercompare.nodes.ros.message_types import find_heading_type
 from heading_intercompare.nodes.ros.parameters import follow, resolve_topic
 from heading_intercompare.nodes.ros.transports import DISCOVERY_S
 
+from .publisher_names import PublisherNames
 from .reception import Message, number_of, Reception, Renewal
 
 _Chunk = TypeVar('_Chunk')
@@ -167,6 +170,8 @@ class Intake:
         self._numbering, self._stamped, self.counted = Numbering(), stamped, counted
         self._losses: list[Losses] = []
         self._publishers = '', ''
+        self._names, self._looked_n = PublisherNames(self._list_gids), 0
+        self._resumed: str | None = None
         self._recent = RecentCount(lost_shown_s), RecentCount(lost_shown_s)
         self._rivals_since_s: float | None = None
         self._ghost = False
@@ -188,11 +193,13 @@ class Intake:
         messages = self._reception.take()
         if messages:
             numbers = [number_of(message) for message in messages]
+            self._names.begin(self.received_ns)
             if self._stamped:
-                self._losses.append(self._numbering.take(
-                    numbers, [header_stamp_ns(message) for message, _ in messages]))
+                stamps = [header_stamp_ns(message) for message, _ in messages]
+                self._losses.append(self._numbering.take(numbers, stamps, self._names.find_new))
+                self._note_resumed(numbers[0], stamps[0])
             elif self.counted:
-                self._numbering.take(numbers)
+                self._numbering.take(numbers, find_new=self._names.find_new)
             self.last_sequence = numbers[-1]
             self.received += len(messages)
             info = messages[-1][1]
@@ -215,6 +222,31 @@ class Intake:
         rows, problems = read(self.type_name or '', [data for data, _ in messages])
         self.refuse(problems)
         return rows
+
+    def go_on_after(self, recorded: LastMessages) -> None:
+        """Go on after the last messages that an earlier process recorded, if any are kept."""
+        profile = self._kept or self._reliable
+        if profile.durability != DurabilityPolicy.TRANSIENT_LOCAL:
+            return
+        self._whole = True
+        self._reception.go_on(recorded)
+        self._resumed = recorded.publisher
+        if recorded.names:
+            self._numbering = Numbering.go_on(1, recorded.names[-1][0], 0, recorded.publisher)
+            self._names.go_on(recorded.publisher)
+
+    def _note_resumed(self, number: int, stamp_ns: int) -> None:
+        """Note whose the first message is after those that an earlier process recorded."""
+        if self._resumed is None:
+            return
+        publisher, self._resumed = self._resumed, None
+        if not self._names.starts and publisher:
+            self._names.starts.append(PublisherStart(publisher, number, stamp_ns))
+
+    def take_starts(self) -> list[PublisherStart]:
+        """Return the first messages of publishers heard since the last call."""
+        starts, self._names.starts = self._names.starts, []
+        return starts
 
     def resume_after(self, publisher: str, number: int) -> None:
         """Begin after a number that this publisher gave, if it keeps its newest messages."""
@@ -257,8 +289,11 @@ class Intake:
     @property
     def numbers(self) -> StreamNumbers:
         """Return the first and the newest number taken, and the publishers that gave them."""
+        spans = self._numbering.spans
         first, last = self._publishers
-        return StreamNumbers(first, self._numbering.first or 0, last, self.last_sequence)
+        first = spans[0].publisher or first if spans else first
+        return StreamNumbers(first, self._numbering.first or 0,
+                             self._numbering.publisher or last, self.last_sequence, spans)
 
     @property
     def before(self) -> int:
@@ -294,12 +329,18 @@ class Intake:
 
     def _have_come(self, infos: Sequence[TopicEndpointInfo]) -> bool:
         """Note who publishes; tell whether all came when this node already looked for them."""
-        gids = [bytes(info.endpoint_gid).hex() for info in infos]
+        gids = _name_gids(infos)
+        self._names.look(gids)
+        self._numbering.name_newest(self._names.find_alone(self.received > self._looked_n))
+        self._looked_n = self.received
         newest = gids[0] if len(gids) == 1 else ''
         self._publishers = self._publishers[0] or newest, newest
         if time.monotonic() < self._begun_s + DISCOVERY_S:
             self._there_before.update(gids)
         return not self._there_before.intersection(gids)
+
+    def _list_gids(self) -> list[str]:
+        return _name_gids(self._node.get_publishers_info_by_topic(self.full_name))
 
     def _describe_mismatch(self, infos: Sequence[TopicEndpointInfo]) -> str:
         """Say which publisher offers less than the subscription needs; '' if none does."""
@@ -421,3 +462,8 @@ class Intake:
         self._health.note(f'{self._topic} lost', WARN if troubles else OK,
                           '; '.join(troubles) or 'nothing lost lately',
                           lost=self.lost, refused=self.refused or None)
+
+
+def _name_gids(infos: Sequence[TopicEndpointInfo]) -> list[str]:
+    """Return the identities of publishers in the graph."""
+    return [bytes(info.endpoint_gid).hex() for info in infos]

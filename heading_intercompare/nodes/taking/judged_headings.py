@@ -44,6 +44,9 @@ class JudgedHeadings:
     ----------
     topics
         All topics of the recorder.
+    resumed
+        Who published the last headings of a topic in a bag before. What this one sends goes on
+        with them, and was judged.
 
     Attributes
     ----------
@@ -52,11 +55,13 @@ class JudgedHeadings:
 
     """
 
-    def __init__(self, topics: Mapping[str, Recorded]) -> None:
+    def __init__(self, topics: Mapping[str, Recorded],
+                 resumed: Mapping[str, str] | None = None) -> None:
         self._topics = topics
         self._comes_s = _COMES_ALONE_S if is_alone() else _COMES_S
         self._since_s: dict[str, float] = {}
         self._begun = {topic for topic, recorded in topics.items() if not recorded.spans}
+        self._resumed = resumed or {}
         self._held: dict[str, list[Message]] = {}
         self.left_out: Counter[str] = Counter()
 
@@ -88,7 +93,7 @@ class JudgedHeadings:
         held += messages
         if ending or not held:
             return []
-        if topic not in self._begun:
+        if topic not in self._begun and not self._goes_on(topic):
             first = self._topics[topic].first_judged
             since_s = self._since_s.setdefault(topic, now_s)
             graph = any(recorded.intake.publishers for recorded in self._topics.values()
@@ -100,6 +105,13 @@ class JudgedHeadings:
             return self._keep(topic, held, first or 0, None)
         self._held[topic] = []
         return held
+
+    def _goes_on(self, topic: str) -> bool:
+        """Tell whether the publisher is the last one in a bag before."""
+        publisher = self._resumed.get(topic)
+        if publisher and self._topics[topic].intake.numbers.last_publisher == publisher:
+            self._begun.add(topic)
+        return topic in self._begun
 
     def release(self) -> list[tuple[str, Message]]:
         """Return the headings kept at the end, with their topics, up to the last one judged."""

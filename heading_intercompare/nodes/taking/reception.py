@@ -24,6 +24,7 @@ from rclpy.node import Node
 from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 
+from heading_intercompare.bags.recording.cut_bag import LastMessages
 from heading_intercompare.nodes.ros.batches import take_all, Unwatched
 
 #: The state of a subscription is looked at once a second; a node that was stopped looks later.
@@ -175,6 +176,7 @@ class Reception:
         self._aside: list[Message] = []
         self._since_ns = self._kept_until_ns = 0
         self._known: dict[tuple[int, int], None] = {}
+        self._recorded = LastMessages()
         self._skip_until = self.newest = 0
         self._seamless, self._joint = False, 0
         self._first = 0, 0
@@ -183,6 +185,11 @@ class Reception:
     def there(self) -> bool:
         """Whether there is a subscription."""
         return self._current is not None
+
+    def go_on(self, recorded: LastMessages) -> None:
+        """Take what was sent after these messages, and none of them again."""
+        self._whole, self._recorded = True, recorded
+        self._known = dict.fromkeys(recorded.names)
 
     def open(self, kind: type, profile: QoSProfile, after: int = 0, since_ns: int = 0) -> None:
         """
@@ -305,9 +312,11 @@ class Reception:
 
     def _is_earlier(self, message: Message) -> bool:
         """Tell whether a message was sent before the first one taken, or the time of `open`."""
-        if self._whole:
-            return False
         number, info = number_of(message), message[1]
+        if self._whole:
+            return self._recorded.holds(number, info['source_timestamp']) or (
+                info['source_timestamp'] < self._recorded.since_ns
+                and info['received_timestamp'] < self._kept_until_ns)
         if self._since_ns:
             return (info['source_timestamp'] < self._since_ns
                     and info['received_timestamp'] < self._kept_until_ns

@@ -34,6 +34,7 @@ from heading_intercompare.bags.rosbag2.provenance import (
     SENSORS_REPORT_TOPIC,
     TRUTH_TOPIC,
 )
+from heading_intercompare.core.pairing.names import Span
 from heading_intercompare.core.sensor_table import find_reference, list_tested, read_sensors
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.errors import MessageError
@@ -74,48 +75,52 @@ class Recorded(NamedTuple):
         Its messages.
     expected
         It belongs to every recording, and at the end the recorder waits for its publishers.
-    count_published
-        Returns how many messages others have counted; 0 if nobody counts them.
+    published
+        Each says how many messages a synchronizer took before and after those heard here.
     is_heading
         It comes from a sensor, whose publisher may go on when the graph ends.
     is_ledger
         A synchronizer says in it which headings it took.
     spans
-        Each returns the numbers of the first and the last message that a synchronizer took; None
-        where it does not know yet.
+        Each returns the numbers of the first and the last message that a synchronizer took, given
+        the publisher of the first one; None where it does not know yet.
 
     """
 
     offered: Qos
     intake: Intake
     expected: bool
-    count_published: Callable[[], int] = int
+    published: tuple[Callable[[Sequence[Span]], tuple[int, int]], ...] = ()
     is_heading: bool = False
     is_ledger: bool = False
-    spans: tuple[Callable[[], tuple[int | None, int | None]], ...] = ()
+    spans: tuple[Callable[[str], tuple[int | None, int | None]], ...] = ()
 
     @property
     def first_judged(self) -> int | None:
         """Return the number of the first message that somebody took; None if nobody has."""
-        return min((first for find in self.spans if (first := find()[0])), default=None)
+        publisher = self.intake.numbers.last_publisher
+        return min((first for find in self.spans if (first := find(publisher)[0])), default=None)
 
     @property
     def last_judged(self) -> int | None:
         """Return the number of the last message that somebody took; None if nobody ended."""
-        return max((last for find in self.spans if (last := find()[1])), default=None)
+        return max((last for find in self.spans if (last := find('')[1])), default=None)
 
     @property
     def lost(self) -> int:
         """Messages that did not arrive, also those after the last one that did."""
-        if self.intake.before:
-            return self.intake.lost
-        return max(self.intake.lost, self.count_published() - self.intake.received)
+        return self.intake.lost + self._count_missing()[1]
 
     @property
     def missed_at_first(self) -> int:
         """Messages that somebody took before the first one that came here."""
-        first, judged = self.intake.numbers.first, self.first_judged
-        return max(0, first - judged) if first and judged else 0
+        return self._count_missing()[0]
+
+    def _count_missing(self) -> tuple[int, int]:
+        spans = self.intake.numbers.spans
+        counts = [count_missing(spans) for count_missing in self.published]
+        return max((before for before, _ in counts), default=0), max(
+            (after for _, after in counts), default=0)
 
 
 def _offer(profile: QoSProfile) -> Qos:
@@ -259,7 +264,8 @@ def make_intakes(node: Node, settings: Settings, taking: Taking, types: HeadingT
             node, row.topic, row.types, row.taken, health,
             unreliable=qos.HEADINGS_UNRELIABLE if takes_headings else None,
             kept=qos.HEADINGS_KEPT if takes_headings else None, first_wait_s=taking.first_wait_s,
-            sole=False, needed=row.expected, known_type=known_types.get(row.topic)),
+            sole=False, needed=row.expected, stamped=row.topic in headings,
+            known_type=known_types.get(row.topic)),
             row.expected, is_heading=row.topic in headings)
     heard = [topics[topic].intake for topic in headings]
     for at, place in enumerate(places):
@@ -272,7 +278,8 @@ def make_intakes(node: Node, settings: Settings, taking: Taking, types: HeadingT
                    if reference is not None else headings)
         for stream, topic in zip(('ts', 'rs'), counted):
             topics[topic] = topics[topic]._replace(
-                count_published=partial(ledgers.headings.count, stream),
+                published=(*topics[topic].published,
+                           partial(ledgers.headings.count_missing, stream)),
                 spans=(*topics[topic].spans, partial(ledgers.headings.find_span, stream)))
     topics[ALARMS_TOPIC] = Recorded(_offer(qos.ALARMS), _Alarms(node, health), False)
     if states.kept:

@@ -88,11 +88,58 @@ def test_a_gap_is_at_the_stamps_around_it(size):
     assert rows([3, 4, 9, 10, 12], size) == Losses.of([9, 12], [4, 10], [4, 1])
 
 
+def rows_in_order(numbers, size, starts=None):
+    """Return the gaps among numbers whose stamps are 1, 2, 3 and so on, and the numbering."""
+    found, stamps = Numbering(), [*range(1, len(numbers) + 1)]
+    known = starts or {}
+    losses = [found.take(numbers[lo:lo + size], stamps[lo:lo + size],
+                         lambda number, stamp_ns: known.get((number, stamp_ns)))
+              for lo in range(0, len(numbers), size)]
+    return Losses.concatenate(losses), found
+
+
 @pytest.mark.parametrize('size', [1, 2, 100])
 def test_a_gap_that_another_publisher_explains_is_taken_back(size):
     """The second publisher is first heard at 90; then the first one goes on, without 8."""
-    assert rows([5, 6, 90, 7, 91, 9], size) == Losses.of(
-        [90, 90, 9], [6, 6, 7], [83, -83, 1])
+    assert rows_in_order([5, 6, 90, 7, 91, 9], size)[0] == Losses.of(
+        [3, 3, 6], [2, 2, 4], [83, -83, 1])
+
+
+@pytest.mark.parametrize('size', [1, 2, 100])
+def test_what_a_later_publisher_sent_before_it_was_heard_is_missing(size):
+    """It is told by numbers that fall; the first one lacks nothing: nobody heard it before."""
+    losses, found = rows_in_order([7, 8, 9, 4, 5, 2, 3], size)
+    assert losses == Losses.of([4, 6], [3, 5], [3, 1])
+    assert found.spans == (('', 7, 9), ('', 4, 5), ('', 2, 3))
+    assert (found.missing, found.restarts) == (4, 2)
+
+
+@pytest.mark.parametrize('size', [1, 3, 100])
+def test_a_publisher_that_is_known_to_begin_owns_a_number_that_rises(size):
+    """Without that knowledge 20 are missing of the first one; with it 29 of the second one."""
+    numbers, starts = [7, 8, 9, 30, 31, 33], {(7, 1): 'a', (30, 4): 'b'}
+    losses, found = rows_in_order(numbers, size, starts)
+    assert losses == Losses.of([4, 6], [3, 5], [29, 1])
+    assert found.spans == (('a', 7, 9), ('b', 30, 33))
+    assert rows_in_order(numbers, size)[0] == Losses.of([4, 6], [3, 5], [20, 1])
+
+
+def test_a_publisher_that_is_known_goes_on_after_its_last_number():
+    """As in a bag that goes on with another one."""
+    found = Numbering.go_on(1, 40, 0, 'a')
+    losses = found.take([43, 44], [7, 8], lambda number, stamp_ns: 'a')
+    assert losses == Losses.of([7], [0], [2]) and found.spans == (('a', 1, 44),)
+
+
+@pytest.mark.parametrize('size', [1, 2, 100])
+def test_messages_that_come_late_close_their_holes_and_begin_nothing(size):
+    """Their stamps lie in the hole, too; 5 and 7 never come."""
+    numbers = [*range(1, 5), *range(9, 14), 6, 8, 14]
+    found = Numbering()
+    losses = Losses.concatenate(found.take(numbers[lo:lo + size], numbers[lo:lo + size])
+                                for lo in range(0, len(numbers), size))
+    assert losses == Losses.of([9, 9, 9], [4, 4, 4], [4, -1, -1])
+    assert (found.missing, found.restarts, found.spans) == (2, 0, (('', 1, 14),))
 
 
 @pytest.mark.parametrize('size', [1, 2, 100])

@@ -26,10 +26,12 @@ from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.bags.mcap.chunk_writer import Rows
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.provenance import describe_origin, RECORD
+from heading_intercompare.bags.rosbag2.publisher_starts import PublisherRecords, PublisherStart
 from heading_intercompare.bags.rosbag2.trial_parts import find_parts, find_place
 from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.verdict.compare_verdicts import find_differences
 from heading_intercompare.messages.heading_messages import encode_imu, IMU
 
 S = 1_000_000_000
@@ -86,6 +88,62 @@ def test_they_are_one_run_and_each_reading_is_accounted_for(tmp_path, rng, jobs)
     assert len(judged.verdict.ledger_problems) == 2
     alone = judge_bags([paths[0]], SETTINGS).verdict.runs[0]
     assert alone.n == 575
+
+
+def write_part(path, readings, rows, numbers, publishers, before=None):
+    """Write some rows of both sensors, with the numbers and the publishers of their messages."""
+    with BagWriter(path) as bag:
+        bag.metadata(RECORD, describe_origin({}, None, before))
+        records = PublisherRecords(bag.metadata)
+        for topic, chunk in zip(('/ts/heading', '/rs/heading'), readings):
+            bag.add_topic(topic, IMU)
+            part, sequence = chunk[rows], numbers[rows]
+            records.add(topic, [PublisherStart(f'{topic}.{publisher}', int(sequence[at]),
+                                               int(part.stamp_ns[at]))
+                                for publisher, at in publishers.items()])
+            bag.write_rows([Rows(topic, encode_imu(part, 'f'), part.stamp_ns,
+                                 sequence=sequence)])
+    return str(path)
+
+
+def count_lost(verdict):
+    """Return what is lost of the TS and the RS in each run."""
+    return [(run.pairing.lost.ts, run.pairing.lost.rs) for run in verdict.runs]
+
+
+@pytest.mark.parametrize('missing', [0, 7])
+def test_parts_of_which_only_the_recorder_was_away_are_one_whole(tmp_path, rng, missing):
+    """The publishers go on, and restart later; 7 at the seam were no longer held."""
+    stamp, n = T0 + np.arange(1800) * S, 1800
+    readings = (Headings.of(stamp, 90.0 + rng.normal(0.0, 0.1, n)),
+                Headings.of(stamp + S // 4, np.full(n, 90.0)))
+    numbers = np.concatenate((np.arange(5, 1205), np.arange(12, 612)))
+    rows = np.r_[0:800, 800 + missing:n]
+    whole = write_part(tmp_path / 'whole', readings, rows, numbers,
+                       {'a': 0, 'b': 1200 - missing})
+    first = write_part(tmp_path / 'trial', readings, np.arange(800), numbers, {'a': 0})
+    second = write_part(tmp_path / 'trial_2', readings, np.arange(800 + missing, n), numbers,
+                        {'a': 0, 'b': 400 - missing}, 'trial')
+    judged = judge_bags([first, second], SETTINGS)
+    expected = judge_bags([whole], SETTINGS).verdict
+    assert list(find_differences(judged.verdict, expected)) == []
+    lost = {'before_start': 4, 'on_the_way': 11 + missing}
+    assert count_lost(expected) == [(lost, lost)]
+    assert judged.verdict.ledger_problems == () and judged.verdict.ledger_complete
+
+
+def test_parts_with_other_publishers_are_paired_on_their_own(tmp_path, rng):
+    """As when the whole graph was started again: what came in between nobody knows."""
+    stamp = T0 + np.arange(1200) * S
+    readings = (Headings.of(stamp, 90.0 + rng.normal(0.0, 0.1, 1200)),
+                Headings.of(stamp + S // 4, np.full(1200, 90.0)))
+    numbers = np.concatenate((np.arange(1, 601), np.arange(1, 601)))
+    first = write_part(tmp_path / 'trial', readings, np.arange(600), numbers, {'a': 0})
+    second = write_part(tmp_path / 'trial_2', readings, np.arange(600, 1200), numbers, {'b': 0},
+                        'trial')
+    judged = judge_bags([first, second], SETTINGS).verdict
+    assert ['goes on with this trial' in problem for problem in judged.ledger_problems] == [True]
+    assert count_lost(judged) == [({}, {})]
 
 
 def test_other_bags_beside_them_stay_runs_of_their_own(tmp_path, rng):

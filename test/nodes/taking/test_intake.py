@@ -27,7 +27,8 @@ from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
 from sensor_msgs.msg import Imu
 from std_msgs.msg import String
 
-from heading_intercompare.core.records import Headings
+from heading_intercompare.bags.recording.cut_bag import LastMessages
+from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.messages.heading_messages import IMU, imu_messages, read_headings
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 from heading_intercompare.nodes.ros import qos
@@ -364,6 +365,66 @@ def test_an_intake_resumes_after_a_number_of_the_publisher_that_gave_it(ros, own
         publisher.publish(message)
     assert seconds(take(ros, intake, 61 - first)) == [*range(first, 61)]
     assert intake.numbers.first == first and intake.lost == 0
+
+
+@pytest.mark.parametrize('last, first, lost', [(30, 31, 0), (0, 1, 0)],
+                         ids=['after the last one', 'of a bag without any'])
+def test_an_intake_goes_on_after_what_an_earlier_process_recorded(ros, last, first, lost):
+    intake, _ = intake_of(ros, kept=qos.HEADINGS_KEPT, stamped=True)
+    publisher = ros.plain.create_publisher(Imu, 'h', qos.HEADINGS_OUT)
+    for message in headings(1, 51):
+        publisher.publish(message)
+    ros.spin_until(lambda: ros.plain.count_publishers('h') == 1)
+    info, = ros.plain.get_publishers_info_by_topic('h')
+    gid = bytes(info.endpoint_gid).hex()
+    names = tuple((number, time.time_ns()) for number in range(1, last + 1))
+    intake.go_on_after(LastMessages(names, 0, gid if last else ''))
+    ros.spin_until(lambda: intake.look() == '' and publisher.get_subscription_count() == 1)
+    for message in headings(51, 61):
+        publisher.publish(message)
+    assert seconds(take(ros, intake, 61 - first)) == [*range(first, 61)]
+    assert (intake.lost, intake.before) == (0, 0)
+    assert intake.numbers.spans == ((gid, 1, 60),)
+    # So the two bags are known to be those of one publisher.
+    assert intake.take_starts() == [(gid, first, first * 10 ** 9)]
+
+
+def test_what_the_publisher_no_longer_holds_is_missing_after_the_last_one(ros):
+    intake, _ = intake_of(ros, kept=qos.HEADINGS_KEPT, stamped=True)
+    publisher = ros.plain.create_publisher(Imu, 'h', QoSProfile(
+        depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL))
+    for message in headings(1, 51):
+        publisher.publish(message)
+    ros.spin_until(lambda: ros.plain.count_publishers('h') == 1)
+    info, = ros.plain.get_publishers_info_by_topic('h')
+    intake.go_on_after(LastMessages(((30, 30),), 0, bytes(info.endpoint_gid).hex()))
+    assert seconds(take(ros, intake, 10)) == [*range(41, 51)]
+    assert intake.take_losses() == Losses.of([41 * 10 ** 9], [0], [10])
+
+
+def test_a_publisher_that_restarts_owns_what_it_sent_before_it_was_heard(ros):
+    """Its first number rises: without the graph, 20 were missing of the one before."""
+    intake, _ = intake_of(ros, stamped=True)
+    first = publisher_to(ros, intake, profile=QoSProfile(depth=50))
+    for message in headings(1, 6):
+        first.publish(message)
+    take(ros, intake, 5)
+    ros.plain.destroy_publisher(first)
+    ros.spin_until(lambda: not ros.plain.count_publishers('h'))
+    intake._reception.close()
+    second = ros.plain.create_publisher(Imu, 'h', QoSProfile(depth=50))
+    for message in headings(6, 31):
+        second.publish(message)
+    ros.spin_until(lambda: intake.take() == [] and second.get_subscription_count() == 1)
+    for message in headings(31, 33):
+        second.publish(message)
+    assert seconds(take(ros, intake, 2)) == [31, 32]
+    losses = intake.take_losses()
+    assert (losses.stamp_ns // 10 ** 9, losses.since_ns // 10 ** 9, losses.count) == (31, 5, 25)
+    names = [span.publisher for span in intake.numbers.spans]
+    assert [span[1:] for span in intake.numbers.spans] == [(1, 5), (26, 27)]
+    assert len({*names}) == 2 and all(names)
+    assert [start[0] for start in intake.take_starts()] == names
 
 
 def test_silence_is_a_warning(ros):

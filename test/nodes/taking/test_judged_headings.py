@@ -75,3 +75,14 @@ def test_nodes_of_one_process_need_not_wait_for_long(found, monkeypatch):
     judged = made(found)
     assert judged.take(TOPIC, some(1, 2), 10.0, False) == []
     assert judged.take(TOPIC, some(2, 3), 11.0, False) == some(1, 3)
+
+
+def test_what_the_last_publisher_in_a_bag_before_sends_goes_on_with_it(found):
+    """Another one began again with the graph, which says when it was heard."""
+    for publisher, kept in (('aa', some(41, 60)), ('bb', [])):
+        judged = made(found)
+        judged._resumed = {TOPIC: 'aa'}
+        judged._topics[TOPIC].intake.numbers = SimpleNamespace(last_publisher=publisher)
+        assert judged.take(TOPIC, some(41, 60), 10.0, False) == kept
+    found.first = 58
+    assert judged.take(TOPIC, some(60, 62), 10.2, False) == some(58, 62)

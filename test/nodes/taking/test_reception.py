@@ -21,6 +21,7 @@ import time
 import pytest
 from std_msgs.msg import String
 
+from heading_intercompare.bags.recording.cut_bag import LastMessages
 from heading_intercompare.messages.status_messages import decode_text, encode_text
 from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.batches import take_all, Unwatched
@@ -65,6 +66,24 @@ def test_a_whole_reception_takes_what_was_sent_before_the_first_message_that_cam
         taken = one._once([message(3), message(4)]) + one._once(
             [message(1), message(2), message(3)])
         assert [info['publication_sequence_number'] for _, info in taken] == numbers
+
+
+def test_what_an_earlier_process_recorded_is_not_taken_again():
+    """The publisher holds 41 to 60; 55 is the last one in the bag, which was read from 45 on."""
+    def message(number, sent_ns=0, received_ns=0):
+        return b'', {'publication_sequence_number': number,
+                     'source_timestamp': sent_ns or 10 * number, 'received_timestamp': received_ns}
+
+    def take(*messages):
+        return [info['publication_sequence_number'] for _, info in reception._once(messages)]
+    reception = Reception(None, 's', None)
+    reception.go_on(LastMessages(tuple((n, 10 * n) for n in range(45, 56)), 450))
+    reception._kept_until_ns = 1000
+    assert take(*map(message, range(41, 61))) == [*range(56, 61)]
+    # Another publisher: what it sent before the bag ended, but after it was last looked at.
+    assert take(message(300, 440), message(301, 455), message(1, 700)) == [301, 1]
+    # Its clock is slow: what comes late is new.
+    assert take(message(302, 100, 900)) == [] and take(message(302, 100, 1100)) == [302]
 
 
 @pytest.fixture
