@@ -39,7 +39,12 @@ from heading_intercompare.bags.recording.journal_reading import (
     read_origin,
 )
 from heading_intercompare.bags.recording.recorded_headings import find_problems, read_marks
-from heading_intercompare.bags.recording.recorder_losses import BagLosses, count_words
+from heading_intercompare.bags.recording.recorder_losses import (
+    BagLosses,
+    count_words,
+    RECORDING,
+    tell_judged,
+)
 from heading_intercompare.bags.rosbag2.bag_files import find_files
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.motion_topics import read_bag_motion, read_fixes
@@ -304,6 +309,7 @@ def _judge_recording(readers: Sequence[Readable], path: str, name: str, settings
             missing.remove(reader.incomplete)
             remarks.append(f'{reader.incomplete}; the next bag goes on after its last message')
         problems += missing
+        remarks += filter(None, [tell_judged(reader.metadata().get(RECORDING, {}))])
         remarks += reader.oddities
         if isinstance(reader, StreamRecording) and reader.not_taken:
             problems.append(f'{reader.kind}: {reader.words_present}')

@@ -128,7 +128,9 @@ class Recorder(GraphNode):
                                     recorded.offered)
                 if recorded.is_heading:
                     recorded.intake.take_losses()
-                    self._starts.add(recorded.intake.full_name, recorded.intake.take_starts())
+                    starts = recorded.intake.take_starts()
+                    self._starts.add(recorded.intake.full_name, starts)
+                    self._judged.note_starts(topic, starts)
                 if topic in (REPORT_TOPIC, SENSORS_REPORT_TOPIC):
                     self._report = text_of(messages[-1][0])
             for data, info in messages if topic == NOTE_TOPIC else ():
@@ -179,7 +181,7 @@ class Recorder(GraphNode):
         for file in report_files(self._report) if self._report else ():
             bag.attachment(*file)
         losses = recorder_losses.loss_record(bag.faults, bag.absent, count_messages(
-            self._topics, bag.lost, self._judged.left_out))
+            self._topics, bag.lost, self._judged.counts))
         if words := recorder_losses.loss_words(losses):
             self.get_logger().warning(f'bag: {words}')
         bag.metadata(STATES, self._states.record())

@@ -36,6 +36,7 @@ from heading_intercompare.bags.mcap.chunk_writer import ChunkWriter
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import read_notes
+from heading_intercompare.bags.rosbag2.publisher_starts import read_starts
 from heading_intercompare.cli import main
 from heading_intercompare.core.pairing.incarnations import StreamNumbers
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
@@ -279,6 +280,55 @@ def test_after_a_second_what_came_is_on_the_disk(ros, tmp_path):
         return info.count if info else 0
     ros.spin_until(lambda: on_disk() == 50)
     assert BagReader(node.path).incomplete
+
+
+def kill_recorder(ros, node):
+    """End a recorder as by `kill -9`: its bag is cut off."""
+    ros.executor.remove_node(node)
+    ros.nodes.remove(node)
+    node.ended = True
+    node.destroy_node()
+
+
+@pytest.mark.parametrize('n_written', [20, 0])
+def test_the_next_recorder_takes_what_the_publishers_still_hold(ros, tmp_path, n_written):
+    """Also where the one before was killed before it had written a heading."""
+    node = recorder_of(ros, tmp_path, go_on=True)
+    sensor, messages = sensor_of(ros), some_headings(60)
+    marker = ros.plain.create_publisher(DiagnosticArray, 'compliance/marker', qos.MARKER)
+    for message in messages[:n_written]:
+        sensor.publish(message)
+    if n_written:
+        marker.publish(marker_message('start', 7))
+        ros.spin_until(lambda: node.written == n_written + 1
+                       and count_on_disk(node.path) == n_written)
+    kill_recorder(ros, node)
+    for message in messages[n_written:50]:
+        sensor.publish(message)
+    node = recorder_of(ros, tmp_path, go_on=True)
+    ros.spin_until(lambda: node.written == 50 - n_written)
+    for message in messages[50:]:
+        sensor.publish(message)
+    ros.spin_until(lambda: node.written == 60 - n_written)
+    bag = finish(ros, node, sensor)
+    assert bag.path.name == 'bag_2'
+    assert bag.metadata()['heading_intercompare']['continues'] == 'bag'
+    assert [message.sequence for message in bag.messages(['/ts/heading'])] == [
+        *range(n_written + 1, 61)]
+    # The mark is in the first bag.
+    assert '/compliance/marker' not in bag.topics
+    counts = bag.metadata()['recording']
+    assert counts['received./ts/heading'] == str(60 - n_written)
+    assert counts['lost_on_the_way./ts/heading'] == counts['missed_at_first./ts/heading'] == '0'
+    starts = [read_starts(BagReader(tmp_path / name))['/ts/heading']
+              for name in ('bag', 'bag_2')[not n_written:]]
+    assert len({start.publisher for of_bag in starts for start in of_bag}) == 1
+
+
+def count_on_disk(path):
+    """Return how many headings of the TS a killed recorder would leave."""
+    info = BagReader(path).topics.get('/ts/heading')
+    return info.count if info else 0
 
 
 def test_the_end_waits_for_the_last_verdict(ros, tmp_path):

@@ -238,6 +238,13 @@ def tell_missing(record: Mapping[str, object]) -> str:
     return ', '.join(f'{count_words(count, "message")} {what}' for count, what in parts if count)
 
 
+def tell_judged(record: Mapping[str, object]) -> str:
+    """Return, in words, the messages that were judged live and are not in the bag; '' if none."""
+    count = _total(record, 'missed_at_first')
+    return (f'{count_words(count, "message")} judged live came before the first one of their '
+            'publisher that the recorder heard, and count as lost here' if count else '')
+
+
 def loss_words(record: Mapping[str, object]) -> str:
     """Return, in words, the messages missing from the bag, also messages that never arrived."""
     parts = ((_total(record, 'lost_on_the_way'), 'lost on the way'),

@@ -16,9 +16,12 @@
 
 from __future__ import annotations
 
-from collections import Counter
 from typing import Mapping, Sequence
 
+from heading_intercompare.bags.rosbag2.publisher_starts import make_finder, PublisherStart
+from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
+from heading_intercompare.core.pairing.names import Span
+from heading_intercompare.messages.stamps import header_stamp_ns
 from heading_intercompare.nodes.ros.transports import DISCOVERY_S, is_alone
 
 from .reception import Message, number_of
@@ -50,8 +53,9 @@ class JudgedHeadings:
 
     Attributes
     ----------
-    left_out
-        Headings that nobody has judged, by full name of their topic.
+    counts : dict of str to (int, Numbering)
+        How many headings of a topic are to be recorded, and their numbers: what is missing among
+        headings that nobody has judged is no loss of the bag.
 
     """
 
@@ -63,7 +67,9 @@ class JudgedHeadings:
         self._begun = {topic for topic, recorded in topics.items() if not recorded.spans}
         self._resumed = resumed or {}
         self._held: dict[str, list[Message]] = {}
-        self.left_out: Counter[str] = Counter()
+        self._starts: dict[str, list[PublisherStart]] = {}
+        self.counts = {topic: (0, _go_on(recorded.intake.numbers.spans))
+                       for topic, recorded in topics.items() if recorded.is_heading}
 
     def take(self, topic: str, messages: Sequence[Message], now_s: float,
              ending: bool) -> list[Message]:
@@ -89,6 +95,23 @@ class JudgedHeadings:
         """
         if not self._topics[topic].is_heading:
             return [*messages]
+        return self._count(topic, self._choose(topic, messages, now_s, ending))
+
+    def note_starts(self, topic: str, starts: Sequence[PublisherStart]) -> None:
+        """Note which of the next headings are the first ones of their publishers."""
+        self._starts.setdefault(topic, []).extend(starts)
+
+    def _count(self, topic: str, headings: list[Message]) -> list[Message]:
+        """Count headings that are to be recorded."""
+        n, numbering = self.counts[topic]
+        self.counts[topic] = n + len(headings), numbering
+        numbering.take([number_of(message) for message in headings],
+                       [header_stamp_ns(data) for data, _ in headings],
+                       make_finder(self._starts.get(topic, ())))
+        return headings
+
+    def _choose(self, topic: str, messages: Sequence[Message], now_s: float,
+                ending: bool) -> list[Message]:
         held = self._held.setdefault(topic, [])
         held += messages
         if ending or not held:
@@ -102,7 +125,7 @@ class JudgedHeadings:
                 return []
             self._begun.add(topic)
             self._held[topic] = []
-            return self._keep(topic, held, first or 0, None)
+            return self._keep(held, first or 0, None)
         self._held[topic] = []
         return held
 
@@ -119,19 +142,23 @@ class JudgedHeadings:
         for topic, held in self._held.items():
             recorded = self._topics[topic]
             first = 0 if topic in self._begun else recorded.first_judged or 0
-            headings += [(topic, message) for message in self._keep(topic, held, first,
-                                                                    recorded.last_judged)]
+            headings += [(topic, message) for message in self._count(
+                topic, self._keep(held, first, recorded.last_judged))]
         self._held = {}
         return headings
 
-    def _keep(self, topic: str, messages: Sequence[Message], first: int,
-              last: int | None) -> list[Message]:
-        judged = [message for message in messages if first <= number_of(message) and (
+    @staticmethod
+    def _keep(messages: Sequence[Message], first: int, last: int | None) -> list[Message]:
+        return [message for message in messages if first <= number_of(message) and (
             last is None or number_of(message) <= last)]
-        self.left_out[self._topics[topic].intake.full_name] += len(messages) - len(judged)
-        return judged
 
     def may_come(self) -> bool:
         """Tell whether a heading that was judged is still under way."""
         return any(recorded.intake.last_sequence < (recorded.last_judged or 0)
                    for recorded in self._topics.values())
+
+
+def _go_on(spans: Sequence[Span]) -> Numbering:
+    """Return the numbering of a topic, after the last number in a bag before if there is one."""
+    return (Numbering.go_on(spans[-1].first, spans[-1].last, 0, spans[-1].publisher) if spans
+            else Numbering())

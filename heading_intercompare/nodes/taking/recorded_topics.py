@@ -34,6 +34,7 @@ from heading_intercompare.bags.rosbag2.provenance import (
     SENSORS_REPORT_TOPIC,
     TRUTH_TOPIC,
 )
+from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
 from heading_intercompare.core.pairing.names import Span
 from heading_intercompare.core.sensor_table import find_reference, list_tested, read_sensors
 from heading_intercompare.core.settings import Settings
@@ -106,18 +107,8 @@ class Recorded(NamedTuple):
         """Return the number of the last message that somebody took; None if nobody ended."""
         return max((last for find in self.spans if (last := find('')[1])), default=None)
 
-    @property
-    def lost(self) -> int:
-        """Messages that did not arrive, also those after the last one that did."""
-        return self.intake.lost + self._count_missing()[1]
-
-    @property
-    def missed_at_first(self) -> int:
-        """Messages that somebody took before the first one that came here."""
-        return self._count_missing()[0]
-
-    def _count_missing(self) -> tuple[int, int]:
-        spans = self.intake.numbers.spans
+    def count_missing(self, spans: Sequence[Span]) -> tuple[int, int]:
+        """Return how many messages somebody took before the first and after the last ones here."""
         counts = [count_missing(spans) for count_missing in self.published]
         return max((before for before, _ in counts), default=0), max(
             (after for _, after in counts), default=0)
@@ -289,13 +280,32 @@ def make_intakes(node: Node, settings: Settings, taking: Taking, types: HeadingT
 
 
 def count_messages(topics: Mapping[str, Recorded], not_written: Mapping[str, int],
-                   left_out: Mapping[str, int]) -> dict[str, Counts]:
-    """Return the counts of messages received and lost, by full name of their topic."""
-    return {recorded.intake.full_name: Counts(
-        recorded.intake.received - left_out.get(recorded.intake.full_name, 0), recorded.lost,
-        not_written.get(recorded.intake.full_name, 0), recorded.missed_at_first)
-        for recorded in topics.values()
-        if recorded.expected or (recorded.intake.received and recorded.intake.counted)}
+                   judged: Mapping[str, tuple[int, Numbering]]) -> dict[str, Counts]:
+    """
+    Return the counts of messages received and lost, by full name of their topic.
+
+    Parameters
+    ----------
+    topics
+        All topics of the recorder.
+    not_written
+        Messages that could not be written, by full name of their topic.
+    judged
+        How many headings of a topic were judged and received, and their numbers.
+
+    """
+    counts = {}
+    for topic, recorded in topics.items():
+        received, lost = recorded.intake.received, recorded.intake.lost
+        before = 0
+        if topic in judged:
+            received, numbering = judged[topic]
+            before, after = recorded.count_missing(numbering.spans)
+            lost = numbering.missing + after
+        if recorded.expected or (received and recorded.intake.counted):
+            name = recorded.intake.full_name
+            counts[name] = Counts(received, lost, not_written.get(name, 0), before)
+    return counts
 
 
 def text_of(data: bytes) -> str:

@@ -217,6 +217,16 @@ def test_a_recording_that_lacks_messages_says_so_in_its_ledger(tmp_path):
         assert words in str(found.verdict) and words in found.verdict._repr_html_()
 
 
+def test_what_was_judged_live_and_is_not_in_the_bag_is_in_a_note(tmp_path):
+    path = write(tmp_path / 'bag', np.arange(5000, 6000), recording={
+        'missed_at_first./rs/heading': 40})
+    judged = judge_bags([path], SETTINGS)
+    assert judged.notes == (f'{path}: 40 messages judged live came before the first one of their '
+                            'publisher that the recorder heard, and count as lost here',)
+    assert judged.verdict.ledger_complete
+    assert judged.verdict.runs[0].pairing.lost.rs == {'before_start': 5000}
+
+
 def test_what_was_sent_before_the_recording_began_has_a_row_and_binds_nothing(tmp_path):
     run, finding = judged(write(tmp_path / 'bag', np.arange(5000, 6000)))
     assert run.pairing.lost.rs == {'before_start': 5000} and run.pairing.lost.ts == {}

@@ -20,6 +20,7 @@ from types import SimpleNamespace
 
 import pytest
 
+from heading_intercompare.bags.rosbag2.publisher_starts import PublisherStart
 from heading_intercompare.nodes.taking import judged_headings
 from heading_intercompare.nodes.taking.judged_headings import JudgedHeadings
 
@@ -39,8 +40,9 @@ def made(found):
         spans, is_heading, is_ledger, last_judged = (1,), True, False, None
         first_judged = property(lambda self: found.first)
     ledger = SimpleNamespace(spans=(), is_heading=False, is_ledger=True, intake=found)
-    return JudgedHeadings({TOPIC: Heading(intake=SimpleNamespace(full_name=f'/{TOPIC}',
-                                                                 publishers=1)), LEDGER: ledger})
+    intake = SimpleNamespace(full_name=f'/{TOPIC}', publishers=1,
+                             numbers=SimpleNamespace(spans=(), last_publisher=''))
+    return JudgedHeadings({TOPIC: Heading(intake=intake), LEDGER: ledger})
 
 
 def some(lo, hi):
@@ -58,7 +60,7 @@ def test_a_synchronizer_that_is_found_3_s_late_says_where_the_bag_begins(found):
     assert judged.take(TOPIC, some(201, 251), 14.0, False) == []
     found.first = 163
     assert judged.take(TOPIC, some(251, 252), 15.0, False) == some(163, 252)
-    assert judged.left_out == {'/ts/heading': 162}
+    assert [n for n, _ in judged.counts.values()] == [251 - 162]
 
 
 def test_without_a_synchronizer_all_headings_are_kept_after_a_while(found):
@@ -82,7 +84,21 @@ def test_what_the_last_publisher_in_a_bag_before_sends_goes_on_with_it(found):
     for publisher, kept in (('aa', some(41, 60)), ('bb', [])):
         judged = made(found)
         judged._resumed = {TOPIC: 'aa'}
-        judged._topics[TOPIC].intake.numbers = SimpleNamespace(last_publisher=publisher)
+        judged._topics[TOPIC].intake.numbers.last_publisher = publisher
         assert judged.take(TOPIC, some(41, 60), 10.0, False) == kept
     found.first = 58
     assert judged.take(TOPIC, some(60, 62), 10.2, False) == some(58, 62)
+
+
+def test_what_is_missing_among_headings_that_nobody_judged_is_no_loss_of_the_bag(found):
+    """5 to 8 before the synchronizer came, 61 to 63 after; a publisher restarts in between."""
+    judged = made(found)
+    judged.take(TOPIC, some(1, 5) + some(9, 60), 10.0, False)
+    found.first = 40
+    judged.note_starts(TOPIC, [PublisherStart('bb', 70, 0)])
+    judged.take(TOPIC, some(60, 61) + some(64, 66) + some(70, 73), 10.2, False)
+    (n, numbering), = judged.counts.values()
+    assert n == 20 + 1 + 2 + 3
+    # The 69 of the second publisher were not heard.
+    assert numbering.missing == 3 + 69
+    assert numbering.spans == (('', 40, 65), ('bb', 70, 72))
