@@ -4,6 +4,7 @@
 # The steps of README.md in a container with ROS 2 Jazzy:
 #
 #     docker build -t heading_intercompare . && docker run --rm heading_intercompare
+#     docker stop --time 60 CONTAINER    # as Ctrl-C: the last run is judged, the bag is closed
 FROM ros:jazzy-ros-base
 SHELL ["/bin/bash", "-c"]
 WORKDIR /workspace
@@ -19,4 +20,8 @@ RUN . /opt/ros/jazzy/setup.bash \
  && python3 -m venv --system-site-packages .venv && . .venv/bin/activate && touch .venv/COLCON_IGNORE \
  && python3 -m pip install mcap lz4 zstandard \
  && python3 -m colcon build --packages-select heading_intercompare && . install/setup.bash
-CMD . .venv/bin/activate && . install/setup.bash && ros2 launch heading_intercompare demo.launch.py
+# `ros2 launch` ends in order on SIGINT, not on SIGTERM. `exec` makes it the process that gets the
+# signal, and without a terminal it passes it on to the nodes.
+STOPSIGNAL SIGINT
+CMD . .venv/bin/activate && . install/setup.bash \
+ && exec ros2 launch heading_intercompare demo.launch.py --noninteractive

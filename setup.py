@@ -57,7 +57,7 @@ setup(
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (f'share/{NAME}', ['package.xml']),
-        *list_shared('config', 'displays', 'launch', 'schema', 'security'),
+        *list_shared('config', 'displays', 'launch', 'schema', 'security', 'systemd'),
     ],
     zip_safe=False,
     python_requires='>=3.10',

@@ -21,6 +21,7 @@ Compare simulated sensors live: simulator, synchronizer, compliance, recorder.
 All other arguments are those of intercompare.launch.py. All nodes end at the end of the scenario.
 """
 
+from functools import partial
 from pathlib import Path
 
 from launch import LaunchDescription
@@ -46,6 +47,7 @@ from heading_intercompare.nodes.launching.arguments import (
     read_number,
     read_switch,
 )
+from heading_intercompare.nodes.launching.node_end import NodeEnd
 from heading_intercompare.nodes.sensors.places import count_subscribers
 
 # The file that it includes warns of all others.
@@ -78,7 +80,8 @@ def nodes(context):
                  name='sensor_simulator', namespace=read_namespace(given['namespace']),
                  parameters=[given['config'],
                              {name: value for name, value in own.items() if value is not None}],
-                 output='screen', on_exit=Shutdown(reason='the simulation has ended'), **common)]
+                 output='screen', **common, on_exit=NodeEnd('sensor_simulator', partial(
+                     Shutdown, reason='the simulation has ended')))]
 
 
 def check(context):

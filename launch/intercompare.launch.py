@@ -29,6 +29,7 @@ With the setting `sensors` the sections of the drivers are NAME_driver. Each tes
 synchronizer and a compliance node in a namespace NAME, and `sensors_watch` joins them.
 """
 
+from functools import partial
 import os
 from pathlib import Path
 
@@ -55,6 +56,7 @@ from heading_intercompare.nodes.launching.arguments import (
     read_namespace,
     read_switch,
 )
+from heading_intercompare.nodes.launching.node_end import NodeEnd
 from heading_intercompare.nodes.sensors.places import (
     count_motion_subscribers,
     count_subscribers,
@@ -107,8 +109,12 @@ class Plan:
         """Return the section of a node in the parameter file."""
         return self.file.sections.get(name, {})
 
-    def node(self, executable, name, own, namespace=None, **kwargs):
-        """Return a node; its own section and `own` hold in any namespace, unlike the file's."""
+    def node(self, executable, name, own, namespace=None, over=None, **kwargs):
+        """
+        Return a node; its own section and `own` hold in any namespace, unlike the file's.
+
+        With `over` its end is that of all; otherwise they go on without it.
+        """
         self.started.append((executable, name))
         common, shared = common_arguments(executable, self.log_level, self.use_sim_time)
         given = [dict(values) for values in (self.section(name), {**own, **shared}) if values]
@@ -116,20 +122,14 @@ class Plan:
             kwargs = {key: value for key, value in kwargs.items() if 'respawn' not in key}
         return Node(package='heading_intercompare', executable=executable, name=name,
                     namespace=namespace or self.namespace, parameters=[self.config, *given],
-                    output='screen', **common, **kwargs)
+                    output='screen', **common, **kwargs, on_exit=NodeEnd(
+                        f'{namespace or self.namespace}/{name}'.replace('//', '/'), over,
+                        respawn=kwargs.get('respawn', False)))
 
 
-def end_with(name):
-    """Return what to do when a node ends: it has ended by itself, or it starts again."""
-    def act(event, _):
-        # 0: it has done its work; 2: a mistake of the user, told in one line.
-        return Shutdown(reason=f'{name} has ended') if event.returncode in (0, 2) else None
-    return act
-
-
-def end_with_a_mistake(event, _):
-    """End all when the log of a driver cannot be played; not when it has been played."""
-    return Shutdown(reason='a log cannot be played') if event.returncode == 2 else None
+def end_all(name):
+    """Return what makes the action that ends all nodes because one has done its work."""
+    return partial(Shutdown, reason=f'{name} has ended')
 
 
 def drivers(plan):
@@ -144,7 +144,7 @@ def drivers(plan):
         live = not str(plan.section('motion_driver').get('source', '')).startswith('file:')
         made.append(plan.node('motion_driver', 'motion_driver', {
             'subscribers': count_motion_subscribers(plan.sensors, plan.record)},
-            respawn=live, respawn_delay=2.0, **({} if live else {'on_exit': end_with_a_mistake})))
+            respawn=live, respawn_delay=2.0))
     for name, (topic, given) in topics.items():
         section = plan.section(name)
         if name in plan.file.sections:
@@ -156,8 +156,7 @@ def drivers(plan):
                                   {'topic': section.get('topic', topic), **own,
                                    'subscribers': n + further.get(topic, 0),
                                    **({'motion': False} if alone else {})},
-                                  respawn=live, respawn_delay=2.0,
-                                  **({} if live else {'on_exit': end_with_a_mistake})))
+                                  respawn=live, respawn_delay=2.0))
     return made
 
 
@@ -180,9 +179,9 @@ def nodes(context):
         several = {'remappings': remaps} if name else {}
         # Pairs wait for compliance and the recorder.
         made += [plan.node('synchronizer', 'synchronizer', {**heard, **own}, place,
-                           on_exit=end_with('the synchronizer'), **several, **again),
+                           over=end_all('the synchronizer'), **several, **again),
                  plan.node('compliance', 'compliance', {**judging, **own}, place,
-                           on_exit=end_with('the compliance node'), **several, **again)]
+                           over=end_all('the compliance node'), **several, **again)]
     if plan.sensors:
         given = {**plan.section('compliance'), **judging}
         shared = {name: given[name] for name in ('report_dir', 'journal', 'resume_within_s')
@@ -190,7 +189,7 @@ def nodes(context):
         if plan.report_dir:
             shared['report_dir'] = plan.report_dir
         made.append(plan.node('sensors_watch', 'sensors_watch', shared,
-                              on_exit=end_with('the node sensors_watch'), **again))
+                              over=end_all('the node sensors_watch'), **again))
     if plan.record:
         # The trial goes on without it; it starts again with a new bag.
         made.append(plan.node('recorder', 'recorder',

@@ -22,6 +22,8 @@ Compare two sensors again from a bag, or several: replayer, synchronizer, compli
 All nodes end at the end of the bag.
 """
 
+from functools import partial
+
 from launch import LaunchDescription
 from launch.actions import DeclareLaunchArgument, LogInfo, OpaqueFunction, Shutdown
 from launch.substitutions import LaunchConfiguration
@@ -39,6 +41,7 @@ from heading_intercompare.nodes.launching.arguments import (
     read_number,
     read_switch,
 )
+from heading_intercompare.nodes.launching.node_end import NodeEnd
 from heading_intercompare.nodes.sensors.places import count_subscribers, remap_rules
 
 # Default and meaning of each argument.
@@ -78,7 +81,7 @@ def nodes(context):
             file.sections.get(name, {}), {**own, **shared}) if values]
         return Node(package='heading_intercompare', executable=name, name=name, namespace=place,
                     parameters=[given['config'], *parameters], output='screen',
-                    on_exit=Shutdown(reason=reason), **common, **kwargs)
+                    on_exit=NodeEnd(name, partial(Shutdown, reason=reason)), **common, **kwargs)
 
     replayed = {
         'bag': given['bag'], 'subscribers': count_subscribers(sensors, False),

@@ -360,7 +360,7 @@ def test_colcon_builds_a_package_whose_nodes_start_and_end(source, tmp_path):
     share = prefix / 'share'
     assert (share / 'ament_index' / 'resource_index' / 'packages' / NAME).is_file()
     assert (share / NAME / 'hook' / 'ament_prefix_path.sh').is_file(), built.stdout
-    for folder in ('config', 'launch', 'schema'):
+    for folder in ('config', 'launch', 'schema', 'systemd'):
         assert ({p.name for p in (ROOT / folder).rglob('*') if p.is_file() and p.suffix != '.pyc'}
                 == {p.name for p in (share / NAME / folder).rglob('*') if p.is_file()})
 

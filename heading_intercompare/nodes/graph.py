@@ -31,7 +31,6 @@ from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence, TypeV
 
 import rclpy
 from rclpy.context import Context
-from rclpy.executors import Executor
 from rclpy.signals import SignalHandlerOptions
 
 from heading_intercompare.core.sensor_table import list_tested, read_sensors
@@ -50,6 +49,7 @@ from heading_intercompare.nodes.ros.process import (
     Stop,
 )
 from heading_intercompare.nodes.ros.quick_executor import QuickExecutor
+from heading_intercompare.nodes.ros.systemd_link import SystemdLink
 from heading_intercompare.nodes.ros.transports import prefer_udp, RANGE, set_variable
 from heading_intercompare.nodes.runtime.source_thread import ReadingNode
 from heading_intercompare.nodes.sensors.places import (
@@ -155,14 +155,14 @@ def _align_logs(sources: Sequence[GraphNode]) -> None:
 
 
 @contextmanager
-def _spin_in_thread(executor: Executor) -> Iterator[Future[None]]:
+def _spin_in_thread(executor: QuickExecutor, systemd: SystemdLink) -> Iterator[Future[None]]:
     """Spin an executor in its own thread; yield its future, which ends early only on an error."""
     over = threading.Event()
 
     def spin() -> None:
         while not over.is_set():
             executor.spin_once(0.05)
-    with ThreadPoolExecutor(1) as pool:
+    with systemd.watch(executor), ThreadPoolExecutor(1) as pool:
         spun = pool.submit(spin)
         try:
             yield spun
@@ -328,8 +328,10 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
     check_namespace(namespace)
     hearing, speaking = _plan(sources, whole, own or {}, output, report_dir, page,
                               show is not None)
+    systemd = SystemdLink()
     with (_context(private) as context, Stop() as stop,
-          spin_nodes(context) as (judging, _), spin_nodes(context) as (executor, nodes)):
+          spin_nodes(context) as (judging, _), spin_nodes(context) as (executor, nodes),
+          systemd.watch(executor)):
         graph = _Graph(context, judging, executor, nodes)
         graph.start(hearing, settings, namespace, remaps)
         for dashboard in graph.of(Dashboard):
@@ -347,13 +349,15 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
         look.hear_alarms()
         _align_logs(running)
         settle_memory()
-        with _spin_in_thread(judging) as judged:
+        systemd.tell('READY=1')
+        with _spin_in_thread(judging, systemd) as judged:
             while not (stop.requested or judged.done()
                        or (running and all(s.done for s in running))):
                 executor.spin_once(0.2)
                 look.count_pairs()
                 look.pass_on()
                 look.tell_alarms()
+        systemd.tell('STOPPING=1')
         look.pass_on('ending: taking the last pairs, closing the bag', at_once=True)
         graph.end(running)
         # The last pairs come while the nodes end.

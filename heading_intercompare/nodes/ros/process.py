@@ -48,6 +48,7 @@ from heading_intercompare.drivers.settings import DriverError
 
 from .graph_node import GraphNode
 from .quick_executor import QuickExecutor
+from .systemd_link import SystemdLink
 
 _CLOCK_MONOTONIC, _SIGEV_THREAD = 1, 2
 
@@ -249,6 +250,7 @@ def run(name: str, make: Callable[..., GraphNode], args: Sequence[str] | None = 
 
     """
     context, code, hung_code = Context(), 1, int(more)
+    systemd = SystemdLink()
     try:
         with Stop() as stop:
             check_security()
@@ -265,11 +267,15 @@ def run(name: str, make: Callable[..., GraphNode], args: Sequence[str] | None = 
                 for node in nodes:
                     executor.add_node(node)
                 settle_memory()
-                while not (stop.requested or nodes[0].done):
-                    executor.spin_once(0.2)
-                longest_s = _HUNG_S + len(nodes) * (_END_S + _LINGER_S)
-                with leave_if_hung(longest_s, 1):
-                    end(executor, nodes, _LINGER_S, partial(_destroy, nodes=nodes, code=hung_code))
+                with systemd.watch(executor):
+                    systemd.tell('READY=1')
+                    while not (stop.requested or nodes[0].done):
+                        executor.spin_once(0.2)
+                    systemd.tell('STOPPING=1')
+                    longest_s = _HUNG_S + len(nodes) * (_END_S + _LINGER_S)
+                    with leave_if_hung(longest_s, 1):
+                        end(executor, nodes, _LINGER_S,
+                            partial(_destroy, nodes=nodes, code=hung_code))
         code = 0
     except _MISTAKES as error:
         sys.stderr.write(f'{name}: error: {error_words(error)}\n')

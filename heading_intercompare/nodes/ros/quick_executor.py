@@ -26,7 +26,7 @@ from __future__ import annotations
 from contextlib import ExitStack
 import math
 import time
-from typing import Any
+from typing import Any, Callable
 
 from rclpy.context import Context
 from rclpy.exceptions import InvalidHandle
@@ -54,6 +54,8 @@ class QuickExecutor(SingleThreadedExecutor):
     eager : bool
         Look for what is rare at every turn, so that nothing which has come is left when a node
         ends.
+    beat : callable or None
+        Called at each turn: it shows that no callback hangs.
 
     Notes
     -----
@@ -77,6 +79,7 @@ class QuickExecutor(SingleThreadedExecutor):
         self._rare_set: Any = None
         self._rare_at_s = 0.0
         self.eager = False
+        self.beat: Callable[[], None] | None = None
 
     def add_node(self, node: Node) -> bool:
         """Spin a node from now on."""
@@ -102,6 +105,8 @@ class QuickExecutor(SingleThreadedExecutor):
         """Wait until something is due, at most 50 ms, and do it."""
         if not self._context.ok():
             raise ExternalShutdownException()
+        if self.beat is not None:
+            self.beat()
         if self._stale:
             self._look_over()
         now_s = time.monotonic()

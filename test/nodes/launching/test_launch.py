@@ -33,6 +33,7 @@ from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.cli.commands.graph import demo
 from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.nodes.launching.arguments import OWN_SETTINGS
+from heading_intercompare.nodes.launching.node_end import NodeFailure
 from heading_intercompare.nodes.runtime import source_thread
 
 FILES = ('intercompare.launch.py', 'replay.launch.py')
@@ -96,13 +97,51 @@ def test_topics_of_the_parameter_file_are_kept(config):
         'gyro', 'seapath')
 
 
-@pytest.mark.parametrize('code, over', [(0, True), (2, True), (-9, False), (1, False)])
-def test_the_end_of_synchronizer_or_compliance_ends_all_unless_it_was_killed(config, code, over):
+def follow(node, *codes, is_shutdown=False):
+    """Return what follows when a node ends with these exit codes, one after the other."""
+    followed = []
+    for code in codes:
+        try:
+            action = node.on_exit(types.SimpleNamespace(returncode=code),
+                                  types.SimpleNamespace(is_shutdown=is_shutdown))
+        except NodeFailure as error:
+            action = str(error)
+        followed.append(action)
+    return followed
+
+
+def test_the_end_of_synchronizer_or_compliance_ends_all_unless_it_was_killed(config):
     made = by_name(FILES[0], config=config)
-    assert {n for n, node in made.items() if node.on_exit} == {'synchronizer', 'compliance'}
     for name in ('synchronizer', 'compliance'):
-        done = made[name].on_exit(types.SimpleNamespace(returncode=code), None)
-        assert isinstance(done, Shutdown) is over and made[name].respawn
+        killed, failed, refused, over = follow(made[name], -9, 1, 2, 0)
+        assert killed is failed is None and made[name].respawn
+        assert refused == f'/{name} was refused; its line above says why'
+        assert isinstance(over, Shutdown)
+
+
+def test_a_node_that_is_refused_at_its_start_is_a_failure_of_the_launch(config):
+    """Its address is taken: `ros2 launch` went on, and ended with 0."""
+    made = by_name(FILES[0], config=config, dashboard='true', namespace='/ship1')
+    assert {'ts_driver', 'recorder', 'dashboard'} < made.keys()
+    for name, node in made.items():
+        assert follow(node, 2) == [f'/ship1/{name} was refused; its line above says why']
+
+
+@pytest.mark.parametrize('name', ['ts_driver', 'recorder'])
+def test_a_node_whose_device_is_gone_when_it_starts_again_ends_nothing(config, name):
+    node = by_name(FILES[0], config=config)[name]
+    assert follow(node, -9, 2, 2, 0) == [None] * 4 and node.respawn
+
+
+def test_what_ends_after_ctrl_c_is_no_failure(config):
+    for node in nodes(FILES[0], config=config):
+        assert follow(node, 2, is_shutdown=True) == [None]
+
+
+def test_a_needed_node_that_does_not_start_again_is_a_failure_when_it_dies(config):
+    made = by_name(FILES[0], config=config, respawn='false')
+    assert follow(made['compliance'], -9) == ['/compliance died with exit code -9']
+    assert follow(made['ts_driver'], -9) == [None]
 
 
 @pytest.mark.parametrize('given, journal', [
@@ -161,7 +200,9 @@ def test_a_graph_in_a_namespace_takes_the_sections_of_its_file(config, name):
 def test_all_end_when_the_bag_does(config):
     made = by_name(FILES[1], config=config, bag=config)
     assert set(made) == {'replayer', 'synchronizer', 'compliance'}
-    assert all(isinstance(node.on_exit, Shutdown) for node in made.values())
+    for name, node in made.items():
+        over, refused, killed = follow(node, 0, 2, -9)
+        assert isinstance(over, Shutdown) and name in refused and name in killed
 
 
 def test_a_part_of_a_bag_is_replayed_when_it_is_asked_for(config):
@@ -295,11 +336,9 @@ def test_a_log_that_cannot_be_played_ends_all_and_one_that_was_played_does_not(c
     given['ts_driver']['ros__parameters']['source'] = 'file:gyro.log'
     Path(config).write_text(yaml.dump(given))
     made = by_name(FILES[0], config=config)
-    ended = {code: made['ts_driver'].on_exit(types.SimpleNamespace(returncode=code), None)
-             for code in (0, 1, 2)}
-    assert ended == {0: None, 1: None, 2: Shutdown('a log cannot be played')}
-    # A source that is away for a while comes back.
-    assert made['rs_driver'].on_exit is None
+    assert follow(made['ts_driver'], 0) == [None]
+    made = by_name(FILES[0], config=config)
+    assert follow(made['ts_driver'], 2) == ['/ts_driver was refused; its line above says why']
 
 
 @pytest.mark.parametrize('executable', OWN_SETTINGS)
@@ -322,7 +361,8 @@ def test_the_demo_judges_simulated_sensors_by_the_norms_of_the_command_demo():
         'sensor_simulator': 'sensor_simulator', 'synchronizer': 'synchronizer',
         'compliance': 'compliance', 'recorder': 'recorder'}
     assert own(made['sensor_simulator'])['subscribers'] == 2
-    assert isinstance(made['sensor_simulator'].on_exit, Shutdown)
+    assert isinstance(follow(made['sensor_simulator'], 0)[0], Shutdown)
+    assert follow(made['sensor_simulator'], 2)[0].startswith('sensor_simulator was refused')
     config = load_config(made['compliance'].parameters[0])
     assert config.shared == demo.NORMS and not config.sections
 
