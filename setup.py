@@ -31,7 +31,7 @@ MAINTAINER = PACKAGE.find('maintainer')
 # pip would put them on everybody's PATH.
 FOR_ROS = {'install', 'develop'} & {*sys.argv[1:]}
 NODES = ('nmea_driver', 'sensor_simulator', 'synchronizer', 'compliance', 'recorder', 'replayer',
-         'dashboard', 'sensors_watch', 'motion_driver')
+         'dashboard', 'sensors_watch', 'motion_driver', 'alert_sender')
 
 
 def list_shared(*folders):

@@ -43,6 +43,7 @@ from heading_intercompare.core.sensors.sensors_verdict import (
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.validity import CONDITIONS
 from heading_intercompare.core.verdict.verdict_document import RunVerdict
+from heading_intercompare.drivers.alerts.alert_settings import AlertSettings
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.nodes.settings import (
     ComplianceNode,
@@ -135,6 +136,9 @@ SECTIONS = (
             {'report_dir': 'reports', 'bag': 'trial_1', 'journal': 'trial_1.journal', **TYPES}),
     Section('dashboard', (DashboardNode, Taking), 'The live page.', {},
             {'token': 'choose-your-own'}),
+    Section('alert_sender', (AlertSettings,), 'The node that sends the alarms to the bridge.', {},
+            {'destination': 'udp://239.192.0.17:60017', 'commands': 'udp://239.192.0.19:60019',
+             'manufacturer': 'XYZ'}),
     Section('replayer', (ReplayerNode, Sending), 'The replayer of bags.', {},
             {'bag': 'trial_1', 'duration_s': 600.0}),
     Section('sensor_simulator', (SimulatorNode, Sending),
@@ -152,6 +156,7 @@ CHAPTERS = (
     ('Bags', 'Section `recorder`, for every bag that is written.', BagSettings),
     ('Several sensors', 'Section `sensors_watch`.', SensorsNode),
     ('Live page', 'Section `dashboard`.', DashboardNode),
+    ('Alerts to the bridge', 'Section `alert_sender`.', AlertSettings),
     ('Replayer', 'Section `replayer`.', ReplayerNode),
     ('Simulator', 'Section `sensor_simulator`.', SimulatorNode),
     ('Taking messages',

@@ -29,8 +29,8 @@ from typing import Callable
 
 from heading_intercompare.missing_module import explain_missing
 
-__all__ = ['compliance', 'dashboard', 'motion_driver', 'nmea_driver', 'recorder', 'replayer',
-           'sensor_simulator', 'sensors_watch', 'synchronizer']
+__all__ = ['alert_sender', 'compliance', 'dashboard', 'motion_driver', 'nmea_driver', 'recorder',
+           'replayer', 'sensor_simulator', 'sensors_watch', 'synchronizer']
 
 
 def _end_at_once(*_: object) -> None:
@@ -54,6 +54,7 @@ def _starter(name: str) -> Callable[[], int]:
     return start
 
 
+alert_sender = _starter('alert_sender')
 compliance = _starter('compliance')
 dashboard = _starter('dashboard')
 motion_driver = _starter('motion_driver')

@@ -97,7 +97,7 @@ LOADED_BY = {
 
 # They take headings and pass them on, and start as fast as a plain node.
 NEED_NO_SCIPY = ('nmea_driver', 'motion_driver', 'sensor_simulator', 'synchronizer', 'recorder',
-                 'replayer')
+                 'replayer', 'alert_sender')
 
 # Core is a function of its input: it reads no clock, file or network, and says nothing.
 FORBIDDEN_IN_CORE = {'asyncio', 'concurrent', 'datetime', 'io', 'logging', 'multiprocessing', 'os',

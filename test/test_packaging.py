@@ -43,7 +43,7 @@ from heading_intercompare import __version__, node_executables as executables
 ROOT = Path(__file__).resolve().parent.parent
 NAME = 'heading_intercompare'
 NODES = ('nmea_driver', 'sensor_simulator', 'synchronizer', 'compliance', 'recorder', 'replayer',
-         'dashboard', 'sensors_watch', 'motion_driver')
+         'dashboard', 'sensors_watch', 'motion_driver', 'alert_sender')
 IN_CI = os.environ.get('CI', '').lower() not in ('', '0', 'false')
 
 
@@ -386,6 +386,8 @@ def test_colcon_builds_a_package_whose_nodes_start_and_end(source, tmp_path):
             assert code == 2 and output.startswith('replayer: error: bag is required'), output
         elif node == 'sensors_watch':
             assert code == 2 and output.startswith('sensors_watch: error: sensors: none'), output
+        elif node == 'alert_sender':
+            assert code == 2 and 'alert_sender: error: destination is required' in output, output
         elif node == 'motion_driver':
             assert code == 2 and 'motion_driver: error: source is required' in output, output
         elif node == 'dashboard' and find_spec('nicegui') is None:

@@ -37,6 +37,8 @@ from .playback import FileSource
 from .settings import Address, DriverError, DriverSettings
 
 _MAX_READ = 1000
+#: How long a line may take to accept what is sent.
+_SEND_S = 1.0
 #: Constants of Linux that the module `socket` does not have.
 _SO_TIMESTAMPNS, _SO_RCVBUFFORCE, _SO_MEMINFO = 35, 33, 55
 _TIMESPEC = struct.Struct('@ll')
@@ -252,6 +254,15 @@ class TcpLine:
             raise ConnectionError('the server closed the connection')
         return data
 
+    def send(self, data: bytes) -> None:
+        """Send bytes; OSError if the connection is broken or takes none for a second."""
+        assert self._socket is not None
+        self._socket.settimeout(_SEND_S)
+        try:
+            self._socket.sendall(data)
+        finally:
+            self._socket.setblocking(False)
+
     def close(self) -> None:
         """Close the connection, if there is one."""
         if self._socket is not None:
@@ -282,7 +293,8 @@ class _SerialLine:
     def connect(self, timeout_s: float) -> bool:
         """Open the device; OSError if that fails."""
         self._port = self._serial.Serial(self._address.path, self._address.baud,
-                                         timeout=timeout_s, exclusive=True)
+                                         timeout=timeout_s, write_timeout=_SEND_S,
+                                         exclusive=True)
         return True
 
     def is_ready(self) -> bool:
@@ -297,6 +309,10 @@ class _SerialLine:
         if data:
             data += self._port.read(self._port.in_waiting)
         return data
+
+    def send(self, data: bytes) -> None:
+        """Send bytes; OSError if the device is gone or takes none for a second."""
+        self._port.write(data)
 
     def close(self) -> None:
         """Close the device, if it is open."""
@@ -345,6 +361,16 @@ class LineSource:
         now = self._clock()
         late_s, self._empty_at = now - self._empty_at, now
         return [Received(data, self._now_ns(), late_s)] if data else []
+
+    def send(self, data: bytes) -> None:
+        """Send bytes; OSError if the line is down, which `read` then connects again."""
+        if not self._up:
+            raise ConnectionError(None, self.status)
+        try:
+            self._line.send(data)
+        except OSError as error:
+            self._drop(str(error))
+            raise
 
     def connect(self, timeout_s: float) -> None:
         """Try to connect; OSError if that fails."""

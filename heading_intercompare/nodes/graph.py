@@ -60,6 +60,7 @@ from heading_intercompare.nodes.sensors.places import (
 )
 from heading_intercompare.web.bridge.bridge_view import BridgeView
 
+from .alert_sender import AlertSender
 from .compliance import Compliance
 from .dashboard import Dashboard
 from .motion_driver import MotionDriver
@@ -215,6 +216,8 @@ def _plan(sources: Sequence[Source], settings: Settings, own: Mapping[str, Mappi
     hearing = _plan_judging(settings, own, judging_own, recorded)
     if page is not None:
         hearing.append(_Planned(Dashboard, 'dashboard', page))
+    if own.get('alert_sender', {}).get('destination'):
+        hearing.append(_Planned(AlertSender, 'alert_sender', own['alert_sender']))
     if is_shown:
         hearing.append(_Planned(Watcher, 'watcher', {}))
     heard, further = count_subscribers(sensors, recorded), further_subscribers(settings)
@@ -265,7 +268,7 @@ class _Graph:
             self.judging.remove_node(node)
             self.executor.add_node(node)
         end(self.executor, [*sources, *self.of(Synchronizer), *self.judges, *self.of(Recorder),
-                            *self.of(Dashboard), *self.of(Watcher)])
+                            *self.of(AlertSender), *self.of(Dashboard), *self.of(Watcher)])
 
 
 def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
@@ -295,7 +298,8 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
     report_dir
         Folder for the reports.
     own
-        Further parameters of synchronizer, compliance, sensors_watch and recorder, by node name.
+        Further parameters of synchronizer, compliance, sensors_watch and recorder, by node name;
+        with a destination of `alert_sender` it sends the alarms to the bridge.
     private
         Hide the graph from other processes.
     namespace

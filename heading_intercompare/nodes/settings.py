@@ -33,6 +33,9 @@ PAIRED = Used(Settings, (
     'alignment.skew_s', 'runs.gap_s', 'runs.every_h', 'runs.cut_at_utc', 'runs.keep'))
 """What the node that pairs headings uses of them."""
 
+TOLD = Used(Settings, ('sensors',))
+"""What the node that sends alerts uses of them: they name its alarms, no more."""
+
 SHOWN = Used(Settings, (*PAIRED.names, 'norms', 'model', 'variant', 'installation_offset_deg',
                         'wrap_center_deg', 'window_s', 'motion'))
 """What nodes that show a graph use of them."""

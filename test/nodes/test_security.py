@@ -39,6 +39,7 @@ from heading_intercompare.core.sensor_table import read_sensors
 from heading_intercompare.core.settings import MotionRule
 from heading_intercompare.messages.ledger_messages import encode_ledger
 from heading_intercompare.messages.motion.motion_messages import PUBLISHED_TYPES
+from heading_intercompare.nodes.alert_sender import AlertSender
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.dashboard import Dashboard
 from heading_intercompare.nodes.motion_driver import MotionDriver
@@ -57,7 +58,7 @@ from heading_intercompare.nodes.watcher import Watcher
 ROOT = Path(__file__).resolve().parents[2]
 POLICY = ElementTree.parse(ROOT / 'security' / 'heading_intercompare.policy.xml').getroot()
 NODES = ('ts_driver', 'rs_driver', 'motion_driver', 'synchronizer', 'compliance', 'sensors_watch',
-         'recorder', 'dashboard', 'watcher')
+         'recorder', 'dashboard', 'watcher', 'alert_sender')
 #: Made by rclpy only with `use_sim_time`; while a node looks for another of its name.
 EXEMPT = {'/clock', '/diagnostics'}
 
@@ -205,6 +206,10 @@ def test_the_dashboard_does_what_its_policy_allows_and_nothing_else(ros, monkeyp
     check(ros, dashboard)
 
 
+def test_the_sender_of_alerts_does_what_its_policy_allows_and_nothing_else(ros):
+    check(ros, ros.ours(AlertSender, destination='udp://127.0.0.1:9'))
+
+
 def test_the_watcher_does_what_its_policy_allows_also_beside_a_recorder(ros):
     for role in ('ts', 'rs'):
         ros.plain.create_publisher(Imu, f'{role}/heading', qos.HEADINGS_OUT)
@@ -253,7 +258,7 @@ def test_the_policy_has_the_form_of_sros2():
 def test_no_node_but_the_drivers_may_publish_headings():
     """A compromised recorder cannot invent readings."""
     for name in ('synchronizer', 'compliance', 'sensors_watch', 'recorder', 'operator_note',
-                 'dashboard', 'watcher'):
+                 'dashboard', 'watcher', 'alert_sender'):
         may = allowed(profiles(name)[name])
         assert not may['publish'] & {'/ts/heading', '/rs/heading', '/clock'}
     for name in set(NODES) - {'synchronizer'}:

@@ -30,6 +30,7 @@ from heading_intercompare.core.declared_settings import (
     SettingsError,
 )
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.drivers.alerts.alert_settings import AlertSettings
 from heading_intercompare.drivers.settings import Address, DriverSettings
 from heading_intercompare.nodes.ros.parameters import OF_ROS
 from heading_intercompare.nodes.settings import (
@@ -55,12 +56,13 @@ OWN_SETTINGS: dict[str, tuple[type, ...]] = {
     'recorder': (Taking, HeadingTypes, BagSettings, RecorderNode),
     'replayer': (Sending, ReplayerNode),
     'dashboard': (Taking, DashboardNode),
+    'alert_sender': (AlertSettings,),
 }
 """By executable, the settings that its nodes declare beside those of the analysis."""
 
 
-def _need_source(driver: DriverSettings) -> Address:
-    return driver.address
+def _need_address(settings: DriverSettings | AlertSettings) -> Address:
+    return settings.address
 
 
 def check_sections(path: str, sections: Mapping[str, Mapping[str, Any]],
@@ -98,8 +100,8 @@ def check_sections(path: str, sections: Mapping[str, Mapping[str, Any]],
                              {key: parameters[key] for key in parameters if key in of_class})
                 for settings_class, of_class in names.items()]
             for settings in node_settings:
-                if isinstance(settings, DriverSettings):
-                    _need_source(settings)
+                if isinstance(settings, (DriverSettings, AlertSettings)):
+                    _need_address(settings)
         except SettingsError as error:
             raise SettingsError(f'{path}: section {name!r}: {error}') from error
 

@@ -175,6 +175,21 @@ def test_a_source_of_its_own_for_the_motion_replaces_that_of_the_sensors(config)
     assert [own(made[f'{role}_driver'])['motion'] for role in ('ts', 'rs')] == [False, False]
 
 
+def test_alarms_go_to_the_bridge_if_the_file_says_where(config):
+    given = yaml.safe_load(Path(config).read_text())
+    given['alert_sender'] = {'ros__parameters': {'destination': 'udp://239.192.0.17:60017'}}
+    Path(config).write_text(yaml.dump(given))
+    sender = by_name(FILES[0], config=config)['alert_sender']
+    assert sender.respawn and own(sender)['destination'] == 'udp://239.192.0.17:60017'
+    given['alert_sender']['ros__parameters'] = {'destination': 'file:x'}
+    Path(config).write_text(yaml.dump(given))
+    with pytest.raises(SettingsError, match="'alert_sender': destination = 'file:x': must be"):
+        nodes(FILES[0], config=config)
+    given['alert_sender']['ros__parameters'] = {'talker': 'II'}
+    Path(config).write_text(yaml.dump(given))
+    assert 'alert_sender' not in by_name(FILES[0], config=config)
+
+
 def test_a_sensor_without_a_driver_section_is_heard_on_its_topic(config):
     given = yaml.safe_load(Path(config).read_text())
     del given['rs_driver']

@@ -1,0 +1,135 @@
+# Copyright 2026 The heading_intercompare authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The node `alert_sender`: the alarms of a graph to the bridge alert management of the ship."""
+
+from __future__ import annotations
+
+import time
+from typing import Any, Sequence
+
+from diagnostic_msgs.msg import DiagnosticArray
+from std_msgs.msg import String
+
+from heading_intercompare.drivers.alerts.alert_line import AlertLine
+from heading_intercompare.drivers.alerts.alert_list import AlertList, Message, ReportedAlert
+from heading_intercompare.drivers.alerts.alert_sentences import AlertCommand, read_command
+from heading_intercompare.drivers.alerts.alert_settings import AlertSettings
+from heading_intercompare.drivers.sentences import Rejected
+from heading_intercompare.messages.status_messages import (
+    decode_statuses,
+    encode_text,
+    OK,
+    Status,
+    WARN,
+)
+from heading_intercompare.nodes.alarms.alarm_panel import ACKNOWLEDGE_TOPIC
+from heading_intercompare.nodes.alarms.alarm_reports import read_reports
+from heading_intercompare.nodes.ros.graph_node import GraphNode
+from heading_intercompare.nodes.ros.health import Health
+from heading_intercompare.nodes.ros.parameters import declare
+from heading_intercompare.nodes.ros.process import run
+from heading_intercompare.nodes.ros.steady_timer import every
+from heading_intercompare.nodes.taking.raw_subscription import subscribe
+from heading_intercompare.nodes.taking.recorded_topics import ALARMS_TOPIC
+
+from .ros import qos
+from .settings import TOLD
+
+_TURN_S = 0.1
+
+
+class AlertSender(GraphNode):
+    """Send the alerts of a graph as sentences, and do what the bridge commands."""
+
+    done = False
+
+    def __init__(self, **kwargs: Any) -> None:
+        super().__init__('alert_sender', **kwargs)
+        _, settings = declare(self, TOLD, AlertSettings)
+        self.ended = False
+        self._alerts, self._line = AlertList(settings), AlertLine(settings)
+        self.health = Health(self)
+        # A publisher keeps its earlier messages for us: the newest of each node counts.
+        self._reports: dict[str, list[ReportedAlert]] = {}
+        self._rejected = 0
+        self._acknowledge = self.create_publisher(
+            String, ACKNOWLEDGE_TOPIC, qos.ACKNOWLEDGE,
+            event_callbacks=self.health.of_publisher(ACKNOWLEDGE_TOPIC))
+        subscribe(self, DiagnosticArray, ALARMS_TOPIC, qos.ALARMS, self.health, decode_statuses,
+                  self._hear)
+        every(self, _TURN_S, self._turn)
+        self.health.add_refresher(self._note)
+
+    def _hear(self, message: tuple[int, Sequence[Status]]) -> None:
+        self._reports |= read_reports(message[1])
+
+    def _turn(self) -> None:
+        """Send what has changed and what is due, and do what was commanded."""
+        reports, self._reports = self._reports, {}
+        now_s, now_ns = time.monotonic(), time.time_ns()
+        self._send(self._alerts.update(
+            [alert for alerts in reports.values() for alert in alerts], now_s, now_ns))
+        self._send(self._alerts.due(now_s, now_ns,
+                                    is_well=self.count_publishers(ALARMS_TOPIC) > 0))
+        for text in self._line.read():
+            try:
+                command = read_command(text)
+            except Rejected:
+                self._rejected += 1
+            else:
+                if command is not None:
+                    self._obey(command, now_s, now_ns)
+
+    def _obey(self, command: AlertCommand, now_s: float, now_ns: int) -> None:
+        """Do what a command says; refuse to acknowledge where no node would hear it."""
+        answer = self._alerts.take_command(command, now_s, now_ns)
+        self._send(answer.messages)
+        if answer.acknowledge is None:
+            return
+        if self._acknowledge.get_subscription_count():
+            self._acknowledge.publish(encode_text(answer.acknowledge))
+        else:
+            self._send([self._alerts.refuse(command, now_ns)])
+
+    def _send(self, messages: Sequence[Message]) -> None:
+        if not messages:
+            return
+        try:
+            self._line.send(messages)
+        except OSError as error:
+            self.health.note('line', WARN, f'nothing can be sent: {error.strerror or error}')
+        else:
+            self.health.note('line', OK, 'sentences are sent')
+
+    def _note(self) -> None:
+        """Show what is active, and where commands come from."""
+        self.health.note('alerts', OK, f'{self._alerts.active} alerts are active',
+                         figures=self._alerts.counts, commands_rejected=self._rejected or None)
+        self.health.note('commands', OK, self._line.status)
+
+    def end(self) -> None:
+        """Close the line."""
+        self._line.close()
+        self.ended = True
+
+    def destroy_node(self) -> None:
+        """Close the line, also where the node did not end."""
+        self._line.close()
+        super().destroy_node()
+
+
+def main(args: Sequence[str] | None = None) -> int:
+    """Run the node."""
+    return run('alert_sender', AlertSender, args)
