@@ -27,6 +27,7 @@ from heading_intercompare.core.declared_settings import SettingsError
 
 from .controls import Controls
 from .guard import Guard, is_loopback
+from .metrics import CONTENT_TYPE, metrics_text
 
 _LEAST_TOKEN = 8
 _START_S = 20.0
@@ -101,7 +102,7 @@ class PageServer:
                  token: str | None = None) -> None:
         self.token = make_token(host, token)
         try:
-            from fastapi import FastAPI
+            from fastapi import FastAPI, Response
             from nicegui import ui
             import uvicorn
 
@@ -113,6 +114,8 @@ class PageServer:
         shown = f'[{host}]' if ':' in host else host
         self.url = f'http://{shown}:{self._socket.getsockname()[1]}/'
         app: Any = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
+        app.add_api_route('/metrics', lambda: Response(
+            metrics_text(*controls.look()), media_type=CONTENT_TYPE))
         ui.run_with(app, root=partial(build, controls, self.token), title='Heading intercompare',
                     show_welcome_message=False, tailwind=False, reconnect_timeout=5.0)
         self._server = uvicorn.Server(uvicorn.Config(

@@ -126,6 +126,8 @@ class WindowView:
         Degrees.
     limit_deg
         The norm for the scatter of the differences, degrees: root of GK (5).
+    nu
+        Effective degrees of freedom.
 
     """
 
@@ -135,6 +137,7 @@ class WindowView:
     limit_deg: float | None = None
     age_s: float | None = None
     stale: bool = True
+    nu: float | None = None
 
 
 @dataclass(frozen=True, slots=True)

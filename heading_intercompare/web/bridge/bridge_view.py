@@ -330,7 +330,8 @@ class Bridge:
         return WindowView(
             n=integer(values.get('n')) or 0, mean_deg=real(values.get('mean_deg')),
             std_deg=real(values.get('std_deg')), age_s=age_s, stale=stale,
-            limit_deg=None if limit_deg2 is None else math.sqrt(max(0.0, limit_deg2)))
+            limit_deg=None if limit_deg2 is None else math.sqrt(max(0.0, limit_deg2)),
+            nu=real(values.get('nu')))
 
     def _view_run(self, now_s: float) -> RunView:
         values = self._run.values('run')
