@@ -69,6 +69,7 @@ setup(
         'pdf': ['jinja2>=3.0', 'matplotlib>=3.5', 'weasyprint>=60'],
         'terminal': ['rich>=13', 'argcomplete>=3'],
         'web': ['nicegui>=3.0'],
+        'push': ['httpx>=0.24'],
         'fast': ['isal>=1.5', 'numba>=0.59'],
         'bags': ['rosbags>=0.9.22'],
         'parquet': ['pyarrow>=14'],

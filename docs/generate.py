@@ -138,7 +138,7 @@ SECTIONS = (
             {'token': 'choose-your-own'}),
     Section('alert_sender', (AlertSettings,), 'The node that sends the alarms to the bridge.', {},
             {'destination': 'udp://239.192.0.17:60017', 'commands': 'udp://239.192.0.19:60019',
-             'manufacturer': 'XYZ'}),
+             'manufacturer': 'XYZ', 'push_url': 'https://example.com/alerts'}),
     Section('replayer', (ReplayerNode, Sending), 'The replayer of bags.', {},
             {'bag': 'trial_1', 'duration_s': 600.0}),
     Section('sensor_simulator', (SimulatorNode, Sending),

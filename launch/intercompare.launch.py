@@ -22,7 +22,7 @@ Compare two sensors live, or several: drivers, synchronizer, compliance, recorde
 A sensor without a driver section in the parameter file is heard on its topic, `ts_topic` or
 `rs_topic`: somebody else publishes it. With drivers:=false that holds for all sensors.
 
-A section `alert_sender` with a destination sends the alarms to the bridge alert management.
+A section `alert_sender` with a destination or push_url sends the alarms there.
 
 A section `motion_driver` names a source of its own for the motion of the ship. Without it the
 drivers of the sensors publish what their sentences tell of it.
@@ -198,7 +198,7 @@ def nodes(context):
                               {'parameter_file': plan.config, 'go_on': True,
                                **({'output': plan.output} if plan.output else {})},
                               respawn=True, respawn_delay=2.0))
-    if plan.section('alert_sender').get('destination'):
+    if {'destination', 'push_url'} & plan.section('alert_sender').keys():
         # The trial goes on without it.
         made.append(plan.node('alert_sender', 'alert_sender', {}, respawn=True, respawn_delay=2.0))
     if plan.dashboard:

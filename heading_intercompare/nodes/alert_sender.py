@@ -24,6 +24,7 @@ from std_msgs.msg import String
 
 from heading_intercompare.drivers.alerts.alert_line import AlertLine
 from heading_intercompare.drivers.alerts.alert_list import AlertList, Message, ReportedAlert
+from heading_intercompare.drivers.alerts.alert_push import AlertPush
 from heading_intercompare.drivers.alerts.alert_sentences import AlertCommand, read_command
 from heading_intercompare.drivers.alerts.alert_settings import AlertSettings
 from heading_intercompare.drivers.sentences import Rejected
@@ -59,7 +60,10 @@ class AlertSender(GraphNode):
         super().__init__('alert_sender', **kwargs)
         _, settings = declare(self, TOLD, AlertSettings)
         self.ended = False
-        self._alerts, self._line = AlertList(settings), AlertLine(settings)
+        self._alerts = AlertList(settings)
+        self._line = (None if settings.destination is None and settings.push_url is not None
+                      else AlertLine(settings))
+        self._push = None if settings.push_url is None else AlertPush(settings)
         self.health = Health(self)
         # A publisher keeps its earlier messages for us: the newest of each node counts.
         self._reports: dict[str, list[ReportedAlert]] = {}
@@ -77,12 +81,16 @@ class AlertSender(GraphNode):
 
     def _turn(self) -> None:
         """Send what has changed and what is due, and do what was commanded."""
-        reports, self._reports = self._reports, {}
+        reports = [alert for alerts in self._reports.values() for alert in alerts]
+        self._reports = {}
         now_s, now_ns = time.monotonic(), time.time_ns()
-        self._send(self._alerts.update(
-            [alert for alerts in reports.values() for alert in alerts], now_s, now_ns))
-        self._send(self._alerts.due(now_s, now_ns,
-                                    is_well=self.count_publishers(ALARMS_TOPIC) > 0))
+        if self._push is not None:
+            self._push.update(reports)
+        if self._line is None:
+            return
+        self._send(self._line, self._alerts.update(reports, now_s, now_ns))
+        self._send(self._line, self._alerts.due(
+            now_s, now_ns, is_well=self.count_publishers(ALARMS_TOPIC) > 0))
         for text in self._line.read():
             try:
                 command = read_command(text)
@@ -90,24 +98,25 @@ class AlertSender(GraphNode):
                 self._rejected += 1
             else:
                 if command is not None:
-                    self._obey(command, now_s, now_ns)
+                    self._obey(self._line, command, now_s, now_ns)
 
-    def _obey(self, command: AlertCommand, now_s: float, now_ns: int) -> None:
+    def _obey(self, line: AlertLine, command: AlertCommand, now_s: float,
+              now_ns: int) -> None:
         """Do what a command says; refuse to acknowledge where no node would hear it."""
         answer = self._alerts.take_command(command, now_s, now_ns)
-        self._send(answer.messages)
+        self._send(line, answer.messages)
         if answer.acknowledge is None:
             return
         if self._acknowledge.get_subscription_count():
             self._acknowledge.publish(encode_text(answer.acknowledge))
         else:
-            self._send([self._alerts.refuse(command, now_ns)])
+            self._send(line, [self._alerts.refuse(command, now_ns)])
 
-    def _send(self, messages: Sequence[Message]) -> None:
+    def _send(self, line: AlertLine, messages: Sequence[Message]) -> None:
         if not messages:
             return
         try:
-            self._line.send(messages)
+            line.send(messages)
         except OSError as error:
             self.health.note('line', WARN, f'nothing can be sent: {error.strerror or error}')
         else:
@@ -117,16 +126,26 @@ class AlertSender(GraphNode):
         """Show what is active, and where commands come from."""
         self.health.note('alerts', OK, f'{self._alerts.active} alerts are active',
                          figures=self._alerts.counts, commands_rejected=self._rejected or None)
-        self.health.note('commands', OK, self._line.status)
+        if self._line is not None:
+            self.health.note('commands', OK, self._line.status)
+        if self._push is not None:
+            self.health.note('push', WARN if self._push.failing else OK,
+                             self._push.status or 'nothing has changed yet',
+                             figures=self._push.counts)
 
     def end(self) -> None:
         """Close the line."""
-        self._line.close()
+        self._close()
         self.ended = True
+
+    def _close(self) -> None:
+        for way in (self._line, self._push):
+            if way is not None:
+                way.close()
 
     def destroy_node(self) -> None:
         """Close the line, also where the node did not end."""
-        self._line.close()
+        self._close()
         super().destroy_node()
 
 

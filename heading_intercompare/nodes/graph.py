@@ -216,7 +216,7 @@ def _plan(sources: Sequence[Source], settings: Settings, own: Mapping[str, Mappi
     hearing = _plan_judging(settings, own, judging_own, recorded)
     if page is not None:
         hearing.append(_Planned(Dashboard, 'dashboard', page))
-    if own.get('alert_sender', {}).get('destination'):
+    if {'destination', 'push_url'} & own.get('alert_sender', {}).keys():
         hearing.append(_Planned(AlertSender, 'alert_sender', own['alert_sender']))
     if is_shown:
         hearing.append(_Planned(Watcher, 'watcher', {}))

@@ -28,6 +28,7 @@ from nodes.launch_files import make_environment
 from nodes.lines import free_port, sentence
 from nodes.processes import wait_for
 from nodes.ros_nodes import NORMS
+from office import Office
 import pytest
 from rclpy.node import Node
 from ros_domain import DOMAIN
@@ -185,6 +186,19 @@ def test_a_line_that_cannot_send_is_named_and_ends_nothing(ros, panel):
             assert bridge.recv(4096).startswith(b'$II')
     ros.end(sender)
     assert sender.ended
+
+
+def test_changes_are_posted_also_without_a_bridge(ros, panel):
+    pytest.importorskip('httpx')
+    office = Office(200)
+    sender = ros.ours(AlertSender, push_url=office.url)
+    see(panel, 1, jump=True)
+    ros.spin_until(lambda: office.posted)
+    assert office.posted[0]['alert'] == 'compliance: jump'
+    ros.spin_until(lambda: 'push' in sender.health._parts
+                   and sender.health._parts['push'].values.get('sent') == 1)
+    ros.end(sender)
+    office.close()
 
 
 @pytest.mark.parametrize('values, words', [

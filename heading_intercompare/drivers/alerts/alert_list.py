@@ -22,7 +22,7 @@ acknowledged there, a warning that nobody acknowledges is repeated, and silence 
 from __future__ import annotations
 
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import math
 from typing import Iterable, NamedTuple
 import zlib
@@ -95,6 +95,27 @@ class ReportedAlert:
     words: str = ''
     raised_ns: int | None = None
     changed_ns: int | None = None
+
+
+def name_alerts(alerts: Iterable[ReportedAlert], former: Iterable[ReportedAlert],
+                ) -> dict[str, ReportedAlert]:
+    """
+    Return the alerts of a message by name, and those of its nodes that it lacks as normal.
+
+    Parameters
+    ----------
+    alerts
+        All alerts of one or more nodes.
+    former
+        Those that were reported before.
+
+    """
+    reported = {f'{alert.node}: {alert.name}': alert for alert in alerts}
+    nodes = {alert.node for alert in reported.values()}
+    over = {f'{alert.node}: {alert.name}': replace(
+        alert, state=AlarmState.NORMAL, changed_ns=None)
+        for alert in former if alert.node in nodes}
+    return {**over, **reported}
 
 
 class Answer(NamedTuple):
@@ -189,13 +210,8 @@ class AlertList:
             The time now: of a steady clock in seconds, and UTC in nanoseconds.
 
         """
-        reported = {f'{alert.node}: {alert.name}': alert for alert in alerts}
-        nodes = {alert.node for alert in reported.values()}
-        for name, former in ((name, row.alert) for name, row in self._rows.items()):
-            if former.node in nodes and name not in reported:
-                reported[name] = ReportedAlert(former.node, former.name, AlarmState.NORMAL,
-                                               former.priority)
         messages = []
+        reported = name_alerts(alerts, [row.alert for row in self._rows.values()])
         for name, alert in reported.items():
             row = self._rows.get(name) or self._add(name, alert)
             if row is None:

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import re
+from urllib.parse import urlsplit
 
 from heading_intercompare.core.declared_settings import Checked, setting, SettingsError
 from heading_intercompare.drivers.settings import Address, parse_address
@@ -33,7 +34,7 @@ class AlertSettings(Checked):
 
     destination: str | None = setting(
         None, 'where the sentences of alerts go: udp://HOST:PORT, tcp://HOST:PORT or '
-        'serial:DEVICE?baud=38400; required')
+        'serial:DEVICE?baud=38400; required without push_url')
     commands: str | None = setting(
         None, 'where commands come from if the sentences go out by UDP: udp://HOST:PORT; none: no '
         'commands are taken. A TCP or serial line has both directions')
@@ -54,6 +55,10 @@ class AlertSettings(Checked):
         300.0, 'an unacknowledged warning is repeated after this time, as MSC.302 asks for within '
         '5 min [s]', 1.0, 3600.0)
 
+    push_url: str | None = setting(
+        None, 'address to which each change of an alarm is posted as JSON, http://... or '
+        'https://...; none: nothing is posted')
+
     def __post_init__(self) -> None:
         """Check every setting, and the form of those that are texts."""
         Checked.__post_init__(self)
@@ -68,12 +73,26 @@ class AlertSettings(Checked):
         if self.commands is not None:
             _parse('commands', self.commands, ('udp',), _COMMANDS)
 
+        if self.push_url is not None:
+            _check_url(self.push_url)
+
     @property
     def address(self) -> Address:
         """Return the parsed destination; SettingsError if none is set."""
         if self.destination is None:
-            raise SettingsError(f'destination is required: {_FORMS}')
+            raise SettingsError(f'destination is required, or push_url: destination {_FORMS}')
         return parse_address(self.destination)
+
+
+def _check_url(text: str) -> None:
+    """Raise SettingsError for what is no address of HTTP; it may hold a secret."""
+    try:
+        url = urlsplit(text)
+        is_right = url.scheme in ('http', 'https') and bool(url.hostname) and url.port != 0
+    except ValueError:
+        is_right = False
+    if not is_right:
+        raise SettingsError('push_url: must be http://HOST[:PORT]/... or https://HOST[:PORT]/...')
 
 
 def _parse(name: str, text: str, schemes: tuple[str, ...], forms: str) -> None:

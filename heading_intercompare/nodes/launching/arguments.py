@@ -61,8 +61,8 @@ OWN_SETTINGS: dict[str, tuple[type, ...]] = {
 """By executable, the settings that its nodes declare beside those of the analysis."""
 
 
-def _need_address(settings: DriverSettings | AlertSettings) -> Address:
-    return settings.address
+def _need_source(driver: DriverSettings) -> Address:
+    return driver.address
 
 
 def check_sections(path: str, sections: Mapping[str, Mapping[str, Any]],
@@ -100,8 +100,8 @@ def check_sections(path: str, sections: Mapping[str, Mapping[str, Any]],
                              {key: parameters[key] for key in parameters if key in of_class})
                 for settings_class, of_class in names.items()]
             for settings in node_settings:
-                if isinstance(settings, (DriverSettings, AlertSettings)):
-                    _need_address(settings)
+                if isinstance(settings, DriverSettings):
+                    _need_source(settings)
         except SettingsError as error:
             raise SettingsError(f'{path}: section {name!r}: {error}') from error
 

@@ -88,8 +88,10 @@ def test_an_alert_that_the_newest_message_of_its_node_lacks_is_over():
     alerts = make_list()
     alerts.update([report(V), report(V, 'rotated')], 1.0, NS)
     alerts.update([report(V, 'checksum', 'ts_driver')], 1.0, NS)
-    messages = alerts.update([report(V, 'rotated')], 2.0, NS)
+    messages = alerts.update([report(V, 'rotated')], 2.0, NS + 60 * 10 ** 9)
     assert told(messages) == [('N', 2, 0)] and 'JUMP' in messages[0][0]
+    # When it ended is not known: it was over by now.
+    assert messages[0][0].split(',')[4] == '221420.00'
     assert alerts.active == 2
 
 
@@ -195,7 +197,10 @@ def test_alerts_without_end_fill_no_memory():
     ({'destination': 'file:x'}, 'destination = '), ({'destination': 'udp://:1'}, 'destination = '),
     ({'commands': 'serial:/dev/ttyS0'}, 'commands = '), ({'talker': 'ii'}, 'two capital letters'),
     ({'system': 'II1'}, 'two letters and four digits'),
-    ({'manufacturer': 'ABCD'}, 'three capital letters')])
+    ({'manufacturer': 'ABCD'}, 'three capital letters'),
+    ({'push_url': 'ftp://host/secret'}, 'push_url: must be http'),
+    ({'push_url': 'http://'}, 'push_url: must be http'),
+    ({'push_url': 'http://host:x/'}, 'push_url: must be http')])
 def test_a_setting_that_is_wrong_is_named(settings, words):
     with pytest.raises(SettingsError, match=words):
         AlertSettings(**settings)
