@@ -159,6 +159,6 @@ def decode_statuses(data: bytes) -> tuple[int, list[Status]]:
         for status in fields['status']]
 
 
-def encode_figures(name: str, figures: Mapping[str, Any], ns: int) -> bytes:
+def encode_figures(name: str, figures: Mapping[str, Any], ns: int, owner: str = '') -> bytes:
     """Return figures of the window or the run in progress as a message; None is skipped."""
-    return encode_statuses(ns, [Status(name, OK, 'figures, not a verdict', figures)])
+    return encode_statuses(ns, [Status(name, OK, 'figures, not a verdict', figures)], owner)

@@ -47,12 +47,13 @@ def verdict_level(outcome: Outcome, effect: str) -> int:
     return WARN if level == OK and effect in (DOUBTFUL, VOID) else level
 
 
-def encode_no_verdict(ns: int) -> bytes:
-    """Return what is published before the first run has ended."""
-    return encode_statuses(ns, [Status('verdict', WARN, NO_VERDICT, {'runs': 0})])
+def encode_no_verdict(ns: int, owner: str = '') -> bytes:
+    """Return what a node publishes before the first run has ended."""
+    return encode_statuses(ns, [Status('verdict', WARN, NO_VERDICT, {'runs': 0})], owner)
 
 
-def encode_verdict(verdict: Verdict, ns: int, early: LookVerdict | None = None) -> bytes:
+def encode_verdict(verdict: Verdict, ns: int, early: LookVerdict | None = None,
+                   owner: str = '') -> bytes:
     """Return a verdict: conclusion, each run with its reason, a look at the run in progress."""
     whole = Status('verdict', verdict_level(verdict.outcome, verdict.validity_effect),
                    verdict.headline,
@@ -63,4 +64,4 @@ def encode_verdict(verdict: Verdict, ns: int, early: LookVerdict | None = None) 
             for run in verdict.runs]
     looks = [] if early is None else [Status('run in progress', OUTCOME_LEVELS[early.outcome],
                                              early.reason, make_plain(early))]
-    return encode_statuses(ns, [whole, *runs, *looks])
+    return encode_statuses(ns, [whole, *runs, *looks], owner)

@@ -71,7 +71,7 @@ class AlertSender(GraphNode):
         self._acknowledge = self.create_publisher(
             String, ACKNOWLEDGE_TOPIC, qos.ACKNOWLEDGE,
             event_callbacks=self.health.of_publisher(ACKNOWLEDGE_TOPIC))
-        subscribe(self, DiagnosticArray, ALARMS_TOPIC, qos.ALARMS, self.health, decode_statuses,
+        subscribe(self, DiagnosticArray, ALARMS_TOPIC, qos.STATE_IN, self.health, decode_statuses,
                   self._hear)
         every(self, _TURN_S, self._turn)
         self.health.add_refresher(self._note)

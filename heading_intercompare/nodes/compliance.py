@@ -82,7 +82,8 @@ class Compliance(GraphNode):
                                     self._journal)
         self.sole = SoleNode(self, ['compliance/report'], self.health)
         self._marker = self.create_publisher(DiagnosticArray, MARKER_TOPIC, qos.MARKER)
-        self._figures = Figures(self, self._compliance, self._own.scalars_hz)
+        self._figures = Figures(self, self._compliance, self._own.scalars_hz,
+                                self.health.owner)
         subscribe(self, DiagnosticArray, MARKER_TOPIC, qos.MARKER, self.health, decode_marks,
                   self._mark)
         subscribe(self, DiagnosticArray, 'pairs/ledger', qos.LEDGER, self.health, decode_ledger,

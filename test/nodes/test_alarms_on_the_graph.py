@@ -44,7 +44,7 @@ class Bridge:
 
     def __init__(self, ros, rng):
         self.ros, self.rng = ros, rng
-        self.alarms = ros.listen(DiagnosticArray, 'compliance/alarms', qos.ALARMS)
+        self.alarms = ros.listen(DiagnosticArray, 'compliance/alarms', qos.STATE_IN)
         self.health = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
         self.sensors = [ros.plain.create_publisher(Imu, f'{role}/heading', qos.HEADINGS_OUT)
                         for role in ('ts', 'rs')]
@@ -280,7 +280,7 @@ class Line:
             probe.bind(('127.0.0.1', 0))
             self.port = probe.getsockname()[1]
         self.ros, self.next_s = ros, 0.0
-        self.alarms = ros.listen(DiagnosticArray, 'compliance/alarms', qos.ALARMS)
+        self.alarms = ros.listen(DiagnosticArray, 'compliance/alarms', qos.STATE_IN)
         self.driver = ros.ours(NmeaDriver, source=f'udp://127.0.0.1:{self.port}', learn_s=0.0)
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 

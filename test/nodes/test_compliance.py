@@ -86,7 +86,7 @@ class Graph:
                       for topic, kind, profile in (
                           ('rolling', DiagnosticArray, qos.STATUS),
                           ('run', DiagnosticArray, qos.STATUS),
-                          ('verdict', DiagnosticArray, qos.VERDICT),
+                          ('verdict', DiagnosticArray, qos.STATE_IN),
                           ('marker', DiagnosticArray, qos.MARKER),
                           ('report', String, qos.REPORT))}
         ros.spin_until(lambda: self.pairs.get_subscription_count() == 1
@@ -132,6 +132,11 @@ def values(message):
     return {pair.key: pair.value for pair in message.status[0].values}
 
 
+def stamp_ns(message):
+    """Return the stamp of a message."""
+    return message.header.stamp.sec * S_NS + message.header.stamp.nanosec
+
+
 def offline(pairs, marks=(), **more):
     """Return the result of the pure part for the pairs."""
     compliance = pipeline.Compliance(Settings.from_mapping({**NORMS, **more}), source='live')
@@ -156,6 +161,29 @@ def test_before_the_first_run_has_ended_the_verdict_says_so(ros):
     assert (said.level, said.message) == (DiagnosticStatus.WARN, 'no run has ended')
     shown = light_lamp(decode_statuses(serialize_message(graph.heard['verdict'][0]))[1], 0)
     assert (shown.tone, shown.what) == (Tone.NONE, 'at the end of the run')
+
+
+def test_a_late_subscriber_gets_the_newest_verdict_alone(ros, rng):
+    """``ros2 topic echo --once`` shows the first message that comes: it is the last verdict."""
+    began_ns = time.time_ns()
+    graph, pairs = Graph(ros), some_pairs(rng, 0, 600)
+    ros.spin_until(lambda: graph.heard['verdict'])
+    for run, lo in enumerate((0, 200, 400), 1):
+        graph.send(pairs[lo:lo + 200])
+        graph.book({'paired': lo + 200, 'ts_paired': lo + 200, 'rs_used': lo + 200})
+        graph.call('stop_run')
+        graph.call('start_run')
+        ros.spin_until(lambda run=run: values(graph.heard['verdict'][-1])['runs'] == str(run))
+    late = [ros.listen(DiagnosticArray, 'compliance/verdict', profile)
+            for profile in (qos.STATE_IN, qos.STATE)]
+    ros.spin_until(lambda: all(late))
+    ros.spin_until(lambda: ros.executor.spin_once(0.2) is None)
+    assert [[values(message)['runs'] for message in heard] for heard in late] == [['3'], ['3']]
+    first, last = graph.heard['verdict'][0], late[0][0]
+    assert stamp_ns(first) >= began_ns
+    assert stamp_ns(last) == pairs.stamp_ns[-1]
+    for status in (*first.status, *last.status):
+        assert status.hardware_id.split() == ['/compliance', graph.node.health.owner.split()[1]]
 
 
 def test_the_window_can_be_changed_while_the_node_runs(ros, rng):

@@ -117,7 +117,7 @@ def test_all_alarms_are_acknowledged_by_the_service_of_compliance(ros, graph):
 
 def test_one_alarm_is_acknowledged_by_its_name(ros, dashboard):
     heard = ros.listen(String, 'compliance/acknowledge', qos.ACKNOWLEDGE)
-    alarms = ros.plain.create_publisher(DiagnosticArray, 'compliance/alarms', qos.ALARMS)
+    alarms = ros.plain.create_publisher(DiagnosticArray, 'compliance/alarms', qos.STATE)
     alarms.publish(encode_statuses(T0_NS, [Status('compliance: jump', WARN, 'jumped', {
         'state': 'active_unacknowledged', 'priority': 'warning'})]))
     ros.spin_until(lambda: see(dashboard).alarms)

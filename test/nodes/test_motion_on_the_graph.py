@@ -141,7 +141,7 @@ class Ship:
 
     def __init__(self, ros, **settings):
         self.ros, self.rng = ros, np.random.default_rng(4)
-        self.alarms = ros.listen(DiagnosticArray, 'compliance/alarms', qos.ALARMS)
+        self.alarms = ros.listen(DiagnosticArray, 'compliance/alarms', qos.STATE_IN)
         self.pairs = ros.plain.create_publisher(TwistStamped, 'pairs', qos.PAIRS)
         self.course = ros.plain.create_publisher(TwistStamped, 'ship/velocity', qos.HEADINGS_OUT)
         self.settings = settings

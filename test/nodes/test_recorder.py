@@ -128,7 +128,7 @@ def test_what_comes_of_the_comparison_is_written_too(ros, tmp_path):
             for kind, topic, profile, message in (
                 (DiagnosticArray, 'pairs/ledger', qos.LEDGER, DiagnosticArray()),
                 (DiagnosticArray, 'compliance/marker', qos.MARKER, marker_message('start', 7)),
-                (DiagnosticArray, 'compliance/verdict', qos.VERDICT, DiagnosticArray()),
+                (DiagnosticArray, 'compliance/verdict', qos.STATE, DiagnosticArray()),
                 (String, 'compliance/report', qos.REPORT, String(data=REPORT)))]
     for publisher, message in made:
         ros.spin_until(lambda p=publisher: p.get_subscription_count() == 1)
@@ -138,6 +138,8 @@ def test_what_comes_of_the_comparison_is_written_too(ros, tmp_path):
     assert {name: info.count for name, info in bag.topics.items()} == {
         '/pairs/ledger': 1, '/compliance/marker': 1, '/compliance/verdict': 1,
         '/compliance/report': 1}
+    # A publisher of a state keeps its newest message alone: what replaces another is no loss.
+    assert [message.sequence for message in bag.messages(['/compliance/verdict'])] == [0]
     attached = {a.name: a.data.decode() for a in bag.attachments()}
     assert attached == {'report.json': REPORT, 'runs.csv': 'start,stop\n5,10\n'}
 

@@ -91,7 +91,7 @@ class AlarmPanel:
         self.muted = False
         self._now_ns: int | None = None
         self._publisher = node.create_publisher(
-            DiagnosticArray, ALARMS_TOPIC, qos.ALARMS,
+            DiagnosticArray, ALARMS_TOPIC, qos.STATE,
             event_callbacks=health.of_publisher(ALARMS_TOPIC))
         subscribe(node, String, ACKNOWLEDGE_TOPIC, qos.ACKNOWLEDGE, health, decode_text,
                   self._hear)
@@ -147,7 +147,7 @@ class AlarmPanel:
             now_ns = self._now_ns
             if now_ns is None:
                 now_ns = self._node.get_clock().now().nanoseconds
-            self._publisher.publish(encode_statuses(now_ns, statuses))
+            self._publisher.publish(encode_statuses(now_ns, statuses, self._health.owner))
         raised = [a for a in self._table.alarms if a.state is not AlarmState.NORMAL]
         self._health.note(
             'alarms', max((status.level for status in statuses), default=OK),

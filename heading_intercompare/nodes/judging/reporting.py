@@ -158,10 +158,10 @@ class Reporting:
         self._taken.publish(encode_ledger(*newest))
         self._uncovered: deque[LedgerMessage] = deque()
         self._verdict = node.create_publisher(
-            DiagnosticArray, 'compliance/verdict', qos.VERDICT,
+            DiagnosticArray, 'compliance/verdict', qos.STATE,
             event_callbacks=health.of_publisher('compliance/verdict'))
         if not compliance.finished_runs:
-            self._verdict.publish(encode_no_verdict(compliance.newest_ns or 0))
+            self._verdict.publish(encode_no_verdict(self._now_ns(), health.owner))
             health.note('verdict', OK, NO_VERDICT)
         self._report = node.create_publisher(String, 'compliance/report', qos.REPORT)
         self._seen: tuple[int, LookVerdict | None] = (0, None)
@@ -309,7 +309,12 @@ class Reporting:
                           '; '.join(words for _, words in findings), latch=True, log=False,
                           runs=len(verdict.runs))
         self._node.get_logger().info(f'verdict on {findings[-1][1]}')
-        self._verdict.publish(encode_verdict(verdict, self._compliance.newest_ns or 0, early))
+        self._verdict.publish(encode_verdict(verdict, self._now_ns(), early, self._health.owner))
+
+    def _now_ns(self) -> int:
+        """Return the newest stamp; before the first one the time of the node."""
+        newest_ns = self._compliance.newest_ns
+        return self._node.get_clock().now().nanoseconds if newest_ns is None else newest_ns
 
     def _write(self, text: str, kind: str = 'verdict') -> None:
         if self._own.report_dir is None:

@@ -47,9 +47,10 @@ DIAGNOSTICS_IN = QoSProfile(depth=1000)
 MARKER = _keep_last(100)
 # Any reliable publisher will do, including `ros2 topic pub`.
 NOTE = QoSProfile(depth=10)
-VERDICT = _keep_last(10)
-# Each message holds all alarms of its node.
-ALARMS = _keep_last(100)
+# Verdicts, alarms and the state of several sensors: the newest message holds all there is to know,
+# so a late subscriber gets that alone. A subscription keeps one from each of many publishers.
+STATE = _keep_last(1)
+STATE_IN = _keep_last(100)
 ACKNOWLEDGE = QoSProfile(depth=10)
 REPORT = _keep_last(10)
 # Best effort, as rosbag2 publishes it; a reliable subscription would receive nothing.

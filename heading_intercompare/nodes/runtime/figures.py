@@ -105,11 +105,14 @@ class Figures:
         Has the figures.
     scalars_hz
         As for `Scalars`.
+    owner
+        What the node is called in messages.
 
     """
 
-    def __init__(self, node: Node, compliance: Compliance, scalars_hz: float) -> None:
-        self._compliance = compliance
+    def __init__(self, node: Node, compliance: Compliance, scalars_hz: float,
+                 owner: str) -> None:
+        self._compliance, self._clock, self._owner = compliance, node.get_clock(), owner
         follow(node, 'window_s', compliance.rolling.resize)
         self._scalars = Scalars(node, compliance.settings, scalars_hz)
         self._rolling = node.create_publisher(DiagnosticArray, 'compliance/rolling', qos.STATUS)
@@ -139,9 +142,15 @@ class Figures:
                         {'bounds_newest_ns': newest_ns, **figures}.items() if value is not None}
         self._newest_ns = newest_ns
         self._send(figures)
-        self._run.publish(encode_figures('run', self._compliance.run_figures(), newest_ns or 0))
+        self._run.publish(encode_figures('run', self._compliance.run_figures(), self._now_ns(),
+                                         self._owner))
 
     def _send(self, figures: dict[str, Any]) -> None:
         self._rolling.publish(encode_figures('rolling', {**figures, **{
             key: value for key, value in self._bounds.items() if key not in figures}},
-            self._compliance.newest_ns or 0))
+            self._now_ns(), self._owner))
+
+    def _now_ns(self) -> int:
+        """Return the newest stamp; before the first one the time of the node."""
+        newest_ns = self._compliance.newest_ns
+        return self._clock.now().nanoseconds if newest_ns is None else newest_ns

@@ -76,6 +76,7 @@ class NowPublisher:
 
     def __init__(self, node: Node, health: Health, settings: Settings,
                  comparison: SensorsComparison, stale_s: float) -> None:
+        self._node, self._owner = node, health.owner
         self._comparison, self._stale_s = comparison, stale_s
         follow(node, 'stale_s', partial(setattr, self, '_stale_s'))
         self._mean_max_deg = settings.detectors.mean_max_deg
@@ -85,8 +86,8 @@ class NowPublisher:
         # Rolling figures come with every batch of pairs, and only the newest are shown.
         self._rolling: dict[str, Intake] = {}
         self._told: dict[str, tuple[Mapping[str, Any], float]] = {}
-        self._figures = node.create_publisher(DiagnosticArray, FIGURES_TOPIC, qos.STATUS)
-        self._vote = node.create_publisher(DiagnosticArray, VOTE_TOPIC, qos.STATUS)
+        self._figures = node.create_publisher(DiagnosticArray, FIGURES_TOPIC, qos.STATE)
+        self._vote = node.create_publisher(DiagnosticArray, VOTE_TOPIC, qos.STATE)
         self.panel = AlarmPanel(node, health, vote_rules(self._names))
         for name in self._names if self._reference else ():
             if name != self._reference:
@@ -109,10 +110,11 @@ class NowPublisher:
 
         """
         pairs = [*self._list_tested(), *self._list_others()]
-        vote, ns = vote_now(self._names, pairs), newest_ns or 0
+        vote = vote_now(self._names, pairs)
+        ns = self._node.get_clock().now().nanoseconds if newest_ns is None else newest_ns
         self._figures.publish(encode_sensors_figures(
-            {name: _describe(view) for name, view in views.items()}, pairs, ns))
-        self._vote.publish(encode_vote(vote, judged, ns))
+            {name: _describe(view) for name, view in views.items()}, pairs, ns, self._owner))
+        self._vote.publish(encode_vote(vote, judged, ns, self._owner))
         if newest_ns is not None:
             self.panel.update(vote_signs(self._names, vote, pairs), newest_ns)
         return vote

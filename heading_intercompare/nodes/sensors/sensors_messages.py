@@ -36,7 +36,7 @@ SENSORS_VERDICT_TOPIC = 'sensors/verdict'
 
 
 def encode_sensors_figures(sensors: Mapping[str, Mapping[str, Any]], pairs: Sequence[PairNow],
-                           ns: int) -> bytes:
+                           ns: int, owner: str = '') -> bytes:
     """
     Return the figures of sensors and pairs in the rolling window as a message of `STATUS_TYPE`.
 
@@ -48,6 +48,8 @@ def encode_sensors_figures(sensors: Mapping[str, Mapping[str, Any]], pairs: Sequ
         Each becomes a status ``first - second``.
     ns
         The newest stamp, nanoseconds.
+    owner
+        The node that says so.
 
     """
     sensor_statuses = [Status(name, OK, 'figures, not a verdict', figures)
@@ -57,17 +59,17 @@ def encode_sensors_figures(sensors: Mapping[str, Mapping[str, Any]], pairs: Sequ
         'std_deg': pair.std_deg, 'lower_bound_deg2': pair.lower_bound_deg2,
         'limit_deg2': pair.limit_deg2, 'share': pair.share, 'differs': pair.differs})
         for pair in pairs]
-    return encode_statuses(ns, [*sensor_statuses, *both])
+    return encode_statuses(ns, [*sensor_statuses, *both], owner)
 
 
-def encode_vote(now: Vote, judged: Vote | None, ns: int) -> bytes:
+def encode_vote(now: Vote, judged: Vote | None, ns: int, owner: str = '') -> bytes:
     """
     Return the votes on the rolling window and on the judged runs as a message of `STATUS_TYPE`.
 
     The statuses are ``now``, which is no verdict, and ``judged``, if a run was.
     """
     return encode_statuses(ns, [
-        _say_vote('now', now), *([] if judged is None else [_say_vote('judged', judged)])])
+        _say_vote('now', now), *([] if judged is None else [_say_vote('judged', judged)])], owner)
 
 
 def _say_vote(name: str, vote: Vote) -> Status:
@@ -77,7 +79,7 @@ def _say_vote(name: str, vote: Vote) -> Status:
         'one_source': ' '.join('/'.join(group) for group in vote.one_source)})
 
 
-def encode_sensors_verdict(verdict: SensorsVerdict, ns: int) -> bytes:
+def encode_sensors_verdict(verdict: SensorsVerdict, ns: int, owner: str = '') -> bytes:
     """Return a verdict: its headline, the outcome of each tested sensor, and the vote."""
     whole = Status('verdict', verdict_level(verdict.outcome, verdict.validity_effect),
                    verdict.headline, {'outcome': verdict.outcome,
@@ -89,4 +91,5 @@ def encode_sensors_verdict(verdict: SensorsVerdict, ns: int) -> bytes:
             'sigma_max_deg': sensor.sigma_max_deg,
             'std_deg': None if sensor.variance is None else sensor.variance.std_deg})
                        for sensor in verdict.sensors]
-    return encode_statuses(ns, [whole, *sensor_statuses, _say_vote('vote', verdict.vote)])
+    return encode_statuses(ns, [whole, *sensor_statuses, _say_vote('vote', verdict.vote)],
+                           owner)

@@ -93,8 +93,8 @@ class SensorsReporting:
         self.verdict: SensorsVerdict | None = None
         if own.report_dir is not None:
             os.makedirs(own.report_dir, exist_ok=True)
-        self._verdict = node.create_publisher(DiagnosticArray, SENSORS_VERDICT_TOPIC, qos.VERDICT)
-        self._verdict.publish(encode_no_verdict(0))
+        self._verdict = node.create_publisher(DiagnosticArray, SENSORS_VERDICT_TOPIC, qos.STATE)
+        self._verdict.publish(encode_no_verdict(self._now_ns(), health.owner))
         health.note('verdict', OK, NO_VERDICT)
         self._report = node.create_publisher(String, SENSORS_REPORT_TOPIC, qos.REPORT)
         for name in self._tested:
@@ -138,7 +138,8 @@ class SensorsReporting:
                           verdict.headline, log=False)
         self._node.get_logger().info(f'verdict on {len(verdict.sensors)} sensors: '
                                      f'{verdict.headline}')
-        self._verdict.publish(encode_sensors_verdict(verdict, self._headings.newest_ns or 0))
+        self._verdict.publish(encode_sensors_verdict(verdict, self._now_ns(),
+                                                     self._health.owner))
         self._report.publish(encode_text(report))
         self._write(verdict, report)
 
@@ -146,6 +147,11 @@ class SensorsReporting:
         """Judge all runs, and wait until the verdict has been received."""
         self.conclude()
         await_acknowledgement([self._verdict, self._report], 1.0)
+
+    def _now_ns(self) -> int:
+        """Return the newest stamp; before the first one the time of the node."""
+        newest_ns = self._headings.newest_ns
+        return self._node.get_clock().now().nanoseconds if newest_ns is None else newest_ns
 
     def _write(self, verdict: SensorsVerdict, report: str) -> None:
         if self._own.report_dir is None:

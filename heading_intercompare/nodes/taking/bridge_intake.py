@@ -42,7 +42,7 @@ from .raw_subscription import subscribe
 from .recorded_topics import ALARMS_TOPIC
 
 # With several sensors one node hears the headings, and says what to show of them.
-_OF_SENSORS = (('figures', qos.STATUS), ('vote', qos.STATUS), ('verdict', qos.VERDICT))
+_OF_SENSORS = ('figures', 'vote', 'verdict')
 
 
 #: Takes the stamp of a message, its statuses, and the time of its receipt.
@@ -105,13 +105,13 @@ class BridgeIntake:
         """Subscribe to the statuses of the graph."""
         bridge = self._bridge
         stamped: list[tuple[str, QoSProfile, _Stamped]] = [
-            (f'sensors/{name}', profile, partial(bridge.take_sensors, name))
-            for name, profile in _OF_SENSORS] if several else [
+            (f'sensors/{name}', qos.STATE_IN, partial(bridge.take_sensors, name))
+            for name in _OF_SENSORS] if several else [
                 ('compliance/rolling', qos.STATUS, bridge.take_rolling),
                 ('compliance/run', qos.STATUS, bridge.take_run),
-                ('compliance/verdict', qos.VERDICT, bridge.take_verdict)]
+                ('compliance/verdict', qos.STATE_IN, bridge.take_verdict)]
         stamped += [
-            (ALARMS_TOPIC, qos.ALARMS, _without_stamp(bridge.take_alarms)),
+            (ALARMS_TOPIC, qos.STATE_IN, _without_stamp(bridge.take_alarms)),
             (DIAGNOSTICS_TOPIC, qos.HEADINGS_UNRELIABLE, _without_stamp(bridge.take_health))]
         for topic, profile, act in stamped:
             subscribe(node, DiagnosticArray, topic, profile, health, decode_statuses,

@@ -119,12 +119,17 @@ def _offer(profile: QoSProfile) -> Qos:
     return Qos(depth=profile.depth, durability='transient_local' if stored else 'volatile')
 
 
-class _Alarms(Intake):
-    """The alarms of several nodes, whose numbers say nothing about losses."""
+class _State(Intake):
+    """
+    A state of one or several nodes, whose numbers say nothing about losses.
 
-    def __init__(self, node: Node, health: Health) -> None:
-        super().__init__(node, ALARMS_TOPIC, STATUS_TYPES, qos.ALARMS, health, sole=False,
-                         needed=False, counted=False)
+    Publishers keep only the newest message, which replaces those that came late.
+    """
+
+    def __init__(self, node: Node, health: Health, topic: str, *, needed: bool = False,
+                 first_wait_s: float = 0.0) -> None:
+        super().__init__(node, topic, STATUS_TYPES, qos.STATE_IN, health, sole=False,
+                         needed=needed, counted=False, first_wait_s=first_wait_s)
 
     def take(self) -> list[tuple[bytes, Mapping[str, int]]]:
         """Return the messages to record, without numbers."""
@@ -211,19 +216,13 @@ class _Row(NamedTuple):
     expected: bool
 
 
-def _list_rows(node: Node, places: Sequence[str], headings: Sequence[str],
-               several: bool) -> list[_Row]:
+def _list_rows(node: Node, reports: Sequence[str], headings: Sequence[str]) -> list[_Row]:
     """Return the topics whose messages are recorded as they come, in the order to subscribe."""
     rows = [*(_Row(topic, HEADING_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, True)
               for topic in headings),
             _Row(MARKER_TOPIC, STATUS_TYPES, qos.MARKER, qos.MARKER, True),
-            _Row(NOTE_TOPIC, TEXT_TYPES, qos.NOTE, qos.NOTE, False)]
-    judged = [(f'{place}compliance/verdict', f'{place}{REPORT_TOPIC}') for place in places]
-    if several:
-        judged.append(('sensors/verdict', SENSORS_REPORT_TOPIC))
-    for verdict, report in judged:
-        rows += [_Row(verdict, STATUS_TYPES, qos.VERDICT, qos.VERDICT, True),
-                 _Row(report, TEXT_TYPES, qos.REPORT, qos.REPORT, True)]
+            _Row(NOTE_TOPIC, TEXT_TYPES, qos.NOTE, qos.NOTE, False),
+            *(_Row(topic, TEXT_TYPES, qos.REPORT, qos.REPORT, True) for topic in reports)]
     if resolve_topic(node, TRUTH_TOPIC) not in [resolve_topic(node, topic) for topic in headings]:
         # First: nobody waits for the truth, but its subscription must precede the headings.
         rows.insert(0, _Row(TRUTH_TOPIC, TRUTH_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, False))
@@ -249,7 +248,13 @@ def make_intakes(node: Node, settings: Settings, taking: Taking, types: HeadingT
     topics = {topic: Recorded(_offer(qos.HEADINGS_OUT), make_motion_intake(
         node, health, what, topic, taking), False)
         for what, topic in motion_topics(settings.motion).items() if settings.motion.compare}
-    for row in _list_rows(node, places, headings, bool(sensors)):
+    reports = [f'{place}{REPORT_TOPIC}' for place in places] + [SENSORS_REPORT_TOPIC] * bool(
+        sensors)
+    for report in reports:
+        verdict = report.removesuffix('report') + 'verdict'
+        topics[verdict] = Recorded(_offer(qos.STATE), _State(
+            node, health, verdict, needed=True, first_wait_s=taking.first_wait_s), True)
+    for row in _list_rows(node, reports, headings):
         takes_headings = row.taken is qos.HEADINGS_IN
         topics[row.topic] = Recorded(_offer(row.offered), Intake(
             node, row.topic, row.types, row.taken, health,
@@ -272,7 +277,7 @@ def make_intakes(node: Node, settings: Settings, taking: Taking, types: HeadingT
                 published=(*topics[topic].published,
                            partial(ledgers.headings.count_missing, stream)),
                 spans=(*topics[topic].spans, partial(ledgers.headings.find_span, stream)))
-    topics[ALARMS_TOPIC] = Recorded(_offer(qos.ALARMS), _Alarms(node, health), False)
+    topics[ALARMS_TOPIC] = Recorded(_offer(qos.STATE), _State(node, health, ALARMS_TOPIC), False)
     if states.kept:
         topics[DIAGNOSTICS_TOPIC] = Recorded(
             _offer(qos.STATUS), _Diagnostics(node, health, states), False)

@@ -41,7 +41,7 @@ class Shown:
         node = ros.add(Node, 'watcher')
         self.panel = AlarmPanel(node, Health(node), RULES)
         # A late subscriber, too, hears how the alarms stand.
-        self.heard = ros.listen(DiagnosticArray, 'compliance/alarms', qos.ALARMS)
+        self.heard = ros.listen(DiagnosticArray, 'compliance/alarms', qos.STATE_IN)
         ros.spin_until(lambda: self.heard)
 
     def see(self, at_s, jump=None, burst=None):
@@ -81,6 +81,25 @@ def test_each_state_has_its_level_and_each_change_one_message(shown):
     shown.see(20, burst=True)
     shown.says('burst', 'active_unacknowledged', WARN)
     assert len(shown.heard) == 5
+
+
+def test_a_late_subscriber_gets_one_message_of_each_node_with_all_its_alarms(ros):
+    """Each publisher keeps its newest message alone, and several publish on the topic."""
+    panels = {}
+    for name in ('first', 'second'):
+        node = ros.add(Node, name)
+        panels[name] = AlarmPanel(node, Health(node), RULES)
+        panels[name].update({'jump': Sign(True, 'TS - RS jumped')}, S_NS)
+        panels[name].update({'burst': Sign(True, 'a burst')}, 2 * S_NS)
+    heard = ros.listen(DiagnosticArray, 'compliance/alarms', qos.STATE_IN)
+    ros.spin_until(lambda: len(heard) >= 2)
+    ros.spin_until(lambda: ros.executor.spin_once(0.2) is None)
+    assert sorted([(s.name, s.level[0]) for s in message.status] for message in heard) == [
+        [(f'{name}: jump', ERROR), (f'{name}: burst', WARN)] for name in panels]
+    for message in heard:
+        node = message.status[0].name.partition(':')[0]
+        assert message.header.stamp.sec == 2
+        assert all(s.hardware_id.startswith(f'/{node} ') for s in message.status)
 
 
 @pytest.mark.parametrize('text, jump, burst', [
