@@ -44,8 +44,8 @@ def fill_in(policy: str, namespace: str, topics: dict) -> str:
 
 
 #: What the nodes of a sensor find in the namespace of the graph; what each of them has itself.
-SHARED = ('compliance/marker', 'compliance/alarms', 'compliance/acknowledge', 'ship/fix',
-          'ship/velocity', 'ship/rate_of_turn')
+SHARED = ('compliance/marker', 'compliance/heartbeat', 'compliance/alarms',
+          'compliance/acknowledge', 'ship/fix', 'ship/velocity', 'ship/rate_of_turn')
 OWN = ('pairs', 'pairs/ledger', 'compliance/verdict', 'compliance/report', 'compliance/rolling',
        'compliance/run')
 HEADINGS = tuple(f'{role}/heading{end}' for role in ('ts', 'rs') for end in ('', '/lost'))

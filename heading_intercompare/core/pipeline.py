@@ -207,6 +207,11 @@ class Compliance:
         """Stamp of the first pair of the run in progress; None outside runs."""
         return None if self._run is None else self._run.start_ns
 
+    @property
+    def n_in_run(self) -> int:
+        """Return the number of pairs in the run in progress; 0 outside runs."""
+        return 0 if self._run is None else self._run.n_input
+
     def preview(self, ledger: Ledger | None = None) -> Verdict:
         """Return the verdict that a stop now would give."""
         finished, short = [*self._finished], [*self._short]

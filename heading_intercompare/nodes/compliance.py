@@ -24,6 +24,7 @@ from typing import Any, Sequence
 from diagnostic_msgs.msg import DiagnosticArray
 from std_srvs.srv import Trigger
 
+from heading_intercompare.core.alarms.graph_watch import silent_while_judging_s
 from heading_intercompare.core.decision.coverage import least_duration_words
 from heading_intercompare.core.pipeline import Compliance as PureCompliance
 from heading_intercompare.core.sensors.pair_settings import settings_of_tested
@@ -32,6 +33,7 @@ from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.messages.ledger_messages import decode_ledger
 from heading_intercompare.messages.status_messages import decode_marks, encode_mark, MARKER_TOPIC
 from heading_intercompare.nodes.alarms.comparison_alarms import ComparisonAlarms
+from heading_intercompare.nodes.alarms.graph_alarms import GraphAlarms
 from heading_intercompare.nodes.judging.pair_intake import PairIntake
 from heading_intercompare.nodes.judging.reporting import Reporting
 from heading_intercompare.nodes.judging.trial_journal import open_spool, TrialJournal
@@ -66,13 +68,14 @@ class Compliance(GraphNode):
             self, Settings, Taking, ComplianceNode, followed=('window_s', 'stale_s'))
         self._settings, self._own = (settings_of_tested(settings, node_settings.sensor),
                                      place_files(node_settings))
-        self.health = Health(self, called(self, node_settings.sensor))
+        self.health = Health(self, called(self, node_settings.sensor), keeper=True)
         self._compliance = PureCompliance(self._settings, source='live',
                                           keeper=lambda: open_spool(self.health))
         self.get_logger().info(least_duration_words(self._settings.risk))
         self._pairs = PairIntake(self, self.health, taking, self._settings.pairing,
                                  Arrivals(self, self._drain, _HOLD_OFF_S))
         self.alarms = ComparisonAlarms(self, self.health, self._settings)
+        GraphAlarms(self, self.health, self.alarms.panel, [node_settings.sensor or ''])
         self._journal = TrialJournal(self, self._compliance, self._own, self.health)
         self._pairs.go_on(self._journal.kept.numbers, self._compliance.newest_ns)
         self._motion = MotionIntake(self, self.health, taking, self._settings.motion, (
@@ -121,6 +124,7 @@ class Compliance(GraphNode):
         self.alarms.look()
         self._compliance.motion.forget(self._compliance.run_start_ns)
         self._figures.compute()
+        self.health.within_s = silent_while_judging_s(self._compliance.n_in_run)
 
     def _mark(self, marks: Sequence[tuple[str, int]]) -> None:
         for kind, stamp_ns in marks:

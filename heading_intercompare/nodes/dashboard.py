@@ -20,6 +20,7 @@ import sys
 import time
 from typing import Any, Sequence
 
+from heading_intercompare.core.alarms.alarm import Priority
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.nodes.judging.operator_actions import OperatorActions
 from heading_intercompare.nodes.ros.graph_node import GraphNode
@@ -46,7 +47,7 @@ class Dashboard(GraphNode):
         super().__init__('dashboard', **kwargs)
         settings, taking, node_settings = declare(self, SHOWN, Taking, DashboardNode)
         self.ended = False
-        self.health = Health(self)
+        self.health = Health(self, priority=Priority.CAUTION)
         limit_deg = (Limits.of(settings.norms, settings.model).count_limit_deg
                      if settings.sensors is None else None)
         self._graph = BridgeIntake(self, self.health, settings, taking, limit_deg)

@@ -37,7 +37,10 @@ from heading_intercompare.bags.rosbag2.provenance import (
 from heading_intercompare.bags.rosbag2.publisher_starts import PublisherRecords
 from heading_intercompare.bags.rosbag2.trial_parts import find_place, name_first
 from heading_intercompare.bags.settings import BagSettings
+from heading_intercompare.core.alarms.alarm import Priority
+from heading_intercompare.core.alarms.graph_watch import NOT_RECORDED
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.statistics.recent_count import RecentCount
 from heading_intercompare.nodes.ros.graph_node import GraphNode
 from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.ros.parameters import declare
@@ -56,6 +59,8 @@ from .settings import HeadingTypes, RecorderNode, Taking
 
 # Nobody waits for what is recorded, and its subscriptions hold more than a second at 1 kHz.
 _QUIET_S, _DRAIN_S = 0.3, 0.2
+# A full disk may be written for a moment now and then.
+_FAULT_S = 10.0
 
 
 class Recorder(GraphNode):
@@ -67,7 +72,7 @@ class Recorder(GraphNode):
         super().__init__('recorder', **kwargs)
         self._settings, taking, types, bag_settings, self._own = declare(
             self, Settings, Taking, HeadingTypes, BagSettings, RecorderNode)
-        self.health = Health(self)
+        self.health = Health(self, priority=Priority.CAUTION)
         self.path, self._before = self._own.output or name_first(), self._own.continues
         if self._own.go_on:
             self.path, self._before = find_place(self.path)
@@ -84,6 +89,7 @@ class Recorder(GraphNode):
                          if recorded.expected and not recorded.is_heading]
         self._judged = JudgedHeadings(self._topics, self._go_on())
         self._starts = PublisherRecords(self._bag.metadata)
+        self._faults = RecentCount(_FAULT_S)
         self._notes = Notes(self._bag.metadata)
         self._notes.add(self._own.note or '', time.time_ns())
         self._state, self._report, self._quiet_s, self._end_s = '', '', 0.0, math.inf
@@ -155,7 +161,9 @@ class Recorder(GraphNode):
 
     def _note(self) -> None:
         bag = self._bag
-        self.health.note('bag', *recorder_losses.bag_state(bag, self.path), messages=bag.written,
+        faults = self._faults.take(bag.faults, time.monotonic())
+        self.health.note('bag', *recorder_losses.bag_state(bag, self.path),
+                         alarm=NOT_RECORDED if bag.fault or faults else '', messages=bag.written,
                          waiting=bag.waiting, lost=sum(bag.lost.values()), faults=bag.faults,
                          absent=bag.absent, free_bytes=bag.free_bytes, notes_cut=self._notes.cut,
                          notes_left_out=self._notes.left_out, parts_cut=self._states.cut)

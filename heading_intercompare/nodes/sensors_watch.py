@@ -25,6 +25,7 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from heading_intercompare.bags.rosbag2.provenance import SENSORS_REPORT_TOPIC
+from heading_intercompare.core.alarms.graph_watch import silent_while_judging_s
 from heading_intercompare.core.sensors.comparison import SensorsComparison
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
@@ -35,6 +36,7 @@ from heading_intercompare.messages.status_messages import (
     MARKER_TOPIC,
 )
 from heading_intercompare.nodes.alarms.alarm_panel import ACKNOWLEDGE_TOPIC, ALL
+from heading_intercompare.nodes.alarms.graph_alarms import GraphAlarms
 from heading_intercompare.nodes.ros.graph_node import GraphNode
 from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.ros.parameters import declare
@@ -71,7 +73,7 @@ class SensorsWatch(GraphNode):
         super().__init__('sensors_watch', **kwargs)
         settings, taking, types, node_settings = declare(
             self, Settings, Taking, HeadingTypes, SensorsNode, followed=('stale_s',))
-        self.health = Health(self)
+        self.health = Health(self, keeper=True)
         self._comparison = SensorsComparison(settings, source='live', only_others=True)
         self._headings = SensorsIntake(self, self.health, taking, types, self._comparison)
         self._journals = PairJournals(self, self.health, settings, node_settings, self._comparison,
@@ -81,6 +83,7 @@ class SensorsWatch(GraphNode):
         self._reporting = SensorsReporting(self, self.health, settings, node_settings,
                                            self._comparison, self._journals, self._headings)
         self.alarms = self._now
+        GraphAlarms(self, self.health, self._now.panel)
         self.sole = SoleNode(self, [SENSORS_REPORT_TOPIC], self.health)
         self._marks = MarkIntake(self.health, self._journals.marks)
         self._marker = self.create_publisher(DiagnosticArray, MARKER_TOPIC, qos.MARKER)
@@ -118,6 +121,8 @@ class SensorsWatch(GraphNode):
         self._now.look(self._headings.view(), self._headings.newest_ns,
                        None if verdict is None else verdict.vote)
         self._journals.look(self._headings.newest_ns)
+        self.health.within_s = silent_while_judging_s(sum(
+            pair.compliance.n_in_run for pair in self._comparison.others.values()))
         if self._end_s is None:
             self._reporting.look()
 

@@ -29,6 +29,7 @@ from heading_intercompare.core.records import Losses, Pairs
 from heading_intercompare.messages.heading_messages import pair_messages
 from heading_intercompare.messages.ledger_messages import encode_ledger
 from heading_intercompare.messages.status_messages import decode_marks, MARKER_TOPIC
+from heading_intercompare.nodes.alarms.graph_alarms import GraphAlarms
 from heading_intercompare.nodes.alarms.stream_alarms import StreamAlarms
 from heading_intercompare.nodes.ros.batches import Arrivals
 from heading_intercompare.nodes.ros.endpoints import count_subscribed
@@ -40,7 +41,7 @@ from heading_intercompare.nodes.ros.steady_timer import every
 from heading_intercompare.nodes.runtime.awake_clock import AwakeClock
 from heading_intercompare.nodes.runtime.publishing import await_acknowledgement, Backlog
 from heading_intercompare.nodes.runtime.sole_node import SoleNode
-from heading_intercompare.nodes.sensors.places import called, choose_streams
+from heading_intercompare.nodes.sensors.places import called, choose_streams, list_watched
 from heading_intercompare.nodes.taking.headings_intake import HeadingsIntake
 from heading_intercompare.nodes.taking.mark_intake import MarkIntake
 from heading_intercompare.nodes.taking.predecessor import Predecessor
@@ -63,11 +64,13 @@ class Synchronizer(GraphNode):
         super().__init__('synchronizer', **kwargs)
         settings, taking, types, self._own = declare(
             self, PAIRED, Taking, HeadingTypes, SynchronizerNode, followed=('stale_s',))
-        settings = choose_streams(settings, self._own.sensor)
+        streams = choose_streams(settings, self._own.sensor)
+        places, settings = list_watched(settings, self._own.sensor), streams
         self._started_ns = time.time_ns()
         self._pairer = Pairer(settings)
         self.health = Health(self, called(self, self._own.sensor))
         self.alarms = StreamAlarms(self, self.health, settings.pairing, taking)
+        GraphAlarms(self, self.health, self.alarms.panel, places, keepers_only=True)
         self._marks = MarkIntake(self.health)
         self._pairs = self.create_publisher(TwistStamped, 'pairs', qos.PAIRS,
                                             event_callbacks=self.health.of_publisher('pairs'))

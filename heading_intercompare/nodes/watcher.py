@@ -36,7 +36,7 @@ class Watcher(GraphNode):
         super().__init__('watcher', **kwargs)
         settings, taking = declare(self, SHOWN, Taking)
         self.ended = False
-        self.health = Health(self)
+        self.health = Health(self, priority=None)
         self._graph = BridgeIntake(self, self.health, settings, taking)
 
     def open(self) -> None:

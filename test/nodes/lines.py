@@ -17,6 +17,8 @@
 from __future__ import annotations
 
 import socket
+from threading import Event, Thread
+import time
 
 from checksums import with_checksum
 
@@ -32,3 +34,21 @@ def free_port() -> int:
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.bind(('127.0.0.1', 0))
         return probe.getsockname()[1]
+
+
+class TurningShip(Thread):
+    """Sends the heading of a turning ship to two UDP ports, 20 times a second, until stopped."""
+
+    def __init__(self, ports):
+        super().__init__(daemon=True)
+        self.ports, self.sent, self.stopped = ports, {}, Event()
+
+    def run(self):
+        """Send; note between which times each heading was sent."""
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
+            while not self.stopped.wait(0.05):
+                heading = round(len(self.sent) * 0.1 % 360.0, 1)
+                before_ns = time.time_ns()
+                for port in self.ports:
+                    out.sendto(sentence(heading).encode(), ('127.0.0.1', port))
+                self.sent[heading] = (before_ns, time.time_ns())

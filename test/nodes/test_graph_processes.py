@@ -22,19 +22,17 @@ import json
 import os
 import pty
 import signal
-import socket
 import struct
 import subprocess
 import sys
 import termios
-from threading import Event, Thread
 import time
 
 from deadlines import DEADLINE_S
 from nodes import launch_files
 from nodes.graph_checks import assert_same, log, offline
 from nodes.launch_files import make_environment, nodes
-from nodes.lines import free_port, sentence
+from nodes.lines import free_port, TurningShip
 from nodes.processes import Processes, wait_for
 from nodes.ros_nodes import NORMS
 import pytest
@@ -183,24 +181,6 @@ def test_a_replay_as_processes_ends_by_itself_and_gives_the_same_report(processe
     processes.wait('synchronizer', 'compliance')
     written, = reports.iterdir()
     assert_same(json.loads(written.read_text('utf-8')), live)
-
-
-class TurningShip(Thread):
-    """Sends the heading of a turning ship to two UDP ports, 20 times a second, until stopped."""
-
-    def __init__(self, ports):
-        super().__init__(daemon=True)
-        self.ports, self.sent, self.stopped = ports, {}, Event()
-
-    def run(self):
-        """Send; note between which times each heading was sent."""
-        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as out:
-            while not self.stopped.wait(0.05):
-                heading = round(len(self.sent) * 0.1 % 360.0, 1)
-                before_ns = time.time_ns()
-                for port in self.ports:
-                    out.sendto(sentence(heading).encode(), ('127.0.0.1', port))
-                self.sent[heading] = (before_ns, time.time_ns())
 
 
 @pytest.mark.slow

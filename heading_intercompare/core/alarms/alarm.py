@@ -25,7 +25,8 @@ class Priority(str, Enum):
     """
     How grave an alarm is.
 
-    `WARNING`: the comparison means nothing while it lasts. `CAUTION`: some readings are bad.
+    `WARNING`: the comparison means nothing while it lasts. `CAUTION`: some readings are bad, or
+    not all is kept.
     """
 
     WARNING = 'warning'
@@ -178,7 +179,14 @@ class AlarmTable:
     """
 
     def __init__(self, rules: Iterable[Rule]) -> None:
-        self._alarms = {rule.name: Alarm(rule) for rule in rules}
+        self._alarms: dict[str, Alarm] = {}
+        # Alarms about data have the times of its stamps, others that of day.
+        self._seen_ns: dict[str, int] = {}
+        self.add(rules)
+
+    def add(self, rules: Iterable[Rule]) -> None:
+        """Add alarms; one that is there stays as it is."""
+        self._alarms = {**{rule.name: Alarm(rule) for rule in rules}, **self._alarms}
 
     def __len__(self) -> int:
         return len(self._alarms)
@@ -201,13 +209,18 @@ class AlarmTable:
             Those whose state changed.
 
         """
+        self._seen_ns |= dict.fromkeys(signs, now_ns)
         return self._change({name: self._alarms[name].see(sign, now_ns)
                              for name, sign in signs.items()})
 
     def acknowledge(self, name: str | None, now_ns: int) -> list[Alarm]:
-        """Acknowledge one alarm by its name, or all; return those whose state changed."""
-        return self._change({key: alarm.acknowledge(now_ns) for key, alarm in self._alarms.items()
-                             if name in (None, key)})
+        """
+        Acknowledge one alarm by its name, or all; return those whose state changed.
+
+        The time is that of the last look at an alarm; `now_ns` for one that nobody looked at.
+        """
+        return self._change({key: alarm.acknowledge(self._seen_ns.get(key, now_ns))
+                             for key, alarm in self._alarms.items() if name in (None, key)})
 
     def _change(self, new: Mapping[str, Alarm]) -> list[Alarm]:
         changed = [alarm for name, alarm in new.items()

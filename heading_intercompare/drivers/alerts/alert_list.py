@@ -48,7 +48,8 @@ _LETTERS = {AlarmState.UNACKNOWLEDGED: 'V', AlarmState.ACKNOWLEDGED: 'A',
 #: Alarms in the order of their identifiers: only append to it, for bridges know the numbers.
 _NAMES = ('ts_frozen', 'rs_frozen', 'rotated', 'mirrored', 'jump', 'outliers', 'same_source',
           'clock_step', 'mean_difference', 'reference', 'resolution', 'repeated_readings',
-          'motion', 'ts_silent', 'rs_silent', 'checksum', 'second_talker', 'burst', 'dropped')
+          'motion', 'ts_silent', 'rs_silent', 'checksum', 'second_talker', 'burst', 'dropped',
+          'not_recorded', 'not_written', 'two_publishers', 'mismatch', 'lost_on_the_way')
 _FIRST = 10001
 _IDENTIFIERS = {name: _FIRST + number for number, name in enumerate(_NAMES)}
 #: Those of other alarms are made from their names.

@@ -97,6 +97,11 @@ class AlarmPanel:
                   self._hear)
         self._show(publish=True)
 
+    def add(self, rules: Iterable[Rule]) -> None:
+        """Add alarms; they are published with the others."""
+        self._table.add(rules)
+        self._show(publish=True)
+
     def __getitem__(self, name: str) -> Alarm:
         return self._table[name]
 

@@ -31,6 +31,7 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from heading_intercompare.bags.recording.disk_sync import replace_file
+from heading_intercompare.core.alarms.graph_watch import NOT_WRITTEN
 from heading_intercompare.core.decision.sequential import LookVerdict
 from heading_intercompare.core.pairing.incarnations import Incarnations
 from heading_intercompare.core.pairing.ledger import Ledger
@@ -116,7 +117,8 @@ class RunLog:
 
     def _fail(self, why: str, *, latch: bool) -> None:
         self._retry_at_s = time.monotonic() + _RETRY_S
-        self._health.note('logbook', WARN, f'{why}; {len(self._waiting)} runs wait', latch=latch)
+        self._health.note('logbook', WARN, f'{why}; {len(self._waiting)} runs wait', latch=latch,
+                          alarm=NOT_WRITTEN if latch else '')
 
 
 class Reporting:
@@ -326,6 +328,7 @@ class Reporting:
         try:
             replace_file(path, text)
         except OSError as error:
-            self._health.note('report', ERROR, f'{path}: {error.strerror}', latch=True)
+            self._health.note('report', ERROR, f'{path}: {error.strerror}', latch=True,
+                              alarm=NOT_WRITTEN)
         else:
             self._health.note('report', OK, f'written to {path}')

@@ -26,6 +26,7 @@ from heading_intercompare.bags.recording.journal import name_journal
 from heading_intercompare.bags.recording.journal_reading import Kept, Numbers
 from heading_intercompare.bags.recording.run_journal import RunJournal
 from heading_intercompare.bags.recording.spool import Spool
+from heading_intercompare.core.alarms.graph_watch import NOT_WRITTEN
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.records import Motion, Pairs
 from heading_intercompare.core.runs.growing_columns import Keep
@@ -89,7 +90,8 @@ class TrialJournal:
             node.get_logger().warning(f'{self._part}: {self._journal.resumed}')
 
     def _warn(self, why: str) -> None:
-        self._health.note(self._part, WARN, f'the run in progress is not kept: {why}', latch=True)
+        self._health.note(self._part, WARN, f'the run in progress is not kept: {why}', latch=True,
+                          alarm=NOT_WRITTEN)
 
     def add(self, pairs: Pairs, numbers: Numbers) -> None:
         """Keep pairs, before they are judged, and the numbers of their messages so far."""

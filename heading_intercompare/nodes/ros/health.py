@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The state of a node on /diagnostics: once per second, and at once when it gets worse."""
+"""The state of a node on /diagnostics once per second, at once when worse; and a heartbeat."""
 
 from __future__ import annotations
 
@@ -24,8 +24,11 @@ from typing import Any, Callable, Mapping
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.event_handler import PublisherEventCallbacks, SubscriptionEventCallbacks
 from rclpy.node import Node
-from rclpy.qos import qos_policy_name_from_kind
+from rclpy.qos import qos_check_compatible, qos_policy_name_from_kind, QoSCompatibility
 
+from heading_intercompare.core.alarms.alarm import Priority
+from heading_intercompare.core.alarms.graph_watch import Beat, BEAT_S, MISMATCH, WITHIN_S
+from heading_intercompare.messages.heartbeat_messages import encode_beat, HEARTBEAT_TOPIC
 from heading_intercompare.messages.status_messages import (
     encode_statuses,
     ERROR,
@@ -34,6 +37,7 @@ from heading_intercompare.messages.status_messages import (
     WARN,
 )
 
+from .parameters import resolve_topic
 from .qos import STATUS
 from .steady_timer import every
 
@@ -57,6 +61,11 @@ class Health:
     name
         What to call it within its graph; by default its name. Nodes of one graph that have the
         same name in several namespaces need one each.
+    priority
+        Of the alarm when the node falls silent; None: it has no heartbeat, because another node
+        of its process has one.
+    keeper
+        The node keeps the alarms about the graph.
 
     Attributes
     ----------
@@ -65,10 +74,13 @@ class Health:
         namespace before it.
     owner : str
         Full name of the node, and when it was started, UTC ns.
+    within_s : float
+        Time in which the next heartbeat comes, seconds.
 
     """
 
-    def __init__(self, node: Node, name: str | None = None) -> None:
+    def __init__(self, node: Node, name: str | None = None, *,
+                 priority: Priority | None = Priority.WARNING, keeper: bool = False) -> None:
         self._node, self.name = node, name or node.get_name()
         self._full_name = node.get_fully_qualified_name().removeprefix('/')
         self.owner = f'/{self._full_name} {time.time_ns()}'
@@ -78,7 +90,12 @@ class Health:
         self._refreshers: list[Callable[[], None]] = []
         self._ending = False
         self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', STATUS)
-        every(node, 1.0, self._beat)
+        self._priority, self._keeper, self.within_s = priority, keeper, WITHIN_S
+        self._troubles: dict[str, str] = {}
+        self._mismatched: set[str] = set()
+        self._heart = None if priority is None else node.create_publisher(
+            DiagnosticArray, HEARTBEAT_TOPIC, STATUS)
+        every(node, BEAT_S, self._beat)
         self.note('node', OK, 'running')
 
     @property
@@ -87,16 +104,17 @@ class Health:
         return self._ending
 
     def mute(self) -> None:
-        """Log only errors from now on: at the end inputs disappear, as they should."""
+        """Log only errors from now on, and say so: at the end inputs disappear, as they should."""
         self._ending = True
+        self._publish_beat()
 
     def add_refresher(self, refresh: Callable[[], None]) -> None:
         """Add a function to call every second before the parts are published."""
         self._refreshers.append(refresh)
 
     def note(self, part: str, level: int, message: str, *, latch: bool = False,
-             log: bool = True, figures: Mapping[str, object] = MappingProxyType({}),
-             **values: object) -> None:
+             log: bool = True, alarm: str = '',
+             figures: Mapping[str, object] = MappingProxyType({}), **values: object) -> None:
         """
         Set the state of a part; publish at once if it is worse than before.
 
@@ -113,6 +131,8 @@ class Health:
             latched already.
         log
             Log a change.
+        alarm
+            The alarm of the graph for this state, one of `TROUBLE_RULES`; '': none.
         figures
             Figures to show with it, by names that are not known here.
         **values
@@ -122,6 +142,7 @@ class Health:
         before = self._parts.get(part)
         now = Status(f'{self._full_name}: {part}', level, message, {**values, **figures})
         self._parts[part] = now
+        self._troubles[part] = alarm if level != OK else ''
         latched = self._latched.get(part)
         if latch and level != OK and (latched is None or level >= latched.level):
             self._latched[part] = now
@@ -158,9 +179,25 @@ class Health:
         self._publisher.publish(encode_statuses(now_ns, shown.values(), self.owner))
 
     def _beat(self) -> None:
+        for topic in [topic for topic in self._mismatched if not self._is_mismatched(topic)]:
+            self._mismatched.remove(topic)
+            self.note(topic, OK, 'the QoS matches')
         for refresh in self._refreshers:
             refresh()
         self.publish()
+        self._publish_beat()
+
+    def _publish_beat(self) -> None:
+        if self._heart is None or self._priority is None:
+            return
+        troubles: dict[str, str] = {}
+        for part, alarm in self._troubles.items():
+            if alarm:
+                words = self._parts[part].message
+                troubles[alarm] = f'{troubles[alarm]}; {words}' if alarm in troubles else words
+        self._heart.publish(encode_beat(
+            Beat(self.name, self._priority, self.within_s, self._keeper, self._ending, troubles),
+            self._node.get_clock().now().nanoseconds, self.owner))
 
     def _log(self, level: int, text: str, first: bool) -> None:
         logger = self._node.get_logger()
@@ -175,7 +212,17 @@ class Health:
 
     def _note_mismatch(self, topic: str, event: Any) -> None:
         policy = qos_policy_name_from_kind(event.last_policy_kind)
-        self.note(topic, ERROR, f'QoS mismatch on {topic}: {policy}; no message gets through')
+        self._mismatched.add(topic)
+        self.note(topic, ERROR, f'QoS mismatch on {topic}: {policy}; no message gets through',
+                  alarm=MISMATCH)
+
+    def _is_mismatched(self, topic: str) -> bool:
+        """Tell whether some publisher still offers less than a subscription needs."""
+        name = resolve_topic(self._node, topic)
+        return any(qos_check_compatible(publisher.qos_profile, subscription.qos_profile)[0]
+                   == QoSCompatibility.ERROR
+                   for publisher in self._node.get_publishers_info_by_topic(name)
+                   for subscription in self._node.get_subscriptions_info_by_topic(name))
 
     def of_subscription(self, topic: str) -> SubscriptionEventCallbacks:
         """Return callbacks that report a QoS mismatch of a subscription."""

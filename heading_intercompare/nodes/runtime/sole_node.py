@@ -23,6 +23,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 from rclpy.subscription import Subscription
 
+from heading_intercompare.core.alarms.graph_watch import TWO_PUBLISHERS
 from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.messages.errors import MessageError
@@ -120,10 +121,12 @@ class SoleNode:
         rival = (f'{name}, started at {utc(int(started))} UTC, also publishes '
                  f'{self._others[name]}')
         if time.monotonic() < self._began_s + _STARTING_S and self._gives_way(int(started)):
+            # The graph that was there first misses nobody.
+            self._health.mute()
             raise SettingsError(f'{rival}: end it, or start this graph in a namespace of its own, '
                                 'namespace:=/NAME (live: --namespace /NAME)')
         self._heard_s = time.monotonic()
-        self._health.note('graph', ERROR, f'{rival}: end one of the two')
+        self._health.note('graph', ERROR, f'{rival}: end one of the two', alarm=TWO_PUBLISHERS)
 
     def _gives_way(self, started_ns: int) -> bool:
         """Tell whether the other one was there first; clocks of two computers may differ."""

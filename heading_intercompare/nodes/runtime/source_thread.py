@@ -24,6 +24,7 @@ from typing import Any, Callable
 
 from rclpy.publisher import Publisher
 
+from heading_intercompare.core.alarms.alarm import Priority
 from heading_intercompare.drivers.framing import Received
 from heading_intercompare.drivers.playback import FileSource
 from heading_intercompare.drivers.settings import DriverSettings
@@ -170,7 +171,8 @@ class ReadingNode(GraphNode):
             self, PUBLISHED, DriverSettings, Sending, Taking, DriverNode, followed=('stale_s',))
         self._allow_silence(taking)
         self._flushed = self._ending = False
-        self.health = Health(self)
+        self.health = Health(
+            self, priority=Priority.WARNING if record == 'heading' else Priority.CAUTION)
         self._newest_s = time.monotonic()
 
     def _open(self, *, alone: bool = False) -> None:

@@ -36,10 +36,11 @@ from heading_intercompare.core.sensor_table import (
     Sensor,
 )
 from heading_intercompare.core.settings import MotionRule, Settings
+from heading_intercompare.messages.heartbeat_messages import HEARTBEAT_TOPIC
 from heading_intercompare.messages.status_messages import MARKER_TOPIC
 from heading_intercompare.nodes.settings import ComplianceNode
 
-SHARED_TOPICS = (MARKER_TOPIC, 'compliance/alarms', 'compliance/acknowledge')
+SHARED_TOPICS = (MARKER_TOPIC, HEARTBEAT_TOPIC, 'compliance/alarms', 'compliance/acknowledge')
 """Topics that the nodes of all sensors have in common, beside the headings."""
 
 
@@ -50,6 +51,18 @@ def choose_streams(settings: Settings, sensor: str | None) -> Settings:
     ts, rs = find_tested(read_sensors(settings.sensors), sensor)
     return replace(settings, ts_topic=ts.heading_topic, rs_topic=rs.heading_topic,
                    ts_convention=ts.convention, rs_convention=rs.convention)
+
+
+def list_watched(settings: Settings, sensor: str | None) -> list[str]:
+    """
+    Return the places in which a synchronizer watches the nodes that keep alarms.
+
+    Of several sensors, the synchronizer of the first one also watches those of the whole graph.
+    """
+    tested = list_tested(read_sensors(settings.sensors))
+    if sensor is None:
+        return ['']
+    return [sensor, ''] if tested[0].name == sensor else [sensor]
 
 
 def called(node: Node, sensor: str | None) -> str:

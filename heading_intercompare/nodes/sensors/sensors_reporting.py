@@ -28,6 +28,7 @@ from std_msgs.msg import String
 
 from heading_intercompare.bags.recording.disk_sync import replace_file
 from heading_intercompare.bags.rosbag2.provenance import SENSORS_REPORT_TOPIC
+from heading_intercompare.core.alarms.graph_watch import NOT_WRITTEN
 from heading_intercompare.core.sensor_table import list_tested
 from heading_intercompare.core.sensors.comparison import SensorsComparison
 from heading_intercompare.core.sensors.judging import judge_sensors
@@ -164,7 +165,8 @@ class SensorsReporting:
             replace_file(path, report)
             replace_file(path.with_suffix('.txt'), f'{verdict}\n')
         except OSError as error:
-            self._health.note('report', ERROR, f'{path}: {error.strerror}', latch=True)
+            self._health.note('report', ERROR, f'{path}: {error.strerror}', latch=True,
+                              alarm=NOT_WRITTEN)
         else:
             self._health.note('report', OK, f'written to {path}')
 

@@ -33,6 +33,11 @@ from rclpy.topic_endpoint_info import TopicEndpointInfo
 from heading_intercompare.bags.recording.cut_bag import LastMessages
 from heading_intercompare.bags.rosbag2.publisher_starts import PublisherStart
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
+from heading_intercompare.core.alarms.graph_watch import (
+    LOST_ON_THE_WAY,
+    MISMATCH,
+    TWO_PUBLISHERS,
+)
 from heading_intercompare.core.pairing.incarnations import StreamNumbers
 from heading_intercompare.core.records import Losses
 from heading_intercompare.core.statistics.recent_count import RecentCount
@@ -51,6 +56,8 @@ _Chunk = TypeVar('_Chunk')
 
 #: A publisher that was killed stays visible for its lease of 20 s.
 _LEASE_S = 30.0
+#: How long messages lost on the way are an alarm.
+_LOSING_S = 10.0
 #: All that publishers keep was sent after this time.
 _EVER_NS = 1
 
@@ -173,6 +180,7 @@ class Intake:
         self._names, self._looked_n = PublisherNames(self._list_gids), 0
         self._resumed: str | None = None
         self._recent = RecentCount(lost_shown_s), RecentCount(lost_shown_s)
+        self._losing, self._alarm = RecentCount(_LOSING_S), ''
         self._rivals_since_s: float | None = None
         self._ghost = False
         self._after, self._whole = ('', 0), whole
@@ -302,7 +310,7 @@ class Intake:
 
     def look(self) -> str:
         """Look for publishers and subscribe to their type; return what is wrong, '' if nothing."""
-        self._ghost = False
+        self._ghost, self._alarm = False, ''
         self.publishers = self._node.count_publishers(self.full_name)
         if self.publishers < 2:
             self._rivals_since_s = None
@@ -322,6 +330,7 @@ class Intake:
                                  self._since_ns * stored)
         strange = sorted(offered_types - {self.type_name} - set(() if self.type_name else good))
         if strange:
+            self._alarm = MISMATCH
             return (f'{self._topic} has the type {", ".join(strange)}; must be '
                     f'{self.type_name or " or ".join(self._types)}')
         return self._describe_mismatch(infos) or (
@@ -347,6 +356,7 @@ class Intake:
         for info in infos:
             verdict, reason = qos_check_compatible(info.qos_profile, self._qos)
             if verdict == QoSCompatibility.ERROR:
+                self._alarm = MISMATCH
                 return f'QoS mismatch on {self._topic} with {info.node_name}: {reason}'
         return ''
 
@@ -361,6 +371,7 @@ class Intake:
         if self._ghost:
             return (f'{len(infos)} publishers on {self._topic}, all {names[0]}: after a restart '
                     'the old one may be dead and disappears within 20 s')
+        self._alarm = TWO_PUBLISHERS
         return f'{len(infos)} publishers on {self._topic} instead of one: {", ".join(names)}'
 
     def _notice_standstill(self) -> None:
@@ -447,7 +458,7 @@ class Intake:
         level, words = self._describe(wrong, now_s)
         rate_hz = (self.received - self._beat_n) / max(now_s - self._beat_s, 1e-3)
         self._beat_s, self._beat_n = now_s, self.received
-        self._health.note(self._topic, level, words, type=self.type_name,
+        self._health.note(self._topic, level, words, alarm=self._alarm, type=self.type_name,
                           publishers=self.publishers, received=self.received, lost=self.lost,
                           refused=self.refused or None, before_start=self.before or None,
                           resubscribed=self.resubscribed or None, rate_hz=rate_hz, age_s=age_s,
@@ -459,9 +470,11 @@ class Intake:
             troubles.append(f'{lost} messages lost on the way')
         if refused:
             troubles.append(f'{refused} messages refused: {self._why_refused}')
+        losing = self._losing.take(self.lost, now_s)
         self._health.note(f'{self._topic} lost', WARN if troubles else OK,
                           '; '.join(troubles) or 'nothing lost lately',
-                          lost=self.lost, refused=self.refused or None)
+                          alarm=LOST_ON_THE_WAY if losing else '', lost=self.lost,
+                          refused=self.refused or None)
 
 
 def _name_gids(infos: Sequence[TopicEndpointInfo]) -> list[str]:

@@ -219,10 +219,13 @@ class Bridge:
     def take_alarms(self, statuses: Sequence[Status], now_s: float) -> None:
         """Take `compliance/alarms`, which holds all alarms of one node."""
         self._heard_s = now_s
+        # A node that was started again may not know the nodes that its predecessor missed.
+        nodes = {status.name.partition(': ')[0] for status in statuses}
+        self._alarms = {name: status for name, status in self._alarms.items()
+                        if name.partition(': ')[0] not in nodes}
         for status in statuses:
-            if status.values.get('state', 'normal') == 'normal':
-                self._alarms.pop(status.name, None)
-            elif status.name in self._alarms or len(self._alarms) < _MOST_ALARMS:
+            if (status.values.get('state', 'normal') != 'normal'
+                    and len(self._alarms) < _MOST_ALARMS):
                 self._alarms[status.name] = status
 
     def take_ledger(self, ledger: LedgerMessage, now_s: float) -> None:
@@ -374,7 +377,7 @@ class Bridge:
             return ValidityView('no comparison now: no pairs come', Tone.BAD)
         if active:
             names = ', '.join(alarm.name for alarm in active)
-            return ValidityView(f'some readings are bad: {names}', Tone.DOUBT)
+            return ValidityView(f'the comparison goes on, with trouble: {names}', Tone.DOUBT)
         return ValidityView('nothing speaks against the comparison now', Tone.NONE)
 
     def _view_alarms(self) -> tuple[AlarmView, ...]:

@@ -39,7 +39,7 @@ class Told:
     def __init__(self):
         self.states = []
 
-    def note(self, part, level, message, *, latch=False):
+    def note(self, part, level, message, *, latch=False, alarm=''):
         self.states.append((part, level, message, latch))
 
 

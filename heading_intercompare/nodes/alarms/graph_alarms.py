@@ -1,0 +1,67 @@
+# Copyright 2026 The heading_intercompare authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The alarms about the graph itself, from the heartbeats of its nodes."""
+
+from __future__ import annotations
+
+from typing import Collection
+
+from diagnostic_msgs.msg import DiagnosticArray
+from rclpy.node import Node
+
+from heading_intercompare.core.alarms.graph_watch import Beat, GraphWatch, TROUBLE_RULES
+from heading_intercompare.messages.heartbeat_messages import decode_beat, HEARTBEAT_TOPIC
+from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.health import Health
+from heading_intercompare.nodes.runtime.awake_clock import AwakeClock
+from heading_intercompare.nodes.taking.raw_subscription import subscribe
+
+from .alarm_panel import AlarmPanel
+
+
+class GraphAlarms:
+    """
+    Raises what is wrong with a graph on the panel of a node, at the time of day.
+
+    Parameters
+    ----------
+    panel
+        Gets the alarms.
+    places, keepers_only
+        As for `GraphWatch`.
+
+    """
+
+    def __init__(self, node: Node, health: Health, panel: AlarmPanel,
+                 places: Collection[str] = ('',), *, keepers_only: bool = False) -> None:
+        self._watch = GraphWatch(health.name, places, keepers_only=keepers_only)
+        self._panel, self._awake, self._clock = panel, AwakeClock(), node.get_clock()
+        if not keepers_only:
+            panel.add(TROUBLE_RULES)
+        subscribe(node, DiagnosticArray, HEARTBEAT_TOPIC, qos.DIAGNOSTICS_IN, health, decode_beat,
+                  self._take)
+        health.add_refresher(self._look)
+
+    def _take(self, beat: Beat) -> None:
+        rule = self._watch.take(beat, self._awake.now_s())
+        if rule is not None:
+            self._panel.add([rule])
+
+    def _look(self) -> None:
+        # While this node stands still, it hears nobody, and no time passes.
+        signs = {name: sign for name, sign in self._watch.look(self._awake.now_s()).items()
+                 if sign.active or self._panel[name].state.active}
+        if signs:
+            self._panel.update(signs, self._clock.now().nanoseconds)
