@@ -44,6 +44,7 @@ missing in the bag.
 from __future__ import annotations
 
 import argparse
+from contextlib import suppress
 from importlib.util import find_spec
 import itertools
 import json
@@ -53,10 +54,10 @@ import signal
 from statistics import median
 import subprocess
 import sys
-from tempfile import TemporaryDirectory
+from tempfile import TemporaryDirectory, TemporaryFile
 import threading
 import time
-from typing import Any, Callable, Iterator, Mapping, Sequence
+from typing import Any, Callable, Iterator, Mapping, NoReturn, Sequence
 
 import numpy as np
 
@@ -196,23 +197,40 @@ class Process:
         self.began_s = time.time()
         self.process = subprocess.Popen(
             [sys.executable, *words], env=environment, cwd=folder, text=True,
-            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL)
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=(errors := TemporaryFile('w+')))
+        self._words, self._errors = ' '.join(words[:2]), errors
+
+    def _read(self, file: str, key: str) -> str:
+        """Return what follows a key in a file about the process; end if the process is gone."""
+        text = ''
+        if self.process.poll() is None:
+            with suppress(OSError):
+                text = Path(f'/proc/{self.process.pid}/{file}').read_text('utf-8')
+        if key not in text:
+            self._complain()
+        return text.rpartition(key)[2]
+
+    def _complain(self) -> NoReturn:
+        """End the benchmark: say which process is gone, and what it said last."""
+        code = self.process.wait(LONGEST_WAIT_S)
+        self._errors.seek(0)
+        last = (self._errors.read().strip() or 'it said nothing').rpartition('\n')[2]
+        raise SystemExit(f'the process {self._words} ended with exit code {code} before it was '
+                         f'measured: {last}')
 
     def cpu_s(self) -> float:
         """Return the CPU time so far, of all threads, user and system."""
-        text = Path(f'/proc/{self.process.pid}/stat').read_text('utf-8')
-        times = text.rpartition(') ')[2].split()
+        times = self._read('stat', ') ').split()
         return TICK_S * (int(times[11]) + int(times[12]))
 
     def memory_mb(self) -> float:
         """Return the resident memory now."""
-        text = Path(f'/proc/{self.process.pid}/status').read_text('utf-8')
-        return int(text.partition('VmRSS:')[2].split()[0]) / 1024.0
+        return int(self._read('status', 'VmRSS:').split()[0]) / 1024.0
 
     def say(self) -> str:
-        """Return the next line that it prints."""
+        """Return the next line that it prints; end if it is gone."""
         assert self.process.stdout is not None
-        return self.process.stdout.readline()
+        return self.process.stdout.readline() or self._complain()
 
     def interrupt(self) -> str:
         """Interrupt it and return what it prints."""
@@ -223,8 +241,8 @@ class Process:
 def node_words(name: str, settings: dict[str, Any]) -> list[str]:
     """Return the arguments of Python for a node."""
     given = [word for key, value in settings.items() for word in ('-p', f'{key}:={value}')]
-    return ['-c', f'from heading_intercompare.nodes.{name} import main; main()', '--ros-args',
-            *given]
+    code = f'from heading_intercompare.node_executables import {name}; {name}()'
+    return ['-c', code, '--ros-args', *given]
 
 
 def start(candidate: str, folder: Path, domain: int) -> dict[str, Process]:

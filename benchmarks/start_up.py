@@ -100,7 +100,7 @@ def command(*words: str, most: float = float('inf')) -> Program:
 def node(name: str, *parameters: str, most: float = float('inf')) -> Program:
     """Return a node with some parameters, as its executable runs it."""
     given = [word for parameter in parameters for word in ('-p', parameter)]
-    return Program(('-c', f'from heading_intercompare.nodes.{name} import main; main()',
+    return Program(('-c', f'from heading_intercompare.node_executables import {name}; {name}()',
                     '--ros-args', *given), 'plain node', most, True)
 
 

@@ -20,6 +20,7 @@ from collections import Counter
 from dataclasses import replace
 import importlib
 from pathlib import Path
+import re
 import sys
 
 from deadlines import DEADLINE_S
@@ -154,6 +155,17 @@ def test_a_process_of_a_benchmark_finds_a_peer_on_a_relative_path(tmp_path, monk
     process = live.Process(['-c', 'import only_there; print(only_there.__name__)'],
                            tmp_path / 'elsewhere', 1)
     assert process.process.communicate(timeout=DEADLINE_S)[0] == 'only_there\n'
+
+
+def test_a_process_that_is_gone_ends_the_benchmark_with_a_line(tmp_path):
+    """One that was killed or refused had no line of its memory: IndexError."""
+    process = live.Process(['-c', 'import sys; sys.exit("no such sensor")'], tmp_path, 1)
+    line = ('the process -c import sys; sys.exit("no such sensor") ended with exit code 1 before '
+            'it was measured: no such sensor')
+    for ask in (process.say, process.memory_mb, process.cpu_s):
+        with pytest.raises(SystemExit, match=re.escape(line)):
+            ask()
+    process.process.communicate()
 
 
 def test_ratios_to_a_peer_are_those_of_the_median_round():

@@ -244,7 +244,7 @@ def test_the_templates_are_data_of_the_package_and_of_its_source_archive():
     assert templates == {f'report/templates/{name}' for name in (
         'protocol.html', 'protocol.css', 'sensors.html')}
     assert "'report/templates/*'" in (ROOT / 'setup.py').read_text('utf-8')
-    assert (f'recursive-include {NAME}/report/templates *'
+    assert (f'recursive-include {NAME}/report/templates *.css *.html'
             in (ROOT / 'MANIFEST.in').read_text('utf-8').splitlines())
 
 
@@ -351,8 +351,10 @@ def test_colcon_builds_a_package_whose_nodes_start_and_end(source, tmp_path):
     need('colcon_ros')
     need('rclpy')
     workspace = source.parent.parent
-    built = run(sys.executable, '-m', 'colcon', 'build', '--packages-select', NAME, cwd=workspace)
+    built = run(sys.executable, '-m', 'colcon', 'build', '--packages-select', NAME, cwd=workspace,
+                PYTHONDONTWRITEBYTECODE='')
     assert built.returncode == 0, built.stdout
+    assert 'stderr' not in built.stdout, built.stdout
     prefix = workspace / 'install' / NAME
     executables = prefix / 'lib' / NAME
     assert sorted(p.name for p in executables.iterdir()) == sorted(

@@ -36,7 +36,7 @@ class Processes:
 
     def start(self, node) -> None:
         """Start a node as `ros2 launch` would."""
-        code = (f'from heading_intercompare.nodes.{node.executable} import main; '
+        code = (f'from heading_intercompare.node_executables import {node.executable} as main; '
                 'raise SystemExit(main())')
         name = node.file or node.name
         with open(self.folder / f'{name}.log', 'wb') as said:

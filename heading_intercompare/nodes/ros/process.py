@@ -134,7 +134,7 @@ def say_security_errors() -> Iterator[None]:
 _MISTAKES = (SettingsError, DriverError, BagError, OSError)
 """The errors that a user can cause; the text of each is one line that says what is wrong."""
 
-# Longest time that a node may take to end; `ros2 launch` kills after 10 s.
+# Longest time that a node may take to end; other launch files than ours kill it after 10 s.
 _END_S = 9.0
 
 # The middleware may never return from taking down a node. Everything is published and written by

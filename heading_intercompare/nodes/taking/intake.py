@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from functools import partial
+import math
 import time
 from typing import Callable, Mapping, Sequence, TypeVar
 
@@ -56,6 +57,8 @@ _Chunk = TypeVar('_Chunk')
 
 #: A publisher that was killed stays visible for its lease of 20 s.
 _LEASE_S = 30.0
+#: A launch file ends a graph within this time after a player has ended.
+_GONE_S = 5.0
 #: How long messages lost on the way are an alarm.
 _LOSING_S = 10.0
 #: All that publishers keep was sent after this time.
@@ -163,6 +166,8 @@ class Intake:
         self._renewal = Renewal()
         self._newest_s = time.monotonic()
         self._first_wait_s, self._begun_s = first_wait_s, self._newest_s
+        # When a publisher was seen first since there was none, and last.
+        self._come_s = self._there_s = -math.inf
         self._beat_s, self._beat_n, self._latency_s = self._newest_s, 0, 0.0
         self.type_name = self._known_type = known_type
         if known_type is not None and known_type not in types:
@@ -317,6 +322,10 @@ class Intake:
         if not self.publishers:
             self._await_publisher()
             return ''
+        now_s = time.monotonic()
+        if now_s > self._there_s + _GONE_S:
+            self._come_s = now_s
+        self._there_s = now_s
         infos = self._node.get_publishers_info_by_topic(self.full_name)
         offered_types = {info.topic_type for info in infos}
         good = [name for name in self._types if name in offered_types]
@@ -442,8 +451,14 @@ class Intake:
         if not self.received and now_s < self._begun_s + self._first_wait_s:
             return OK, f'waiting for the first message of {self._topic}'
         if not self.publishers:
-            return WARN if self._needed else OK, f'no publisher on {self._topic}'
-        if self._stale_s is not None and now_s - self._newest_s > self._stale_s:
+            gone = self._needed and now_s > self._there_s + _GONE_S
+            return WARN if gone else OK, f'no publisher on {self._topic}'
+        stale = self._stale_s is not None and (
+            now_s - max(self._newest_s, self._come_s) > self._stale_s)
+        if not self.received:
+            return (WARN if stale else OK, f'waiting for the first message of {self._topic}'
+                    + ', which has a publisher' * stale)
+        if stale:
             return WARN, f'silent for more than {self._stale_s:g} s'
         return OK, 'receiving'
 
@@ -461,7 +476,8 @@ class Intake:
         self._health.note(self._topic, level, words, alarm=self._alarm, type=self.type_name,
                           publishers=self.publishers, received=self.received, lost=self.lost,
                           refused=self.refused or None, before_start=self.before or None,
-                          resubscribed=self.resubscribed or None, rate_hz=rate_hz, age_s=age_s,
+                          resubscribed=self.resubscribed or None, rate_hz=rate_hz,
+                          age_s=age_s if self.received else None,
                           latency_s=self._latency_s)
         lost, refused = (count.take(total, now_s) for count, total in zip(
             self._recent, (self.lost, self.refused)))

@@ -35,7 +35,7 @@ from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.ros.batches import take_all
 from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.ros.message_types import HEADING_TYPES
-from heading_intercompare.nodes.taking import reception
+from heading_intercompare.nodes.taking import intake as intake_module, reception
 from heading_intercompare.nodes.taking.intake import Intake
 
 
@@ -429,13 +429,41 @@ def test_a_publisher_that_restarts_owns_what_it_sent_before_it_was_heard(ros):
 
 def test_silence_is_a_warning(ros):
     intake, heard = intake_of(ros, stale_s=0.2)
-    publisher_to(ros, intake)
+    publisher = publisher_to(ros, intake)
+    publisher.publish(headings(0, 1)[0])
+    take(ros, intake, 1)
     ros.spin_until(lambda: state(heard, 'silent for more than 0.2 s'))
+
+
+def test_a_topic_that_was_never_heard_is_not_called_silent(ros):
+    """It was 'silent for more than 3 s', as if something had come before."""
+    intake, heard = intake_of(ros, stale_s=0.2)
+    publisher_to(ros, intake)
+    words = 'waiting for the first message of h, which has a publisher'
+    ros.spin_until(lambda: state(heard, words))
+    assert state(heard, words)[0] == WARN
+    shown = [s for m in heard for s in m.status if s.name == 'taker: h']
+    assert not any('silent' in s.message for s in shown)
+    assert not any(pair.key == 'age_s' for s in shown for pair in s.values)
 
 
 def test_a_missing_publisher_is_a_warning(ros):
     _, heard = intake_of(ros)
     ros.spin_until(lambda: state(heard, 'no publisher on h'))
+    assert state(heard, 'no publisher on h')[0] == WARN
+
+
+def test_a_publisher_that_ends_is_missed_only_if_the_graph_does_not_end_too(ros, monkeypatch):
+    """A player ends, and a launch file ends the others: there was a warning at every end."""
+    monkeypatch.setattr(intake_module, '_GONE_S', 2.5)
+    intake, heard = intake_of(ros)
+    publisher = publisher_to(ros, intake)
+    ros.spin_until(lambda: intake.publishers)
+    ros.plain.destroy_publisher(publisher)
+    ros.spin_until(lambda: state(heard, 'no publisher on h'))
+    ros.spin_until(lambda: state(heard, 'no publisher on h')[0] == WARN)
+    levels = [s.level[0] for m in heard for s in m.status if s.message == 'no publisher on h']
+    assert levels[:2] == [OK, OK] and levels == sorted(levels)
 
 
 def test_an_input_that_was_never_heard_is_only_missed_after_a_while(ros):
