@@ -24,7 +24,7 @@ from typing import Any, Sequence
 from diagnostic_msgs.msg import DiagnosticArray
 from std_srvs.srv import Trigger
 
-from heading_intercompare.core.alarms.graph_watch import silent_while_judging_s
+from heading_intercompare.core.alarms.graph_watch import estimate_judging_s
 from heading_intercompare.core.decision.coverage import least_duration_words
 from heading_intercompare.core.pipeline import Compliance as PureCompliance
 from heading_intercompare.core.sensors.pair_settings import settings_of_tested
@@ -124,7 +124,7 @@ class Compliance(GraphNode):
         self.alarms.look()
         self._compliance.motion.forget(self._compliance.run_start_ns)
         self._figures.compute()
-        self.health.within_s = silent_while_judging_s(self._compliance.n_in_run)
+        self.health.judging_s = estimate_judging_s(self._compliance.n_in_run)
 
     def _mark(self, marks: Sequence[tuple[str, int]]) -> None:
         for kind, stamp_ns in marks:

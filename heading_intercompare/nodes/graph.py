@@ -33,6 +33,7 @@ import rclpy
 from rclpy.context import Context
 from rclpy.signals import SignalHandlerOptions
 
+from heading_intercompare.core.alarms.graph_watch import ONE_PROCESS_S
 from heading_intercompare.core.sensor_table import list_tested, read_sensors
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
@@ -246,6 +247,7 @@ class _Graph:
                 node = planned.make(
                     context=self._context, cli_args=planned.arguments(namespace, remaps),
                     parameter_overrides=make_overrides({**settings, **planned.parameters}))
+            node.health.within_s = ONE_PROCESS_S
             self.nodes.append(node)
             (self.judging if isinstance(node, _JUDGES) else self.executor).add_node(node)
 

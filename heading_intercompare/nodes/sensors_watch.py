@@ -25,7 +25,7 @@ from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
 from heading_intercompare.bags.rosbag2.provenance import SENSORS_REPORT_TOPIC
-from heading_intercompare.core.alarms.graph_watch import silent_while_judging_s
+from heading_intercompare.core.alarms.graph_watch import estimate_judging_s
 from heading_intercompare.core.sensors.comparison import SensorsComparison
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
@@ -121,7 +121,7 @@ class SensorsWatch(GraphNode):
         self._now.look(self._headings.view(), self._headings.newest_ns,
                        None if verdict is None else verdict.vote)
         self._journals.look(self._headings.newest_ns)
-        self.health.within_s = silent_while_judging_s(sum(
+        self.health.judging_s = estimate_judging_s(sum(
             pair.compliance.n_in_run for pair in self._comparison.others.values()))
         if self._end_s is None:
             self._reporting.look()

@@ -38,6 +38,9 @@ BEAT_S = 1.0
 WITHIN_S = 5.0
 """A node whose next heartbeat does not come within this time, seconds, is silent."""
 
+ONE_PROCESS_S = 60.0
+"""The same where all nodes share a process: none dies alone, and its loops wait for each other."""
+
 # Names of others must not fill the memory.
 _MOST = 50
 # Intervals between heartbeats from which the load of the computer is known.
@@ -46,9 +49,9 @@ _KEPT, _LEAST = 64, 8
 _JUDGING_S = 1e-5
 
 
-def silent_while_judging_s(n: int) -> float:
-    """Return within what time a node that judges n pairs is heard again, seconds."""
-    return WITHIN_S + _JUDGING_S * n
+def estimate_judging_s(n: int) -> float:
+    """Return how long a node that judges n pairs may not be heard, seconds."""
+    return _JUDGING_S * n
 
 
 @dataclass(frozen=True, slots=True)

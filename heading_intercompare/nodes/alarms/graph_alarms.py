@@ -16,17 +16,19 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from typing import Collection
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 
-from heading_intercompare.core.alarms.graph_watch import Beat, GraphWatch, TROUBLE_RULES
+from heading_intercompare.core.alarms.graph_watch import GraphWatch, TROUBLE_RULES
+from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.heartbeat_messages import decode_beat, HEARTBEAT_TOPIC
 from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.ros.batches import take_all, Unwatched
 from heading_intercompare.nodes.ros.health import Health
 from heading_intercompare.nodes.runtime.awake_clock import AwakeClock
-from heading_intercompare.nodes.taking.raw_subscription import subscribe
 
 from .alarm_panel import AlarmPanel
 
@@ -50,18 +52,23 @@ class GraphAlarms:
         self._panel, self._awake, self._clock = panel, AwakeClock(), node.get_clock()
         if not keepers_only:
             panel.add(TROUBLE_RULES)
-        subscribe(node, DiagnosticArray, HEARTBEAT_TOPIC, qos.DIAGNOSTICS_IN, health, decode_beat,
-                  self._take)
+        # Taken once a second: to wake for each one would cost more than all else here.
+        self._heard = node.create_subscription(
+            DiagnosticArray, HEARTBEAT_TOPIC, lambda message: None, qos.DIAGNOSTICS_IN, raw=True,
+            callback_group=Unwatched(), event_callbacks=health.of_subscription(HEARTBEAT_TOPIC))
         health.add_refresher(self._look)
-
-    def _take(self, beat: Beat) -> None:
-        rule = self._watch.take(beat, self._awake.now_s())
-        if rule is not None:
-            self._panel.add([rule])
 
     def _look(self) -> None:
         # While this node stands still, it hears nobody, and no time passes.
-        signs = {name: sign for name, sign in self._watch.look(self._awake.now_s()).items()
+        now_s = self._awake.now_s()
+        rules = []
+        for data, _ in take_all(self._heard):
+            # Others may publish what they like; who says nothing readable is not heard.
+            with suppress(MessageError):
+                rules.append(self._watch.take(decode_beat(data), now_s))
+        if newcomers := [rule for rule in rules if rule is not None]:
+            self._panel.add(newcomers)
+        signs = {name: sign for name, sign in self._watch.look(now_s).items()
                  if sign.active or self._panel[name].state.active}
         if signs:
             self._panel.update(signs, self._clock.now().nanoseconds)

@@ -74,8 +74,8 @@ class Health:
         namespace before it.
     owner : str
         Full name of the node, and when it was started, UTC ns.
-    within_s : float
-        Time in which the next heartbeat comes, seconds.
+    within_s, judging_s : float
+        Time in which the next heartbeat comes; how much longer if the node judges, seconds.
 
     """
 
@@ -90,7 +90,8 @@ class Health:
         self._refreshers: list[Callable[[], None]] = []
         self._ending = False
         self._publisher = node.create_publisher(DiagnosticArray, '/diagnostics', STATUS)
-        self._priority, self._keeper, self.within_s = priority, keeper, WITHIN_S
+        self._priority, self._keeper = priority, keeper
+        self.within_s, self.judging_s = WITHIN_S, 0.0
         self._troubles: dict[str, str] = {}
         self._mismatched: set[str] = set()
         self._heart = None if priority is None else node.create_publisher(
@@ -196,7 +197,8 @@ class Health:
                 words = self._parts[part].message
                 troubles[alarm] = f'{troubles[alarm]}; {words}' if alarm in troubles else words
         self._heart.publish(encode_beat(
-            Beat(self.name, self._priority, self.within_s, self._keeper, self._ending, troubles),
+            Beat(self.name, self._priority, self.within_s + self.judging_s, self._keeper,
+                 self._ending, troubles),
             self._node.get_clock().now().nanoseconds, self.owner))
 
     def _log(self, level: int, text: str, first: bool) -> None:

@@ -168,6 +168,16 @@ def test_a_sound_graph_raises_nothing_and_its_heartbeats_come_every_second(ros, 
     assert times(keeper) == {}
 
 
+def test_a_message_that_is_no_heartbeat_does_no_harm(ros):
+    keeper = ros.ours(Compliance)
+    stranger = ros.plain.create_publisher(DiagnosticArray, HEARTBEAT_TOPIC, qos.STATUS)
+    ros.spin_until(lambda: stranger.get_subscription_count() == 1)
+    stranger.publish(DiagnosticArray())
+    Health(ros.add(Node, 'ts_driver'))
+    ros.spin_until(lambda: 'ts_driver_silent' in panel(keeper))
+    assert times(keeper) == {}
+
+
 def test_a_node_that_gives_way_to_another_graph_is_not_missed(ros):
     """It was heard, and ends at once, with exit code 2."""
     keeper = ros.ours(Compliance)
