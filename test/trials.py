@@ -94,14 +94,20 @@ def find_finding(judged: Any, condition: str) -> Finding | None:
 def write_headings(path: Any, streams: Mapping[str, Headings], *, frame: str = 'x',
                    records: Mapping[str, Mapping[str, Any]] | None = None,
                    settings: BagSettings | None = None,
+                   came_ns: Mapping[str, Any] | None = None,
                    write_more: Callable[[BagWriter], object] = lambda writer: None) -> str:
-    """Write a bag: metadata, the headings of each topic as Imu messages, and more."""
+    """
+    Write a bag: metadata, the headings of each topic as Imu messages, and more.
+
+    They came at their stamps, or at the times `came_ns` of a topic.
+    """
     with BagWriter(path, settings or BagSettings()) as writer:
         for name, record in (records or {}).items():
             writer.metadata(name, record)
         for topic in streams:
             writer.add_topic(topic, IMU)
-        writer.write_rows([Rows(topic, encode_imu(headings, frame), headings.stamp_ns)
+        writer.write_rows([Rows(topic, encode_imu(headings, frame),
+                                (came_ns or {}).get(topic, headings.stamp_ns))
                            for topic, headings in streams.items()])
         write_more(writer)
     return str(path)

@@ -155,8 +155,9 @@ def conclude(judged: Sequence[JudgedInput], settings: Settings,
             results.setdefault(names, []).extend(runs)
     lacking = {names for names in results
                if any(judged_input.lacks_run(names) for judged_input in judged)}
-    sketches = {sensor.name: tuple(judged_input.sketches[sensor.name] for judged_input in judged
-                                   if sensor.name in judged_input.sketches)
+    sketches = {sensor.name: tuple(sketch for judged_input in judged
+                                   if sensor.name in judged_input.sketches
+                                   for sketch in judged_input.sketches[sensor.name].sketches)
                 for sensor, _ in pair_with_reference(settings)}
     verdicts = _join_tested(judged, settings, results, lacking, sketches)
     together = None

@@ -64,7 +64,7 @@ from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import Input, OperatorNote
 from heading_intercompare.readers.registry import open_recording, sources_of
 from heading_intercompare.readers.stream_recording import StreamRecording
-from heading_intercompare.report import SeriesSketch
+from heading_intercompare.report import SegmentSketches
 
 from .config import Config, load_config
 from .logs.antenna_logs import describe_baseline
@@ -172,7 +172,7 @@ def judge_input(path: str, settings: Settings, table: RunTable | None = None,
     if settings.sensors is not None:
         raise BagError('holds the pairs of two sensors, and the setting sensors names more; '
                        'choose them with --ts NAME --rs NAME', path)
-    sketch = SeriesSketch(name) if sketched else None
+    sketch = SegmentSketches(name) if sketched else None
     pair_takers = (takers or {}).get('ts', ())
     if is_journal(path):
         return _judge_journal(path, name, settings, spans, pair_takers, progress, sketch)
@@ -203,8 +203,9 @@ class _Resumed:
             self._compliance.go_on(state, pairs)
         elif state.cutter.marked and not self._ignore_marks:
             # The marks before stay in force.
-            self._compliance.go_on(replace(state, finished=(), n_earlier=0, n_short=0,
-                                           earlier_ns=None), pairs)
+            segments = tuple(replace(segment, finished=(), n_short=0, earlier_ns=None)
+                             for segment in state.segments)
+            self._compliance.go_on(replace(state, segments=segments, n_earlier=0), pairs)
         else:
             self._compliance.update(pairs)
         self._hand_out(pairs)
@@ -223,7 +224,7 @@ def _leave_out_names(settings: Mapping[str, Any]) -> dict[str, Any]:
 
 def _judge_journal(path: str, name: str, settings: Settings, runs: Spans | None,
                    takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
-                   sketch: SeriesSketch | None) -> JudgedInput:
+                   sketch: SegmentSketches | None) -> JudgedInput:
     # A node may be writing the journal: the hash is that of the bytes that were read.
     contents = read_journal(Path(path))
     origin = read_origin(contents, Path(path))
@@ -279,15 +280,7 @@ def _judge_recording(readers: Sequence[Readable], path: str, name: str, settings
     joined = [is_joined(*two, conventions) for two in zip(readers, readers[1:])]
     for reader, before, goes_on, is_continued in zip(
             readers, [None, *readers], [False, *joined], [*joined, False]):
-        if goes_on and isinstance(reader, BagReader) and isinstance(before, BagReader):
-            reader.go_on_from(before)
-        elif before is not None:
-            comparison.begin_again()
-            problems.append(f'{reader.path} goes on with this trial; readings between the two '
-                            'are not counted')
-        if comparison.takes_marks:
-            for kind, stamp_ns in read_marks(reader):
-                comparison.mark(kind, stamp_ns)
+        _begin_reading(reader, before, goes_on, comparison, problems)
         losses = BagLosses(reader, {sensor.heading_topic: sensor.name
                                     for sensor in comparison.sensors
                                     if sensor.heading_topic in conventions},
@@ -304,15 +297,7 @@ def _judge_recording(readers: Sequence[Readable], path: str, name: str, settings
             progress(f'{n:,} of {whole:,} headings' if n <= whole else f'{n:,} headings')
         losses.read_told()
         losses.finish(comparison.comparison.newest_ns)
-        missing = find_problems(reader)
-        if is_continued and reader.incomplete in missing:
-            missing.remove(reader.incomplete)
-            remarks.append(f'{reader.incomplete}; the next bag goes on after its last message')
-        problems += missing
-        remarks += filter(None, [tell_judged(reader.metadata().get(RECORDING, {}))])
-        remarks += reader.oddities
-        if isinstance(reader, StreamRecording) and reader.not_taken:
-            problems.append(f'{reader.kind}: {reader.words_present}')
+        _describe_reading(reader, is_continued, problems, remarks)
     with ThreadPoolExecutor(1) as beside:
         # Beside the last runs, once all is read: only a process with a single thread can start
         # helpers.
@@ -324,6 +309,34 @@ def _judge_recording(readers: Sequence[Readable], path: str, name: str, settings
     return comparison.describe(
         results, [entry], lambda ts, rs: [_name_topics(entry, ts, rs, settings)],
         [f'{name}: {note}' for note in (*remarks, *problems)], path=name, label=name)
+
+
+def _begin_reading(reader: Readable, before: Readable | None, goes_on: bool,
+                   comparison: InputComparison, problems: list[str]) -> None:
+    """Begin with a recording: after the last message of the one `before`, or again; with marks."""
+    if goes_on and isinstance(reader, BagReader) and isinstance(before, BagReader):
+        reader.go_on_from(before)
+    elif before is not None:
+        comparison.begin_again()
+        problems.append(f'{reader.path} goes on with this trial; readings between the two '
+                        'are not counted')
+    if comparison.takes_marks:
+        for kind, stamp_ns in read_marks(reader):
+            comparison.mark(kind, stamp_ns)
+
+
+def _describe_reading(reader: Readable, is_continued: bool, problems: list[str],
+                      remarks: list[str]) -> None:
+    """Add what is wrong with a recording that was read to its end, and what else to know."""
+    missing = find_problems(reader)
+    if is_continued and reader.incomplete in missing:
+        missing.remove(reader.incomplete)
+        remarks.append(f'{reader.incomplete}; the next bag goes on after its last message')
+    problems += missing
+    remarks += filter(None, [tell_judged(reader.metadata().get(RECORDING, {}))])
+    remarks += reader.oddities
+    if isinstance(reader, StreamRecording) and reader.not_taken:
+        problems.append(f'{reader.kind}: {reader.words_present}')
 
 
 def _list_conventions(comparison: InputComparison, settings: Settings) -> dict[str, str]:

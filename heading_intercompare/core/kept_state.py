@@ -16,49 +16,13 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 import json
 
-from heading_intercompare.core.decision.criteria import Limits, Printed
-from heading_intercompare.core.decision.guarded import Evidence
-from heading_intercompare.core.decision.taken_out import Stretch
-from heading_intercompare.core.runs.record_pieces import PieceState
 from heading_intercompare.core.runs.run_cutter import CutterState
-from heading_intercompare.core.validity.condition import Finding
-from heading_intercompare.core.verdict.judge import RunResult
-from heading_intercompare.core.verdict.recorded import JudgedPiece
-from heading_intercompare.core.verdict.verdict_document import RunVerdict
 
-from .outcome import Outcome
-from .settings import Settings
+from .segment_runs import SegmentState
 from .typed_reader import make_plain, read_plain
-
-
-@dataclass(frozen=True, slots=True)
-class KeptRun:
-    """A judged run without its settings, and the stamp of the cut that opened it."""
-
-    verdict: RunVerdict
-    evidence: Evidence
-    limits: Limits
-    printed: Printed
-    alone: tuple[Outcome, str]
-    stabilization_s: float | str
-    cut_ns: int
-    judged: tuple[Finding, ...]
-    fingerprint: str | None
-    first_pair: int
-
-    @classmethod
-    def of(cls, result: RunResult, cut_ns: int = 0) -> 'KeptRun':
-        """Return a judged run to keep."""
-        return cls(**{f.name: getattr(result, f.name) for f in fields(cls) if f.name != 'cut_ns'},
-                   cut_ns=cut_ns)
-
-    def result(self, settings: Settings) -> RunResult:
-        """Return the judged run, given the settings it was judged by."""
-        return RunResult(**{f.name: getattr(self, f.name) for f in fields(self)
-                            if f.name != 'cut_ns'}, settings=settings)
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,46 +38,29 @@ class KeptState:
         Stamp of the newest pair.
     in_run
         A run is in progress; its cut is that of the cutter.
-    finished
-        Runs judged, but for those that were too old for the verdict and handed out.
-    n_earlier, n_short
-        Number of runs handed out, and of those that were too short before the newest of them.
-    earlier_ns
-        Cut of the newest run that is too old.
-    n_pairs, first_pair
-        Pairs so far, and those before the run in progress.
-    record_ns
-        Stamp of the first pair.
-    record : tuple
-        State of `RecordPieces`.
+    segments
+        The clock segments that the verdict counts, n >= 1, the present one last.
+    n_earlier
+        Number of runs that were too old for the verdict and handed out.
     outside
         What pairs outside the runs are called.
-    before
-        Pairs up to the end of the newest run that is too old, and that end, nanoseconds.
-    short
-        Runs that were too short.
+    first_pair
+        Pairs of the present segment before the run in progress.
 
     """
 
     cutter: CutterState
     newest_ns: int | None
     in_run: bool
-    finished: tuple[KeptRun, ...]
+    segments: tuple[SegmentState, ...]
     n_earlier: int
-    n_short: int
-    earlier_ns: int | None
-    n_pairs: int
-    record_ns: int | None
-    record: tuple[CutterState, tuple[JudgedPiece, ...], PieceState | None]
     outside: str
     first_pair: int
-    before: tuple[int, int]
-    short: tuple[Stretch, ...]
 
     @property
     def n_judged(self) -> int:
         """Return the number of runs judged so far."""
-        return self.n_earlier + len(self.finished)
+        return self.n_earlier + sum(len(segment.finished) for segment in self.segments)
 
     def to_text(self) -> str:
         """Return the state as text; `from_text` gives the same state to the bit."""

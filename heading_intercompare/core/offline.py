@@ -199,7 +199,8 @@ def _pair_again(ts: Headings, rs: Headings, result: RunResult, settings: Setting
     if len(now) != 1:
         return None
     # The table that selects the run leaves out its margins; the record as it is has them apart.
-    again = replace(now[0], pieces=(), outside=result.outside)
+    again = replace(now[0], pieces=(), outside=result.outside, verdict=replace(
+        now[0].verdict, clock_segment=result.verdict.clock_segment))
     if again.share is None or again.share.set_backs or result.share is None:
         return again
     return replace(again, share=replace(again.share, set_backs=result.share.set_backs)).conclude()

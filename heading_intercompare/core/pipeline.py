@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Any, Callable, Sequence
+from typing import Any, Callable, Iterator, Sequence
 
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.sequential import find_standing, Look, LookVerdict
@@ -34,17 +34,16 @@ from heading_intercompare.core.runs.live_figures import (
     compute_run_figures,
     name_moments,
 )
-from heading_intercompare.core.runs.record_pieces import RecordPieces
 from heading_intercompare.core.runs.rolling_window import Rolling
 from heading_intercompare.core.runs.run_cutter import RunCutter
 from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.verdict.all_runs import join
 from heading_intercompare.core.verdict.judge import judge_run, look_at, RunResult
-from heading_intercompare.core.verdict.recorded import judge_piece, JudgedPiece
 from heading_intercompare.core.verdict.verdict_document import Input, Verdict
 
-from .kept_state import KeptRun, KeptState
+from .kept_state import KeptState
 from .records import Differences, Headings, Losses, Motion, Pairs
+from .segment_runs import SegmentRuns
 from .settings import Settings
 
 
@@ -100,22 +99,17 @@ class Compliance:
         self._limits = Limits.of(settings.norms, settings.model)
         self._source = source
         self._cutter = RunCutter(settings.runs, table)
-        self._record: RecordPieces[JudgedPiece] = RecordPieces(
-            settings.runs, lambda piece: judge_piece(piece, settings))
+        # The clock segments that have ended, and the present one.
+        self._closed: list[SegmentRuns] = []
+        self._runs = SegmentRuns(settings, 0)
         self._outside = 'not in the table of runs' if table is not None else ''
-        # Pairs before the run in progress, and the runs that were too short.
+        # Pairs of the segment before the run in progress.
         self._first_pair = 0
-        self._short: list[Stretch] = []
-        # Pairs up to the end of the newest run that is too old for the verdict, and that end.
-        self._before = 0, 0
         self._run: RunSeries | None = None
         self._run_key: int | None = None
         self._looks: list[LookVerdict] = []
-        self._finished: list[tuple[RunResult, int]] = []
-        # How many runs were too old for the verdict, how many too short before the newest of the
-        # old runs, and the cut of that run.
-        self._n_short_before = self._n_earlier = 0
-        self._earlier_ns: int | None = None
+        # How many runs were too old for the verdict.
+        self._n_earlier = 0
         self.rolling = Rolling(settings.window_s)
         self.motion = RunMotion(keeper)
 
@@ -124,17 +118,38 @@ class Compliance:
         self.motion.take(motion)
 
     def update(self, pairs: Pairs) -> None:
-        """Take pairs in stamp order; judge the runs that end with them."""
-        if not len(pairs):
-            return
+        """
+        Take pairs in the order of their segments and stamps; judge the runs that end with them.
+
+        A new segment ends the run: a clock was set back.
+        """
+        for part in pairs.in_segments():
+            if int(part.segment[0]) != self.segment:
+                self._begin_segment(int(part.segment[0]))
+            self._update(part)
+
+    @property
+    def segment(self) -> int:
+        """Return the number of the clock segment of the newest pair."""
+        return self._runs.number
+
+    def _begin_segment(self, number: int) -> None:
+        self._end_run()
+        self._closed.append(self._runs)
+        self._runs, self._first_pair = SegmentRuns(self.settings, number), 0
+        self._cutter.begin_segment()
+        self.rolling.clear()
+        self.motion.begin_segment()
+
+    def _update(self, pairs: Pairs) -> None:
         differences = self._subtract(pairs)
         for piece in self._cutter.update(pairs.stamp_ns):
             if self._run is None or piece.key != self._run_key:
                 self._end_run()
                 self._run = self._begin_run(piece.key, piece.cut_ns, piece.since_ns)
-                self._first_pair = self._record.n + piece.lo
+                self._first_pair = self._runs.record.n + piece.lo
             self._run.update(pairs[piece.lo:piece.hi], differences[piece.lo:piece.hi])
-        self._record.update(pairs, differences)
+        self._runs.record.update(pairs, differences)
         self.rolling.update(differences)
         self.newest_ns = int(pairs.stamp_ns[-1])
         self._end_run_if_cut()
@@ -151,10 +166,9 @@ class Compliance:
         """Start or stop a run after the pair with this stamp; see `RunCutter.mark`."""
         self._outside = self._outside or 'outside the marks'
         if self._cutter.mark(kind, stamp_ns):
-            self._finished.clear()
-            self._short.clear()
-            self._n_earlier = self._n_short_before = 0
-            self._earlier_ns = None
+            for runs in (*self._closed, self._runs):
+                runs.withdraw()
+            self._n_earlier = 0
             self._run = self._run_key = None
             self._looks = []
         self._end_run_if_cut()
@@ -167,11 +181,8 @@ class Compliance:
         """Return what is needed to go on later, apart from the pairs of the run in progress."""
         return KeptState(
             cutter=self._cutter.state, newest_ns=self.newest_ns, in_run=self._run is not None,
-            finished=tuple(KeptRun.of(*finished) for finished in self._finished),
-            n_earlier=self._n_earlier, n_short=self._n_short_before,
-            earlier_ns=self._earlier_ns, n_pairs=self._record.n, record_ns=self._record.start_ns,
-            record=self._record.state, outside=self._outside, first_pair=self._first_pair,
-            before=self._before, short=tuple(self._short))
+            segments=tuple(runs.state for runs in (*self._closed, self._runs)),
+            n_earlier=self._n_earlier, outside=self._outside, first_pair=self._first_pair)
 
     def go_on(self, state: KeptState, pairs: Pairs) -> None:
         """
@@ -186,15 +197,15 @@ class Compliance:
 
         """
         self._cutter.go_on(state.cutter)
-        self.newest_ns, self._earlier_ns = state.newest_ns, state.earlier_ns
-        self._finished = [(run.result(self.settings), run.cut_ns) for run in state.finished]
-        self._n_earlier, self._n_short_before = state.n_earlier, state.n_short
-        self._outside = self._outside or state.outside
-        self._record.go_on(state.n_pairs, state.record_ns, *state.record)
-        self._first_pair, self._before, self._short = (
-            state.first_pair, state.before, [*state.short])
-        for run, _ in self._finished:
-            self.motion.end_run(run.verdict.end_ns)
+        self.newest_ns, self._n_earlier = state.newest_ns, state.n_earlier
+        self._outside, self._first_pair = self._outside or state.outside, state.first_pair
+        *self._closed, self._runs = (SegmentRuns.from_state(segment, self.settings)
+                                     for segment in state.segments)
+        for runs in (*self._closed, self._runs):
+            for result, _ in runs.finished:
+                self.motion.end_run(result.verdict.end_ns)
+        if self._closed:
+            self.motion.begin_segment()
         cut_ns = state.cutter.cut_ns
         if state.in_run and cut_ns is not None:
             differences = self._subtract(pairs)
@@ -214,10 +225,10 @@ class Compliance:
 
     def preview(self, ledger: Ledger | None = None) -> Verdict:
         """Return the verdict that a stop now would give."""
-        finished, short = [*self._finished], [*self._short]
+        runs = self._runs.copy()
         if self._run is not None:
-            self._judge(self._run, finished, short)
-        verdict = join(self._divide(ledger, finished, short, None)[1], self.settings)
+            self._judge(self._run, runs)
+        verdict = join(self._divide(ledger, runs, None)[1], self.settings)
         return replace(verdict, intermediate=True,
                        headline=f'INTERMEDIATE, what a stop now would give: {verdict.headline}')
 
@@ -237,40 +248,42 @@ class Compliance:
 
     def _end_run(self) -> None:
         run = self._run
-        if run is not None and self._judge(run, self._finished, self._short):
-            self._limits = self._finished[-1][0].limits
-            self.motion.end_run(self._finished[-1][0].verdict.end_ns)
+        if run is not None and self._judge(run, self._runs):
+            newest, _ = self._runs.finished[-1]
+            self._limits = newest.limits
+            self.motion.end_run(newest.verdict.end_ns)
         self._run = self._run_key = None
         self._looks = []
 
-    def _judge(self, run: RunSeries, finished: list[tuple[RunResult, int]],
-               short: list[Stretch]) -> bool:
+    def _judge(self, run: RunSeries, runs: SegmentRuns) -> bool:
         """Judge a run as it is; add it to those that are finished, or to those too short."""
         if run.start_ns is None or run.end_ns is None:
             return False
         if run.end_ns - run.start_ns < round(self.settings.runs.min_duration_s * 1e9):
-            short.append(Stretch(run.start_ns, run.end_ns, 'shorter than runs.min_duration_s',
-                                 run.n_input))
+            runs.short.append(Stretch(run.start_ns, run.end_ns,
+                                      'shorter than runs.min_duration_s', run.n_input))
             return False
-        number = len(finished) + 1
+        number = 1 + sum(len(segment.finished) for segment in (*self._closed, runs))
         result = judge_run(
             run, self.settings, number, self._source, looks=self._looks, motion=self.motion.rows,
             progress=lambda share: self._progress(f'{share:.0%} of run {number} judged'))
-        result = replace(result, first_pair=self._first_pair)
+        result = replace(result, first_pair=self._first_pair, verdict=replace(
+            result.verdict, clock_segment=runs.number or None))
         if self._thins:
             result = result.without_lost_share()
-        finished.append((result, run.cut_ns))
+        runs.finished.append((result, run.cut_ns))
         return True
 
     @property
     def finished_runs(self) -> int:
         """Return the number of runs judged so far."""
-        return self._n_earlier + len(self._finished)
+        return self._n_earlier + sum(len(runs.finished) for runs in (*self._closed, self._runs))
 
     @property
-    def cuts(self) -> list[int]:
-        """Stamps of the cuts that opened the runs judged so far; each starts a ledger segment."""
-        return [cut_ns for _, cut_ns in self._finished]
+    def cuts(self) -> dict[int, list[int]]:
+        """Stamps of the cuts that opened the runs judged so far, by clock segment."""
+        return {runs.number: [cut_ns for _, cut_ns in runs.finished]
+                for runs in (*self._closed, self._runs)}
 
     def run_figures(self) -> dict[str, Any]:
         """Return the figures of the run in progress; ``n`` is 0 outside runs."""
@@ -320,89 +333,89 @@ class Compliance:
             of a node that runs for a year does not grow.
 
         """
-        return self._divide(ledger, self._finished, self._short, self._run)[1]
+        return self._divide(ledger, self._runs, self._run)[1]
 
     def take_earlier(self, ledger: Ledger | None = None) -> list[RunResult]:
         """Return the runs that are too old for the verdict, as `results`, and forget them."""
-        earlier: list[RunResult] = []
-        if self._count_old([result for result, _ in self._finished]):
-            earlier, _ = self._divide(ledger, self._finished, self._short, self._run)
-            last, self._earlier_ns = self._finished[len(earlier) - 1]
-            self._before = last.first_pair + last.verdict.n_input, last.verdict.end_ns
-            self._record.forget_before(last.verdict.end_ns, lambda piece: piece.end_ns)
-            self._n_short_before += sum(s.start_ns < last.verdict.end_ns for s in self._short)
-            self._short = [s for s in self._short if s.start_ns >= last.verdict.end_ns]
-            self._n_earlier += len(earlier)
-            del self._finished[:len(earlier)]
+        horizon_ns = self.settings.runs.horizon_ns(self.newest_ns)
+        segments = (*self._closed, self._runs)
+        if not any(runs.count_old(horizon_ns) for runs in segments):
+            return []
+        earlier, _ = self._divide(ledger, self._runs, self._run)
+        self._n_earlier += len(earlier)
+        for runs in segments:
+            runs.forget(runs.count_old(horizon_ns))
+        self._closed = [runs for runs in self._closed
+                        if runs.finished or (runs.record.newest_ns or 0) >= (horizon_ns or 0)]
         return earlier
 
-    def _divide(self, ledger: Ledger | None, finished: Sequence[tuple[RunResult, int]],
-                short: Sequence[Stretch], run: RunSeries | None,
+    def _divide(self, ledger: Ledger | None, current: SegmentRuns, run: RunSeries | None,
                 ) -> tuple[list[RunResult], list[RunResult]]:
         """Return the runs too old for the verdict and its runs, with shares of the ledger."""
-        results = [result for result, _ in finished]
-        if not results:
-            return [], []
-        if ledger is None:
-            keys = LedgerKey.PAIRED, LedgerKey.TS_PAIRED, LedgerKey.RS_USED
-            shares = [LedgerSegment(cut_ns, dict.fromkeys(keys, r.verdict.n_input))
-                      for r, cut_ns in finished]
-            inside = shares
-        else:
-            # The run in progress also has a share, though it is not among the results yet.
-            in_progress = [] if run is None else [run.cut_ns]
-            before = [] if self._earlier_ns is None else [self._earlier_ns]
-            starts = [*before, *(cut_ns for _, cut_ns in finished), *in_progress]
-            shares = ledger.shares(starts)[len(before):]
-            inside = [ledger.count_between(r.start_ns, r.end_ns)
-                      for r in (result.verdict for result in results)]
-        n = self._count_old(results)
-        # What the runs of the verdict leave out does not depend on when others were left.
-        results[n:] = self._account_for_left_out(results[n:], results[:n], short, run)
-        rows = [*zip(results, shares, inside)]
-        notes = []
-        if n_short := self._n_short_before + len(short):
-            notes.append(f'{n_short} pieces shorter than runs.min_duration_s were left out')
-        if n_earlier := self._n_earlier + n:
-            notes.append(f'earlier_runs: {n_earlier} runs before the newest runs.keep = '
-                         f'{self.settings.runs.keep} cuts are not part of this verdict')
-        return ([r.with_pairing(share, within) for r, share, within in rows[:n]],
-                [r.with_pairing(share, within, notes if at == 0 else ())
-                 for at, (r, share, within) in enumerate(rows[n:])])
-
-    def _count_old(self, results: Sequence[RunResult]) -> int:
-        """Return how many of the runs are too old for the verdict."""
+        segments = (*self._closed, current)
         horizon_ns = self.settings.runs.horizon_ns(self.newest_ns)
-        return 0 if horizon_ns is None else sum(r.verdict.end_ns < horizon_ns for r in results)
+        n_old = [runs.count_old(horizon_ns) for runs in segments]
+        shared = _share_ledger(ledger, segments, run)
+        earlier = [result for of_segment, n in zip(shared, n_old) for result in of_segment[:n]]
+        results = [result for of_segment, n in zip(shared, n_old) for result in of_segment[n:]]
+        if results:
+            # What the runs of the verdict leave out does not depend on when others were left. The
+            # record is told also if nothing is left out here: another input may leave out more.
+            pieces = tuple(piece for runs in segments for piece in runs.pieces)
+            results = [replace(result, pieces=pieces) for result in results]
+            results[0] = replace(results[0], outside=tuple(
+                stretch for runs, n in zip(segments, n_old) for stretch in runs.list_outside(
+                    n, self._first_pair if runs is current and run is not None
+                    else runs.record.n, self._outside or 'in no run')))
+        notes = [*self._list_notes(segments, len(earlier))]
+        return ([_settle(result) for result in earlier],
+                [_settle(result, () if at else notes) for at, result in enumerate(results)])
 
-    def _account_for_left_out(self, results: Sequence[RunResult], old: Sequence[RunResult],
-                              short: Sequence[Stretch], run: RunSeries | None,
-                              ) -> list[RunResult]:
-        """Return the runs, the first with what lies in no run; all runs with the record."""
-        if not results:
-            return []
-        before = self._before if not old else (
-            old[-1].first_pair + old[-1].verdict.n_input, old[-1].verdict.end_ns)
-        ended = [before, *((r.first_pair + r.verdict.n_input, r.verdict.end_ns)
-                           for r in results)]
-        begun = [(r.first_pair, r.verdict.start_ns) for r in results]
-        begun.append((self._record.n if run is None else self._first_pair, self.newest_ns or 0))
-        short = [s for s in short if s.start_ns >= before[1]]
-        outside = [*short]
-        for (last, end_ns), (first, start_ns) in zip(ended, begun):
-            n = first - last - sum(s.n for s in short if end_ns <= s.start_ns < start_ns)
-            if n > 0:
-                outside.append(Stretch(end_ns or self._record.start_ns or start_ns, start_ns,
-                                       self._outside or 'in no run', n))
-        results = [replace(results[0], outside=tuple(outside)), *results[1:]]
-        # Also if nothing is left out here: another input of the verdict may leave something out.
-        pieces = tuple(piece for piece in self._record.pieces if piece.end_ns >= before[1])
-        return [replace(r, pieces=pieces) for r in results]
+    def _list_notes(self, segments: Sequence[SegmentRuns], n_old: int) -> Iterator[str]:
+        """Yield what the user should know of the runs that are not in the verdict."""
+        if n_short := sum(runs.n_short for runs in segments):
+            yield f'{n_short} pieces shorter than runs.min_duration_s were left out'
+        if n_earlier := self._n_earlier + n_old:
+            yield (f'earlier_runs: {n_earlier} runs before the newest runs.keep = '
+                   f'{self.settings.runs.keep} cuts are not part of this verdict')
 
     def verdict(self, ledger: Ledger | None = None,
                 inputs: Sequence[Input] = ()) -> Verdict:
         """Return the verdict on the runs judged so far."""
         return join(self.results(ledger), self.settings, inputs)
+
+
+def _share_ledger(ledger: Ledger | None, segments: Sequence[SegmentRuns],
+                  run: RunSeries | None) -> list[list[RunResult]]:
+    """Return the runs of each clock segment with their shares; `run` is the one in progress."""
+    ledgers = [] if ledger is None else ledger.clock_segments
+    shared = [runs.share(ledgers[runs.number] if runs.number < len(ledgers) else None,
+                         run if runs is segments[-1] else None) for runs in segments]
+    with_runs = {runs.number for runs, results in zip(segments, shared) if results}
+    if run is not None:
+        with_runs.add(segments[-1].number)
+    for number in range(segments[0].number, len(ledgers)):
+        if number not in with_runs:
+            # Its readings belong to the run before, as those between two runs do.
+            _add_to_run_before(shared, [runs.number <= number for runs in segments],
+                               ledgers[number].clock_segment_total)
+    return shared
+
+
+def _add_to_run_before(shared: Sequence[list[RunResult]], is_before: Sequence[bool],
+                       counts: LedgerSegment) -> None:
+    """Add counts to the share of the last run of the segments before, or of the first run."""
+    before = [results for results, earlier in zip(shared, is_before) if results and earlier]
+    after = [results for results in shared if results]
+    results, at = (before[-1], -1) if before else (after[0] if after else [], 0)
+    if results and (share := results[at].share) is not None:
+        results[at] = replace(results[at], share=share.with_counts_of(counts))
+
+
+def _settle(result: RunResult, notes: Sequence[str] = ()) -> RunResult:
+    """Return a run that has its share with what that says, and with notes as warnings."""
+    assert result.share is not None and result.inside is not None
+    return result.with_pairing(result.share, result.inside, notes)
 
 
 class Intercomparison:

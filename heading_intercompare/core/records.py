@@ -432,7 +432,7 @@ class Attitude(_Columns):
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
 class Pairs(_Columns):
     """
-    TS and RS readings of one instant each, in stamp order.
+    TS and RS readings of one instant each, in stamp order within a segment.
 
     Attributes
     ----------
@@ -445,6 +445,8 @@ class Pairs(_Columns):
     rs_variance_factor, ts_variance_factor : ndarray of float64, shape (n,)
         Factor by which interpolation changes the white-noise variance of the RS, and of the TS:
         the sum of the squared weights of the readings, or 1 without interpolation.
+    segment : ndarray of int64, shape (n,)
+        How often a clock was set back before the pair, so that stamps were repeated.
 
     """
 
@@ -454,6 +456,7 @@ class Pairs(_Columns):
     lag_ns: Integers
     rs_variance_factor: Reals
     ts_variance_factor: Reals
+    segment: Integers
 
     @classmethod
     def empty(cls) -> 'Pairs':
@@ -463,13 +466,22 @@ class Pairs(_Columns):
     @classmethod
     def of(cls, stamp_ns: ArrayLike, ts_deg: ArrayLike, rs_deg: ArrayLike,
            lag_ns: ArrayLike | None = None, rs_variance_factor: ArrayLike | None = None,
-           ts_variance_factor: ArrayLike | None = None) -> 'Pairs':
-        """Build a chunk from these columns; lags default to 0 and factors to 1."""
+           ts_variance_factor: ArrayLike | None = None, *, segment: int = 0) -> 'Pairs':
+        """Build a chunk of one segment from columns; lags default to 0 and factors to 1."""
         stamps = integer_stamps(stamp_ns)
         lag = np.zeros(stamps.shape, np.int64) if lag_ns is None else integer_stamps(lag_ns)
-        factors = (np.ones(stamps.shape) if factor is None else _reals(factor)
-                   for factor in (rs_variance_factor, ts_variance_factor))
-        return cls(stamps, _reals(ts_deg), _reals(rs_deg), lag, *factors)
+        rs_factor, ts_factor = (
+            np.ones(stamps.shape) if factor is None else _reals(factor)
+            for factor in (rs_variance_factor, ts_variance_factor))
+        return cls(stamps, _reals(ts_deg), _reals(rs_deg), lag, rs_factor, ts_factor,
+                   np.full(stamps.shape, segment))
+
+    def in_segments(self) -> list['Pairs']:
+        """Return the pairs of each segment in turn, each n >= 1."""
+        if not len(self) or self.segment[0] == self.segment[-1]:
+            return [self] if len(self) else []
+        bounds = [0, *(np.flatnonzero(np.diff(self.segment)) + 1).tolist(), len(self)]
+        return [self[lo:hi] for lo, hi in zip(bounds, bounds[1:])]
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -310,7 +310,7 @@ def _pairs(data: BytesLike, start: Integers, size: Integers, header: np.ndarray)
         raise MessageError(f'{PAIRS_TYPE} message has an impossible lag of {lag_s[first]} s',
                            offset=int(start[first]))
     return Pairs(read_stamps(header), ts_deg, rs_deg, np.rint(lag_s * 1e9).astype(np.int64),
-                 rs_factor, ts_factor)
+                 rs_factor, ts_factor, np.zeros(len(rs_deg), np.int64))
 
 
 def read_headings(type_name: str, convention: str,

@@ -69,12 +69,13 @@ def encode_ledger(ledger: Ledger, final: bool = False, started_ns: int = 0,
                    {'incarnation_ns': started_ns or None, 'final': final, **_words(ledger.total),
                     **{f'{stream}_{name}': value for stream, fields in (numbers or {}).items()
                        for name, value in _number_words(fields).items()}})
-    segments = [Status(f'{_SEGMENT} {number}', OK, '', {'start_ns': s.start_ns, **_words(s)})
+    segments = [Status(f'{_SEGMENT} {number}', OK, '', {
+        'start_ns': s.start_ns, 'clock_segment': s.clock_segment, **_words(s)})
                 for number, s in enumerate(ledger.segments)]
     set_backs = [Status(f'{_SET_BACK} {number}', WARN, '', {
-        'stream': step.stream, 'stamp_ns': step.stamp_ns, 'size_ns': step.size_ns})
-        for number, step in enumerate(step for steps in ledger.set_backs.values()
-                                      for step in steps)]
+        'stream': step.stream, 'stamp_ns': step.stamp_ns, 'size_ns': step.size_ns,
+        'clock_segment': step.clock_segment or None})
+        for number, step in enumerate(ledger.all_set_backs)]
     return encode_statuses(ledger.newest_ns or 0, [total, *segments, *set_backs])
 
 
@@ -121,7 +122,8 @@ def _set_back(values: Mapping[str, str]) -> SetBack:
         raise MessageError(f"ledger: stream = {stream[:40]!r} must be 'ts' or 'rs'")
     stamp_ns, size_ns = (_integer('ledger', key, values.get(key, ''))
                          for key in ('stamp_ns', 'size_ns'))
-    return SetBack(stream, stamp_ns, size_ns)
+    return SetBack(stream, stamp_ns, size_ns,
+                   _integer('ledger', 'clock_segment', values.get('clock_segment', '0')))
 
 
 def _numbers(values: Mapping[str, str]) -> dict[str, StreamNumbers]:
@@ -160,12 +162,19 @@ def decode_ledger(data: bytes) -> LedgerMessage:
         if status.name.startswith(_SEGMENT):
             counts = {key: _integer('ledger', key, text) for key, text in values.items()}
             start_ns = counts.pop('start_ns', None)
+            clock_segment = counts.pop('clock_segment', None)
             segments.append(LedgerSegment(
-                start_ns, {_key(word): n for word, n in counts.items()}))
+                start_ns, {_key(word): n for word, n in counts.items()},
+                clock_segment=clock_segment))
         elif status.name.startswith(_SET_BACK):
             set_backs.append(_set_back(values))
-    if any(segment.start_ns is None for segment in segments[1:]):
+    if any(segment.start_ns is None and segment.clock_segment == before.clock_segment
+           for before, segment in zip(segments, segments[1:])):
         raise MessageError('ledger: a segment after the first has no start_ns')
+    numbers_of_clock = [segment.clock_segment or 0 for segment in segments]
+    if numbers_of_clock != sorted(numbers_of_clock) or not (
+            0 <= max(numbers_of_clock, default=0) <= len(segments)):
+        raise MessageError('ledger: the clock segments are not in order')
     ledger = Ledger.from_segments(segments, newest_ns or None, set_backs)
     return LedgerMessage(ledger, final, started_ns, numbers)
 

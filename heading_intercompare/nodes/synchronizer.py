@@ -104,7 +104,10 @@ class Synchronizer(GraphNode):
             self._finish_if_quiet()
 
     def _send(self, pairs: Pairs) -> None:
-        self._waiting.add(pair_messages(pairs, str(self._started_ns)))
+        for part in pairs.in_segments():
+            segment = int(part.segment[0])
+            self._waiting.add(pair_messages(part, f'{self._started_ns}/{segment}' if segment
+                                            else str(self._started_ns)))
 
     def _open_when_wanted(self) -> None:
         """Open the inputs once the pairs have their subscribers, or after `startup_wait_s`."""

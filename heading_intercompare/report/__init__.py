@@ -23,10 +23,10 @@ from heading_intercompare.core.records import Reals
 from heading_intercompare.core.verdict.verdict_document import Verdict
 
 from . import json
-from .series_sketch import SeriesSketch
+from .series_sketch import SegmentSketches, SeriesSketch
 from .sketching.track import Trace
 
-__all__ = ['check_form', 'SeriesSketch', 'write', 'write_trial_page', 'WRITERS']
+__all__ = ['check_form', 'SegmentSketches', 'SeriesSketch', 'write', 'write_trial_page', 'WRITERS']
 
 
 def _write_html(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch],

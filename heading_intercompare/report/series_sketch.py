@@ -41,6 +41,8 @@ class SeriesSketch:
     ----------
     source
         Name of the input, as in the runs of the verdict.
+    segment
+        How often a clock was set back before.
 
     Attributes
     ----------
@@ -71,8 +73,8 @@ class SeriesSketch:
 
     """
 
-    def __init__(self, source: str = '') -> None:
-        self.source = source
+    def __init__(self, source: str = '', segment: int = 0) -> None:
+        self.source, self.segment = source, segment
         self.n = self.n_invalid = self.n_taken_out = 0
         self.newest_ns: int | None = None
         self.time = Envelope()
@@ -157,3 +159,38 @@ class SeriesSketch:
         self.turning.update(stamp_ns, x_deg, line_deg)
         self.shifts.update(stamp_ns, x_deg, line_deg)
         self.spectra.update(stamp_ns, x_deg)
+
+
+class SegmentSketches:
+    """
+    Sketches of one input, a sketch for each clock segment.
+
+    Parameters
+    ----------
+    source
+        As for `SeriesSketch`.
+
+    Attributes
+    ----------
+    sketches : list of SeriesSketch
+        In the order of the segments, n >= 1.
+
+    """
+
+    def __init__(self, source: str = '') -> None:
+        self.sketches = [SeriesSketch(source)]
+        self._motion: list[Motion] = []
+
+    def take_motion(self, motion: Motion) -> None:
+        """Take motion of the ship, before the pairs of the same time."""
+        self._motion.append(motion)
+        self.sketches[-1].take_motion(motion)
+
+    def update(self, pairs: Pairs, settings: Settings) -> None:
+        """Take pairs in the order of their segments and stamps; see `SeriesSketch.update`."""
+        for part in pairs.in_segments():
+            if part.segment[0] != self.sketches[-1].segment:
+                self.sketches.append(SeriesSketch(self.sketches[0].source, int(part.segment[0])))
+                for motion in self._motion:
+                    self.sketches[-1].take_motion(motion)
+            self.sketches[-1].update(part, settings)

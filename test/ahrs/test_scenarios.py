@@ -128,9 +128,9 @@ def test_analysis_sees_a_wrong_reading(fault):
 
 @pytest.mark.parametrize('fault, received, rejected', [
     ('300 silent 0 20', 11800, {}), ('300 invalid 0 20', 12000, {'invalid': 200}),
-    ('300 clock_step -20 50', 12000, {'stamp_not_increasing': 101, 'jump': 99})])
+    ('300 clock_step -20 50', 12000, {})])
 def test_analysis_counts_a_missing_reading(fault, received, rejected):
-    """200 readings in 20 s; stamps set back by 20 s are old until they have caught up."""
-    pairing = analysed(fault)['runs'][0]['pairing']
-    assert pairing['ts_received'] == received
-    assert pairing['rejected']['ts'] == rejected
+    """200 readings in 20 s; stamps set back by 20 s go on in the next run."""
+    pairings = [run['pairing'] for run in analysed(fault)['runs']]
+    assert sum(pairing['ts_received'] for pairing in pairings) == received
+    assert pairings[0]['rejected']['ts'] == rejected

@@ -362,7 +362,7 @@ def test_any_executor_of_the_standard_library_judges_as_one_process_does(bags, m
     assert [each.entries_of_tested for each in found] == [each.entries_of_tested for each in alone]
     assert exact([each.results for each in found]) == exact([each.results for each in alone])
     assert [each.notes for each in found] == [[]] * len(bags)
-    assert [each.sketches['ts'].n for each in found] == [1200] * len(bags)
+    assert [each.sketches['ts'].sketches[0].n for each in found] == [1200] * len(bags)
     n = len(bags)
     assert said[0] == f'0 of {n} done' and said[-1].startswith(f'{n} of {n} done, ')
 

@@ -101,6 +101,45 @@ def test_a_bag_played_into_a_running_graph_is_paired_whole_or_what_is_missing_is
             NORMS)).verdict.to_dict())
 
 
+def write_with_steps(path, name):
+    """Write two minutes of two sensors, of which clocks are set back; they come at true times."""
+    rng = np.random.default_rng(17)
+    came_ns = 1_700_000_000_000_000_000 + np.arange(N) * 10 ** 8
+    stamps = {'ts': came_ns.copy(), 'rs': came_ns.copy()}
+    hour_ns = 3600 * 10 ** 9
+    if name == 'ahead for 20 s':
+        stamps['ts'][400:600] += hour_ns
+    else:
+        for stream in stamps:
+            stamps[stream][400:] -= hour_ns
+    topics = {f'/{stream}/heading': Headings.of(stamp_ns, 90.0 + 0.1 * rng.standard_normal(N))
+              for stream, stamp_ns in stamps.items()}
+    return write_headings(path, topics, came_ns=dict.fromkeys(topics, came_ns))
+
+
+@pytest.mark.parametrize('name, counts', [
+    ('ahead for 20 s', [400, 600]), ('both set back', [400, 800])])
+def test_a_clock_that_is_set_back_ends_the_run_live_as_in_the_bag(
+        processes, tmp_path, name, counts):
+    """Before, the sensor was not heard until its stamps had caught up, an hour later."""
+    config, reports, bag = tmp_path / 'config.yaml', tmp_path / 'reports', tmp_path / 'bag'
+    norms = {**NORMS, 'runs.min_duration_s': 10.0}
+    config.write_text(yaml.dump({'/**': {'ros__parameters': norms}}))
+    for node in nodes('intercompare.launch.py', config=str(config), drivers='false',
+                      output=str(bag), report_dir=str(reports)):
+        processes.start(node)
+    run_player('await', 2)
+    run_player('play', write_with_steps(tmp_path / 'played', name), 10, 'kept', '/ts/heading',
+               '/rs/heading')
+    processes.signal(signal.SIGINT)
+    processes.wait('synchronizer', 'compliance', 'recorder')
+    report = json.loads(sorted(reports.iterdir())[-1].read_text('utf-8'))
+    assert [run['pairing']['paired'] for run in report['runs']] == counts
+    assert [run.get('clock_segment') for run in report['runs']] == [None, 1]
+    assert 'was set back by 3600.0 s' in report['headline']
+    assert_same(report, judge_bags([bag], Settings.from_mapping(norms)).verdict.to_dict())
+
+
 STARTS = 8
 
 

@@ -27,6 +27,8 @@ import os
 import re
 from typing import Any, Callable, Iterator, Mapping, Protocol, Sequence
 
+import numpy as np
+
 from heading_intercompare.bags.csv.pairs_account import (
     account_path,
     motion_of_text,
@@ -47,7 +49,7 @@ from heading_intercompare.readers.registry import (
     find_format,
     has_pairs as has_pairs_in_parquet,
 )
-from heading_intercompare.report import SeriesSketch
+from heading_intercompare.report import SegmentSketches
 
 from .file_hash import hash_files
 from .input_comparison import describe_two, Spans
@@ -102,7 +104,7 @@ def _find_reader(path: str) -> Callable[[str], _Pairs]:
 def judge_csv(path: str, name: str, settings: Settings,
               runs: Spans | None, takers: Sequence[Callable[[Pairs], None]],
               progress: Callable[[str], None] = lambda text: None,
-              sketch: SeriesSketch | None = None) -> JudgedInput:
+              sketch: SegmentSketches | None = None) -> JudgedInput:
     """
     Judge the pairs of a csv file.
 
@@ -139,7 +141,8 @@ def judge_csv(path: str, name: str, settings: Settings,
     compliance = Compliance(settings, source=name, table=table, progress=progress)
     if sketch is not None:
         takers = (*takers, partial(sketch.update, settings=settings))
-    judging = _Judging(compliance, settings, takers, progress, trusted=account is not None)
+    judging = _Judging(compliance, settings, takers, progress,
+                       trusted=None if account is None else account.ledger)
     if account is not None:
         _take_marks_and_motion(account, compliance, table, sketch)
     rows = open_pairs(path)
@@ -172,7 +175,7 @@ def judge_csv(path: str, name: str, settings: Settings,
 
 
 def _take_marks_and_motion(account: PairsAccount, compliance: Compliance, table: Spans | None,
-                           sketch: SeriesSketch | None) -> None:
+                           sketch: SegmentSketches | None) -> None:
     """Take from an account what belongs between the pairs."""
     for kind, stamp_ns in account.marks if table is None else ():
         compliance.mark(kind, stamp_ns)
@@ -215,37 +218,58 @@ class _Judging:
 
     def __init__(self, compliance: Compliance, settings: Settings,
                  takers: Sequence[Callable[[Pairs], None]], progress: Callable[[str], None],
-                 *, trusted: bool) -> None:
+                 *, trusted: Ledger | None) -> None:
         self.ledger = Ledger()
         self._compliance, self._takers, self._progress = compliance, takers, progress
         # The stamps of a recording were examined when its pairs were made.
-        self._jumps = None if trusted else JumpFilter('ts', settings.pairing.jump_s,
-                                                      Pairs.empty())
+        self._jump_s, self._segment = settings.pairing.jump_s, 0
+        self._jumps = None if trusted is not None else self._make_filter()
+        self._bounds = [] if trusted is None else np.cumsum(
+            [ledger.paired for ledger in trusted.clock_segments]).tolist()[:-1]
         self._n = 0
         self._watches = {name: AngleWatch() for name in ('ts_deg', 'rs_deg')}
 
+    def _make_filter(self) -> JumpFilter[Pairs]:
+        return JumpFilter('ts', self._jump_s, Pairs.empty())
+
     def take(self, pairs: Pairs) -> None:
-        self._n += len(pairs)
+        before, self._n = self._n, self._n + len(pairs)
         for name, watch in self._watches.items():
             watch.update(pairs.stamp_ns, getattr(pairs, name))
         for stream in ('ts', 'rs'):
             self.ledger.receive(stream, pairs.stamp_ns)
         if self._jumps is None:
-            self._judge(pairs)
+            rows = np.arange(before, self._n)
+            self._judge(replace(pairs, segment=np.searchsorted(self._bounds, rows, 'right')))
         else:
-            self._decide(self._jumps.take(pairs))
+            self._sift(self._jumps, pairs)
         self._progress(f'{self._n:,} pairs')
 
     def end(self) -> None:
         if self._jumps is not None:
             self._decide(self._jumps.end())
-            # A row has one stamp for both sensors.
-            self.ledger.set_backs = {
-                stream: [replace(set_back, stream=stream) for set_back in self._jumps.set_backs]
-                for stream in ('ts', 'rs')}
+        self._end_runs()
+
+    def _end_runs(self) -> None:
+        """End the run in progress, and cut the ledger of the clock segment into its runs."""
         self._compliance.finish()
-        for cut_ns in self._compliance.cuts:
+        for cut_ns in self._compliance.cuts.get(self._segment, ()):
             self.ledger.cut(cut_ns)
+
+    def _sift(self, jumps: JumpFilter[Pairs], pairs: Pairs) -> None:
+        """Judge the pairs whose stamps are decided; open a segment where a clock was set back."""
+        decided = jumps.take(pairs)
+        self._decide(decided)
+        while decided.set_back is not None and decided.after is not None:
+            for stream in ('ts', 'rs'):
+                # A row has one stamp for both sensors.
+                self.ledger.note_set_back(replace(decided.set_back, stream=stream))
+            self._end_runs()
+            self.ledger.open_clock_segment()
+            self._segment += 1
+            jumps = self._jumps = self._make_filter()
+            decided = jumps.take(decided.after)
+            self._decide(decided)
 
     @property
     def why_not_degrees(self) -> str:
@@ -258,7 +282,8 @@ class _Judging:
                                ('jump', decided.jumped_ns)):
             for stream in ('ts', 'rs'):
                 self.ledger.add(LedgerKey.of_rejected(stream, reason), stamps)
-        self._judge(decided.accepted)
+        pairs = decided.accepted
+        self._judge(replace(pairs, segment=np.full(len(pairs), self._segment)))
 
     def _judge(self, pairs: Pairs) -> None:
         for key in (LedgerKey.PAIRED, LedgerKey.TS_PAIRED, LedgerKey.RS_USED):
@@ -269,12 +294,14 @@ class _Judging:
 
 
 def _has_runs_of(account: PairsAccount, table: Sequence[tuple[int, int]] | None,
-                 cuts: Sequence[int]) -> bool:
+                 cuts: Mapping[int, Sequence[int]]) -> bool:
     """Tell whether the ledger of an account can be divided among runs with these cuts."""
     if (None if table is None else {*table}) != (
             None if account.table is None else {*account.table}):
         return False
-    return {*cuts[1:]} <= {segment.start_ns for segment in account.segments}
+    starts = {(segment.clock_segment or 0, segment.start_ns) for segment in account.segments}
+    opened = [(number, cut_ns) for number, stamps in cuts.items() for cut_ns in stamps]
+    return {*opened[1:]} <= starts
 
 
 def _compare_pairing(before: Mapping[str, Any], now: Mapping[str, Any]) -> list[str]:

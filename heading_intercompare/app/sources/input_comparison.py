@@ -30,7 +30,7 @@ from heading_intercompare.core.sensors.pair_settings import Names
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.judge import RunResult
 from heading_intercompare.core.verdict.verdict_document import Input
-from heading_intercompare.report import SeriesSketch
+from heading_intercompare.report import SegmentSketches
 
 from .judged_input import JudgedInput
 
@@ -68,7 +68,7 @@ class InputComparison:
         self.marks: list[tuple[str, int]] = []
         self._several = settings.sensors is not None
         self._source, self._table, self._takers = source, table, takers or {}
-        self._sketches = {name: SeriesSketch(source) for name in self.comparison.tested
+        self._sketches = {name: SegmentSketches(source) for name in self.comparison.tested
                           if sketched}
         # Aligning a run needs all readings a second time; otherwise they are dropped.
         self._readings = {sensor.name: GrowingHeadings() for sensor in self.comparison.sensors
@@ -195,7 +195,7 @@ def describe_two(results: list[RunResult], earlier: Sequence[RunResult], entry: 
                  notes: Sequence[str], ledger: Ledger, settings: Settings, *,
                  table: Spans | None = None, marks: Sequence[tuple[str, int]] = (),
                  account: PairsAccount | None = None,
-                 sketch: SeriesSketch | None = None) -> JudgedInput:
+                 sketch: SegmentSketches | None = None) -> JudgedInput:
     """
     Return the runs of two sensors whose pairs were made elsewhere.
 
@@ -235,10 +235,10 @@ def _make_account(entries: Sequence[Input], settings: Settings, ledger: Ledger,
                  marks: Sequence[tuple[str, int]], table: Spans | None,
                  motion: Mapping[str, str] | None = None) -> PairsAccount:
     """Return the account to lay beside a csv of the pairs of two sensors."""
-    set_backs = tuple(step for steps in ledger.set_backs.values() for step in steps)
     return PairsAccount(inputs=tuple(entries), settings=settings.to_mapping(), marks=tuple(marks),
                         table=None if table is None else tuple(table), newest_ns=ledger.newest_ns,
-                        segments=ledger.segments, set_backs=set_backs, motion=motion)
+                        segments=ledger.segments, set_backs=tuple(ledger.all_set_backs),
+                        motion=motion)
 
 
 def _explain_no_run(ledger: Ledger, settings: Settings, table: Spans | None) -> str:

@@ -23,7 +23,7 @@ from heading_intercompare.bags.csv.pairs_account import PairsAccount
 from heading_intercompare.core.sensors.pair_settings import Names
 from heading_intercompare.core.verdict.judge import RunResult
 from heading_intercompare.core.verdict.verdict_document import Input, RunVerdict
-from heading_intercompare.report import SeriesSketch
+from heading_intercompare.report import SegmentSketches
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,7 +58,7 @@ class JudgedInput:
     entries_of_tested: Mapping[str, Sequence[Input]]
     notes: list[str] = field(default_factory=list)
     earlier: Mapping[str, list[RunVerdict]] = field(default_factory=dict)
-    sketches: Mapping[str, SeriesSketch] = field(default_factory=dict)
+    sketches: Mapping[str, SegmentSketches] = field(default_factory=dict)
     accounts: Mapping[str, PairsAccount] = field(default_factory=dict)
 
     @property

@@ -178,12 +178,13 @@ class PairsDigest:
     """
 
     def __init__(self) -> None:
-        self._columns = [hashlib.sha256() for _ in fields(Pairs)]
+        self._names = [f.name for f in fields(Pairs) if f.name != 'segment']
+        self._columns = [hashlib.sha256() for _ in self._names]
 
     def update(self, pairs: Pairs) -> None:
         """Take pairs."""
-        for declared, digest in zip(fields(Pairs), self._columns):
-            column = getattr(pairs, declared.name)
+        for name, digest in zip(self._names, self._columns):
+            column = getattr(pairs, name)
             if column.dtype.kind == 'f':
                 # There are many nan, and two zeros.
                 column = np.where(np.isfinite(column), column, np.nan) + 0.0
@@ -268,7 +269,8 @@ def read_account(csv: str | os.PathLike[str]) -> tuple[PairsAccount, Fingerprint
         account: PairsAccount = read_plain(PairsAccount, plain)
         motion_of_text(account.motion)
         for at, segment in enumerate(account.segments):
-            if at and segment.start_ns is None:
+            if at and segment.start_ns is None and (
+                    segment.clock_segment == account.segments[at - 1].clock_segment):
                 raise VerdictError(f'segments[{at}].start_ns = None: must be an integer')
         for at, (kind, _) in enumerate(account.marks):
             if kind not in _MARKS:

@@ -322,7 +322,8 @@ class JournalReader:
         rows = self.rows.get(started_ns, [])[:plain['at']] + plain['segments']
         self.rows[started_ns] = rows
         ledger = Ledger.from_segments(
-            [LedgerSegment(start_ns, counts) for start_ns, counts in rows], plain['newest_ns'],
+            [LedgerSegment(start_ns, counts, clock_segment=clock_segment)
+             for start_ns, counts, clock_segment in rows], plain['newest_ns'],
             [SetBack(*set_back) for set_back in plain['set_backs']])
         numbers = {stream: StreamNumbers(*fields)._replace(spans=tuple(Span(*s) for s in spans))
                    for stream, (*fields, spans) in plain['numbers'].items()}

@@ -181,8 +181,8 @@ class RunJournal:
     def _pack_ledger(self, message: LedgerMessage, whole: bool = False) -> bytes:
         """Return a ledger; only the segments from the first that has changed, unless `whole`."""
         ledger, final, started_ns, numbers = message
-        rows = [[segment.start_ns, {key.value: n for key, n in segment.counts.items()}]
-                for segment in ledger.segments]
+        rows = [[segment.start_ns, {key.value: n for key, n in segment.counts.items()},
+                 segment.clock_segment] for segment in ledger.segments]
         before = [] if whole else self._written.get(started_ns, [])
         at = 0
         while at < min(len(rows), len(before)) and rows[at] == before[at]:
@@ -190,8 +190,8 @@ class RunJournal:
         self._written[started_ns] = rows
         return _text({'started_ns': started_ns, 'final': final, 'numbers': numbers,
                       'newest_ns': ledger.newest_ns,
-                      'set_backs': [[step.stream, step.stamp_ns, step.size_ns]
-                                    for steps in ledger.set_backs.values() for step in steps],
+                      'set_backs': [[step.stream, step.stamp_ns, step.size_ns,
+                                     step.clock_segment] for step in ledger.all_set_backs],
                       'at': at, 'segments': rows[at:]})
 
     def add(self, pairs: Pairs, numbers: Numbers) -> None:
@@ -266,7 +266,8 @@ class RunJournal:
         # The run has begun within the newest chunk, or it would not be the one after a judged run.
         chunk = self._waiting[-1] if self._waiting and start_ns is not None else Pairs.empty()
         yield Record(RUN, self._pack_pairs(
-            chunk if start_ns is None else chunk[chunk.stamp_ns >= start_ns]))
+            chunk if start_ns is None else chunk[
+                (chunk.stamp_ns >= start_ns) & (chunk.segment == self._compliance.segment)]))
         if self.kept.motion_ns:
             rows = self._compliance.motion.rows
             yield Record(MOTION, self._pack_motion(Motion.empty() if rows is None else rows))

@@ -124,21 +124,31 @@ class ComparisonWatch:
             settings, exclusions=None, runs=replace(settings.runs, stabilization_s=0.0),
             sequential=replace(settings.sequential, plan_s=None))
         self._window = PairWindow(settings.window_s)
-        self._jumps = JumpWatch(settings.alignment.skew_range_s)
+        # What the signs last said for sure.
+        self._raised: dict[str, bool] = {}
+        self._begin_segment(0)
+
+    def _begin_segment(self, number: int) -> None:
+        """Begin again, where stamps are repeated after a clock was set back."""
+        self._segment = number
+        self._window.clear()
+        self._jumps = JumpWatch(self._settings.alignment.skew_range_s)
         self._looked_ns: int | None = None
         self._due_ns: dict[str, int] = {}
         self._step_deg, self._repeats = 0.0, False
         self._repeated = {name: _Repeated(name) for name in ('TS', 'RS')}
         self._turned_with_ns = self._explained_ns = 0
-        # What the signs last said for sure.
-        self._raised: dict[str, bool] = {}
         self._steps = find_resolution([]), find_resolution([])
         self.newest_ns: int | None = None
 
     def update(self, pairs: Pairs) -> None:
-        """Take pairs in stamp order."""
-        if not len(pairs):
-            return
+        """Take pairs in the order of their segments and stamps."""
+        for part in pairs.in_segments():
+            if int(part.segment[0]) != self._segment:
+                self._begin_segment(int(part.segment[0]))
+            self._update(part)
+
+    def _update(self, pairs: Pairs) -> None:
         if self.newest_ns is not None and (int(pairs.stamp_ns[0]) - self.newest_ns
                                            > self._settings.runs.gap_s * 1e9):
             self._window.clear()

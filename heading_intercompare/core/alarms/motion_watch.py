@@ -56,11 +56,20 @@ class MotionWatch:
         self._settings = settings
         self._window = PairWindow(WINDOW_S, _MOST)
         self._record = MotionRecord()
-        self._taken_ns = 0
+        self._segment = self._taken_ns = 0
         self._due_ns: int | None = None
 
     def update(self, pairs: Pairs) -> None:
-        """Take pairs in stamp order."""
+        """Take pairs in the order of their segments and stamps."""
+        for part in pairs.in_segments():
+            if int(part.segment[0]) != self._segment:
+                # Stamps are repeated: motion of the same stamps belongs to the time before.
+                self._segment, self._taken_ns, self._due_ns = int(part.segment[0]), 0, None
+                self._window.clear()
+                self._record = MotionRecord()
+            self._update(part)
+
+    def _update(self, pairs: Pairs) -> None:
         # The first pair of each half second.
         slot = pairs.stamp_ns // _STEP_NS
         keep = slot > self._taken_ns

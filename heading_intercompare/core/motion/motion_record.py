@@ -95,13 +95,14 @@ class RunMotion:
         self._keeper = keeper
         self._record: MotionRecord | None = None
         self._judged_ns: int | None = None
+        self._repeats = False
         self.late = 0
 
     def take(self, motion: Motion) -> None:
         """Take rows in any order."""
         if self._judged_ns is not None:
             late = motion.stamp_ns <= self._judged_ns
-            self.late += int(np.count_nonzero(late))
+            self.late += 0 if self._repeats else int(np.count_nonzero(late))
             motion = motion[~late]
         if len(motion):
             if self._record is None:
@@ -115,9 +116,13 @@ class RunMotion:
 
     def end_run(self, end_ns: int) -> None:
         """Forget what belongs to a run that was judged, given the stamp of its last pair."""
-        self._judged_ns = end_ns
+        self._judged_ns = max(end_ns, self._judged_ns or 0)
         if self._record is not None:
             self._record = self._record.after(end_ns, self._keeper())
+
+    def begin_segment(self) -> None:
+        """Go on after a clock was set back: rows of times that were judged say nothing more."""
+        self._repeats = True
 
     def forget(self, run_start_ns: int | None) -> None:
         """Forget what is older than any run to come, or than the run in progress."""

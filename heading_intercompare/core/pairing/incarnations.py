@@ -17,9 +17,10 @@
 from __future__ import annotations
 
 from collections import Counter, deque
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Iterator, Mapping, NamedTuple, Sequence
 
+from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
 from heading_intercompare.core.utc_text import utc
 
 from .ledger import Ledger, LedgerKey, LedgerSegment
@@ -179,38 +180,50 @@ class _LedgerSum:
     """The ledgers of incarnations added up, from the first one on."""
 
     def __init__(self) -> None:
-        self._counts: dict[int | None, Counter[LedgerKey]] = {None: Counter()}
+        self._counts: dict[int, dict[int | None, Counter[LedgerKey]]] = {}
+        # Clock segments before those of the newest ledger, and how many that ledger has.
+        self._n_before = self._n_segments = 0
         self.newest_ns: int | None = None
+        self.set_backs: list[SetBack] = []
 
     def add(self, ledger: Ledger, before: Mapping[str, int],
             after: Mapping[str, int] | None) -> None:
         """Add a ledger with the counts until it began, and until the next; None for the newest."""
+        newest_segment = self._n_before + max(0, self._n_segments - 1)
         if self.newest_ns is not None:
             for stream, n in before.items():
-                self._count(self.newest_ns + 1)[LedgerKey.of_lost(stream, 'on_the_way')] += max(
-                    0, n)
+                self._count(newest_segment, self.newest_ns + 1)[
+                    LedgerKey.of_lost(stream, 'on_the_way')] += max(0, n)
+        if self._n_segments > 1:
+            # Each synchronizer counts its segments from 0; its first one goes on with the first
+            # of the one before.
+            self._n_before, self.newest_ns = newest_segment + 1, None
+        self._n_segments = len(ledger.clock_segments)
         unpaired = {} if after is None else _LEFT
         for segment in _without_pending(ledger.segments, after or {}):
-            start_ns = segment.start_ns
-            if start_ns is None and self.newest_ns is not None:
+            start_ns, number = segment.start_ns, segment.clock_segment or 0
+            if start_ns is None and not number and self.newest_ns is not None:
                 # What came before the first cut came after all of the incarnation before.
                 start_ns = self.newest_ns + 1
-            counts = self._count(start_ns)
+            counts = self._count(self._n_before + number, start_ns)
             for key, n in segment.counts.items():
                 # The incarnation before took such readings, or the numbers between count them.
                 if not (key.lost == 'before_start' and key.stream in before):
                     counts[unpaired.get(key, key)] += n
-        self.newest_ns = max((ns for ns in (self.newest_ns, ledger.newest_ns) if ns is not None),
-                             default=None)
+        stamps = ([] if ledger.closed else [self.newest_ns]) + [ledger.newest_ns]
+        self.newest_ns = max((ns for ns in stamps if ns is not None), default=None)
+        self.set_backs += [replace(step, clock_segment=self._n_before + step.clock_segment)
+                           for step in ledger.all_set_backs]
 
-    def _count(self, start_ns: int | None) -> Counter[LedgerKey]:
-        return self._counts.setdefault(start_ns, Counter())
+    def _count(self, number: int, start_ns: int | None) -> Counter[LedgerKey]:
+        return self._counts.setdefault(number, {None: Counter()}).setdefault(start_ns, Counter())
 
     @property
     def segments(self) -> list[LedgerSegment]:
         """Return the sums by the start of their segments."""
-        starts = [None, *sorted(start for start in self._counts if start is not None)]
-        return [LedgerSegment(start, dict(self._counts[start])) for start in starts]
+        return [LedgerSegment(start_ns, dict(counts[start_ns]), clock_segment=number or None)
+                for number, counts in sorted(self._counts.items())
+                for start_ns in sorted(counts, key=lambda start: -1 if start is None else start)]
 
 
 class Incarnations:
@@ -291,9 +304,7 @@ class Incarnations:
         sums = _LedgerSum()
         for ledger, before, after in zip(ledgers, ({}, *steps), (*steps, None)):
             sums.add(ledger, before, after)
-        set_backs = [set_back for ledger in ledgers for times in ledger.set_backs.values()
-                     for set_back in times]
-        return Ledger.from_segments(sums.segments, sums.newest_ns, set_backs)
+        return Ledger.from_segments(sums.segments, sums.newest_ns, sums.set_backs)
 
     def problems(self, who: str = 'the synchronizer',
                  sensors: tuple[str, str] = ('TS', 'RS')) -> Iterator[str]:
@@ -339,5 +350,5 @@ def _without_pending(segments: Sequence[LedgerSegment],
             retaken = min(left[key], counts.get(key, 0))
             counts[key] = counts.get(key, 0) - retaken
             left[key] -= retaken
-        settled.append(LedgerSegment(segment.start_ns, counts))
+        settled.append(replace(segment, counts=counts))
     return settled[::-1]

@@ -16,22 +16,24 @@
 The account of every reading: paired, unpaired, used, unused, rejected or lost.
 
 The ledger is kept in segments, so that each run can get its own share. A reading belongs to the
-last segment that starts at or before its stamp, otherwise to the first. Per sensor, the readings
-sent are those received and those lost.
+last segment that starts at or before its stamp, otherwise to the first. Where a clock is set back
+and stamps are repeated, a *clock segment* begins, with segments of its own. Per sensor, the
+readings sent are those received and those lost.
 """
 
 from __future__ import annotations
 
 from bisect import insort
 from collections import Counter
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import Enum
-from typing import Iterable, Mapping, Sequence
+from itertools import groupby
+from typing import Iterable, Mapping
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from heading_intercompare.core.declared_figures import no_key
+from heading_intercompare.core.declared_figures import figure, no_key
 from heading_intercompare.core.raw_streams.decimal_steps import DECIMAL_STEPS
 from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
 
@@ -225,16 +227,24 @@ class LedgerSegment:
         Pairs, and readings by fate. An absent key is 0.
     set_backs
         Of the share of a run: the clocks that were set back within it; None otherwise.
+    clock_segment
+        How often a clock was set back before; None for never.
 
     """
 
     start_ns: int | None
     counts: Mapping[LedgerKey, int] = field(default_factory=dict)
     set_backs: tuple[SetBack, ...] | None = no_key()
+    clock_segment: int | None = figure('clock segment', absent='before a clock is set back')
 
     def __post_init__(self) -> None:
         """Turn strings into keys."""
         object.__setattr__(self, 'counts', {LedgerKey(k): n for k, n in self.counts.items()})
+
+    def with_counts_of(self, other: LedgerSegment) -> LedgerSegment:
+        """Return the counts of both, from the start of this one."""
+        return replace(self, counts=Counter(self.counts) + Counter(other.counts),
+                       set_backs=(*(self.set_backs or ()), *(other.set_backs or ())))
 
     def received(self, stream: str) -> int:
         """Return how many readings of ``'ts'`` or ``'rs'`` came, whatever became of them."""
@@ -283,10 +293,12 @@ class LedgerSegment:
                    for key in (LedgerKey.TS_UNBRIDGED, LedgerKey.RS_UNBRIDGED))
 
 
+_END_OF_TIME_NS = np.iinfo(np.int64).max
 _PENDING = (LedgerKey.TS_PENDING, LedgerKey.RS_PENDING)
 
 # A cut this far before the newest settled reading still divides exactly.
 _SLACK_NS = 60_000_000_000
+_MOST_SET_BACKS = 100
 #: Losses remembered one by one; at 1 kHz, ten seconds of nothing but losses.
 _MOST_GAPS = 10_000
 
@@ -302,22 +314,50 @@ class Ledger:
     Attributes
     ----------
     newest_ns
-        Newest stamp received.
-    set_backs
-        For each sensor, the times at which its clock was set back.
+        Newest stamp received in this clock segment.
+    set_backs : list of SetBack
+        The clocks that were set back in this clock segment, at most the first hundred.
+    closed : list of Ledger
+        The earlier clock segments.
 
     """
 
     def __init__(self) -> None:
+        self.closed: list[Ledger] = []
+        self._received: Counter[str] = Counter()
+        self._run_cuts: list[int] = []
+        self._begin()
+
+    def _begin(self) -> None:
         self._starts = np.empty(0, np.int64)
         self._bounds: list[int] = []
         self._counts: list[Counter[LedgerKey]] = [Counter()]
         self._recent: dict[LedgerKey, list[np.ndarray]] = {}
         self._gaps: dict[LedgerKey, list[tuple[np.ndarray, np.ndarray]]] = {}
-        self._received: Counter[str] = Counter()
         self._pending: Counter[LedgerKey] = Counter()
-        self.set_backs: dict[str, Sequence[SetBack]] = {}
+        self.set_backs: list[SetBack] = []
         self.newest_ns: int | None = None
+
+    def open_clock_segment(self) -> None:
+        """Close this clock segment, and begin the next."""
+        earlier = Ledger.from_segments(self._own_segments, self.newest_ns, self.set_backs)
+        self.closed.append(earlier)
+        self._begin()
+        for stamp_ns in self._run_cuts:
+            self.cut(stamp_ns)
+            insort(self._bounds, stamp_ns)
+
+    def note_set_back(self, set_back: SetBack) -> None:
+        """Note that a clock was set back."""
+        if len(self.set_backs) < _MOST_SET_BACKS:
+            self.set_backs.append(replace(set_back, clock_segment=len(self.closed)))
+            # One step of the clock of both is confirmed for the one or the other first.
+            self.set_backs.sort(key=lambda step: step.stream, reverse=True)
+
+    @property
+    def clock_segments(self) -> list[Ledger]:
+        """Return the ledgers of all clock segments, in order."""
+        return [*self.closed, self]
 
     def receive(self, stream: str, stamp_ns: np.ndarray) -> None:
         """Count readings on arrival, before anything is decided about them."""
@@ -350,6 +390,11 @@ class Ledger:
             if key.stream and not key.lost:
                 self._received[key.stream] += int(n.sum())
 
+    def take_back(self, key: LedgerKey, stamp_ns: np.ndarray) -> None:
+        """Count readings no longer, which were added under a key; they are to be added again."""
+        if len(stamp_ns):
+            self._gaps.setdefault(key, []).append((stamp_ns, np.full(len(stamp_ns), -1)))
+
     def set_pending(self, stream: str, n: int) -> None:
         """Set the number of readings that still wait for a partner."""
         self._pending[LedgerKey.of_pending(stream)] = n
@@ -364,6 +409,9 @@ class Ledger:
 
     def forget_before(self, stamp_ns: int) -> None:
         """Join the segments that end at or before a stamp with the first one."""
+        for earlier in self.closed:
+            if earlier.newest_ns is None or earlier.newest_ns < stamp_ns:
+                earlier.forget_before(_END_OF_TIME_NS)
         n = int(np.searchsorted(self._starts, stamp_ns, side='right')) - 1
         if n > 0:
             self._counts[:n + 1] = [sum(self._counts[:n + 1], Counter())]
@@ -376,6 +424,7 @@ class Ledger:
         What comes between the last pair before the stamp and the first one from there on lies in
         no run: one sensor may have started earlier, or gone on later, than the other.
         """
+        self._run_cuts.append(stamp_ns)
         self.cut(stamp_ns)
         insort(self._bounds, stamp_ns)
         self._cut_at_pairs()
@@ -430,6 +479,14 @@ class Ledger:
     @property
     def segments(self) -> tuple[LedgerSegment, ...]:
         """Return the segments in order; the last one also holds the pending readings."""
+        if not self.closed:
+            return self._own_segments
+        return tuple(replace(segment, clock_segment=number or None)
+                     for number, ledger in enumerate(self.clock_segments)
+                     for segment in ledger._own_segments)
+
+    @property
+    def _own_segments(self) -> tuple[LedgerSegment, ...]:
         counts = [Counter(c) for c in self._counts]
         for key, chunks in self._recent.items():
             if chunks:
@@ -448,14 +505,16 @@ class Ledger:
                       newest_ns: int | None = None,
                       set_backs: Iterable[SetBack] = ()) -> 'Ledger':
         """Return a ledger that holds these segments, taken from the `segments` of another."""
-        ledger = cls()
-        for set_back in set_backs:
-            stream = set_back.stream
-            ledger.set_backs[stream] = (*ledger.set_backs.get(stream, ()), set_back)
-        segments = list(segments)
-        if segments:
-            ledger._starts = np.array([s.start_ns for s in segments[1:]], np.int64)
-            ledger._counts = [Counter(s.counts) for s in segments]
+        ledger, segments, set_backs = cls(), [*segments], [*set_backs]
+        number = 0
+        for number, of_clock in groupby(segments, key=lambda s: s.clock_segment or 0):
+            while len(ledger.closed) < number:
+                ledger.set_backs = [s for s in set_backs if s.clock_segment == len(ledger.closed)]
+                ledger.open_clock_segment()
+            rows = [*of_clock]
+            ledger._starts = np.array([s.start_ns for s in rows[1:]], np.int64)
+            ledger._counts = [Counter(s.counts) for s in rows]
+        ledger.set_backs = [s for s in set_backs if s.clock_segment >= number]
         for stream in ('ts', 'rs'):
             ledger._received[stream] = sum(s.received(stream) for s in segments)
         ledger.newest_ns = newest_ns
@@ -464,6 +523,14 @@ class Ledger:
     @property
     def total(self) -> LedgerSegment:
         """Return the counts of all segments together; no reading is divided among them."""
+        total: Counter[LedgerKey] = Counter()
+        for ledger in self.clock_segments:
+            total.update(ledger.clock_segment_total.counts)
+        return LedgerSegment(None, dict(sorted(total.items())))
+
+    @property
+    def clock_segment_total(self) -> LedgerSegment:
+        """Return the counts of this clock segment, and the clocks that were set back in it."""
         total = self._pending.copy()
         for counts in self._counts:
             total.update(counts)
@@ -471,12 +538,19 @@ class Ledger:
             total[key] += sum(map(len, chunks))
         for key, gaps in self._gaps.items():
             total[key] += sum(int(n.sum()) for _, n in gaps)
-        return LedgerSegment(None, {key: n for key, n in sorted(total.items()) if n})
+        return LedgerSegment(None, {key: n for key, n in sorted(total.items()) if n},
+                             tuple(self.set_backs))
 
     @property
     def troubles(self) -> list[str]:
         """In words: the last time that each clock was set back."""
-        return [str(steps[-1]) for steps in self.set_backs.values() if steps]
+        newest = {step.stream: step for ledger in self.clock_segments for step in ledger.set_backs}
+        return [*map(str, newest.values())]
+
+    @property
+    def all_set_backs(self) -> list[SetBack]:
+        """Return the clocks that were set back, in all clock segments."""
+        return [step for ledger in self.clock_segments for step in ledger.set_backs]
 
     @property
     def rejected(self) -> int:
@@ -495,7 +569,7 @@ class Ledger:
 
     def count_between(self, start_ns: int, end_ns: int) -> LedgerSegment:
         """
-        Return the counts from the first pair of a run to its last one.
+        Return the counts from the first pair of a run of this clock segment to its last one.
 
         Parameters
         ----------
@@ -511,7 +585,7 @@ class Ledger:
         """
         first_ns = max((s for s in self._starts.tolist() if s <= start_ns), default=start_ns)
         counts: Counter[LedgerKey] = Counter()
-        for segment in self.segments:
+        for segment in self._own_segments:
             if segment.start_ns is not None and first_ns <= segment.start_ns <= end_ns:
                 counts.update({key: n for key, n in segment.counts.items()
                                if key not in _PENDING})
@@ -519,7 +593,7 @@ class Ledger:
 
     def shares(self, start_ns: ArrayLike) -> list[LedgerSegment]:
         """
-        Divide the ledger among runs.
+        Divide this clock segment of the ledger among its runs.
 
         Parameters
         ----------
@@ -542,11 +616,10 @@ class Ledger:
 
         n = max(1, len(starts))
         shares: list[Counter[LedgerKey]] = [Counter() for _ in range(n)]
-        for segment in self.segments:
+        for segment in self._own_segments:
             shares[find(segment.start_ns)].update(segment.counts)
         set_backs: list[list[SetBack]] = [[] for _ in range(n)]
-        for stream in ('ts', 'rs'):
-            for set_back in self.set_backs.get(stream, ()):
-                set_backs[find(set_back.stamp_ns)].append(set_back)
+        for set_back in self.set_backs:
+            set_backs[find(set_back.stamp_ns)].append(set_back)
         return [LedgerSegment(int(start), dict(counts), tuple(within))
                 for start, counts, within in zip(starts.tolist(), shares, set_backs)]

@@ -47,7 +47,11 @@ class PairSampler:
 
         At the `end` the last half second is over, too.
         """
-        pairs = self._open + pairs
+        *ended, pairs = (self._open + pairs).in_segments() or [Pairs.empty()]
+        return Pairs.concatenate([*map(_choose, ended), self._keep_open(pairs, end)])
+
+    def _keep_open(self, pairs: Pairs, end: bool) -> Pairs:
+        """Return the pairs kept of a segment but for its last half second, unless at the `end`."""
         if end or not len(pairs):
             self._open = Pairs.empty()
             return _choose(pairs)

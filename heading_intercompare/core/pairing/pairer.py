@@ -22,7 +22,7 @@ ahead. Only the waiting limit of a live clock can change that, and its effects a
 from __future__ import annotations
 
 from functools import partial
-from typing import Callable
+from typing import Callable, Sequence
 
 import numpy as np
 
@@ -32,6 +32,7 @@ from heading_intercompare.core.raw_streams.stamp_jumps import NEVER
 from heading_intercompare.core.records import Headings, Losses, Pairs
 from heading_intercompare.core.settings import Settings
 
+from .arrival_order import divide_by_arrival
 from .direction import Direction, UsualSteps
 from .interpolation_kernel import Bridged, find_left, interpolate, longest_step_ns, reach
 from .ledger import APART_DEG2, Ledger, LedgerKey
@@ -46,6 +47,12 @@ _FARTHEST_DEG2 = 100.0
 #: A kernel begins with up to four readings before the stamp.
 _BEFORE = 4
 _NO_LIMIT = 1 << 62
+#: What a chunk of no more readings leaves without a pair is remembered anyway.
+_FEW = 64
+#: Beside `pairing.max_wait_s`, how long a step of one clock waits to show in the other.
+_STEP_WAIT_S = 5.0
+#: A sensor that falls silent after one odd stamp says no more about a step.
+_LONGEST_STEP_S = 30.0
 #: The judging node may lag behind the ledger, so this keeps more than a verdict covers.
 _SPANS_KEPT = 2
 
@@ -65,6 +72,8 @@ class Pairer:
     ----------
     ledger : Ledger
         The fate of every reading.
+    segment : int
+        Number of the clock segment, from 0.
 
     Notes
     -----
@@ -85,11 +94,17 @@ class Pairer:
     pending. So does one that repeats a value, while the stream looks as if a logger held it; of a
     held value only the first reading is paired (`raw_streams.held_values.HoldFilter`).
 
+    Where a clock was set back, both streams end, and a clock segment begins. It begins with the
+    readings after the step, and with those of the other sensor that no pair has used and that lie
+    there. No pair spans the step.
+
     """
 
     def __init__(self, settings: Settings) -> None:
         rule = settings.pairing
-        self.ledger = Ledger()
+        self.ledger, self.segment = Ledger(), 0
+        self._rule, self._skew_s = rule, settings.alignment.skew_s
+        self._skew_range_s = settings.alignment.skew_range_s
         self._method = rule.method
         self._max_gap_ns = _NO_LIMIT if rule.max_gap_s == 'auto' else round(
             rule.longest_gap_s * 1e9)
@@ -102,18 +117,25 @@ class Pairer:
         self._run_gap_ns = round(settings.runs.gap_s * 1e9)
         self._clock = settings.runs.clock_cuts()
         self._horizon_ns = partial(settings.runs.horizon_ns, spans=_SPANS_KEPT)
+        self._begin()
+
+    def _begin(self) -> None:
+        """Begin a clock segment."""
+        rule = self._rule
         silence_ns = max(self._run_gap_ns, round(rule.longest_gap_s * 1e9))
         self._ts, self._rs = (
             Stream(name, round(skew_s * 1e9), rule.jump_s, self.ledger,
                    UsualSteps(silence_ns, round(rule.auto_s * 1e9)))
-            for name, skew_s in (('ts', settings.alignment.skew_s), ('rs', 0.0)))
+            for name, skew_s in (('ts', self._skew_s), ('rs', 0.0)))
         self._direction = Direction(rule, self._run_gap_ns) if rule.method == 'auto' else None
-        self._sequences = SequenceMatch(settings.alignment.skew_range_s)
+        self._sequences = SequenceMatch(self._skew_range_s)
         self._at, self._of = self._ts, self._rs
         if rule.method == 'interpolate_ts':
             self._at, self._of = self._rs, self._ts
         self._last_settled_ns = NEVER
         self._last_pair_ns: int | None = None
+        self._set_back_s: float | None = None
+        self._may_step_since_s = -np.inf
 
     def update(self, ts: Headings | None = None, rs: Headings | None = None,
                now_s: float | None = None) -> Pairs:
@@ -134,18 +156,80 @@ class Pairer:
         Returns
         -------
         Pairs
-            In stamp order, also across calls.
+            In stamp order within a segment, also across calls.
 
         """
+        headings = [Headings.empty() if chunk is None else chunk for chunk in (ts, rs)]
+        streams = self._ts, self._rs
+        if not any(map(self._may_step_back, streams, headings)):
+            return self._update(headings, now_s)
+        parts = divide_by_arrival(
+            headings[0], headings[1], round(self._rule.jump_s * 1e9),
+            together=all(stream.last_ns != NEVER for stream in streams))
+        return Pairs.concatenate([self._update(part, now_s) for part in parts])
+
+    def _update(self, headings: Sequence[Headings], now_s: float | None) -> Pairs:
         came_s = np.nan if now_s is None else now_s
-        for stream, headings in ((self._ts, ts), (self._rs, rs)):
-            if headings is not None and len(headings):
-                self._note(stream, stream.take(headings, came_s, self._max_wait_s))
+        for stream, chunk in zip((self._ts, self._rs), headings):
+            if len(chunk):
+                self._note(stream, stream.take(chunk, came_s, self._max_wait_s))
+        pairs = self._decide(now_s)
+        while self._may_open_segment(now_s):
+            pairs += self._open_segment(came_s) + self._decide(now_s)
+        return pairs
+
+    def _decide(self, now_s: float | None) -> Pairs:
+        """Return the pairs that are decided; drop the readings that waited too long."""
         self._compare(self._sequences.take)
         pairs = self._pair(end=False)
         if now_s is not None:
             self._expire(now_s)
         self._forget()
+        return pairs
+
+    def _may_step_back(self, stream: Stream, headings: Headings) -> bool:
+        """Tell whether the stamps of a long chunk go back by more than the bound of a jump."""
+        stamps, jump_ns = headings.stamp_ns, round(self._rule.jump_s * 1e9)
+        return len(stamps) > _FEW and bool(
+            (stamps[1:] - stamps[:-1]).min() < -jump_ns
+            or stamps[0] - stream.shift_ns < stream.last_ns - jump_ns)
+
+    def _may_open_segment(self, now_s: float | None) -> bool:
+        """Tell whether a clock was set back, and the other sensor has come as far."""
+        if self._ts.set_back is None and self._rs.set_back is None:
+            return False
+        if (self._ts.set_back is not None and self._rs.set_back is not None
+                or self._list_passed()):
+            return True
+        if now_s is None:
+            return False
+        self._set_back_s = now_s if self._set_back_s is None else self._set_back_s
+        return now_s > self._set_back_s + self._max_wait_s + _STEP_WAIT_S
+
+    def _list_passed(self) -> list[Stream]:
+        """Return the streams whose clock was set back while the other one went on."""
+        return [stream for stream, partner in ((self._ts, self._rs), (self._rs, self._ts))
+                if stream.set_back is not None and partner.has_passed(stream)]
+
+    def _open_segment(self, came_s: float) -> Pairs:
+        """End both streams where a clock was set back, and begin again; return the last pairs."""
+        before = self._ts, self._rs
+        back = [stream.release_back() for stream in before]
+        pairs = self._end_streams()
+        first = []
+        for stream, partner, held in zip(before, reversed(before), back):
+            goes_over = Headings.empty() if partner.set_back is None or (
+                stream.set_back is not None) else stream.take_back(partner)
+            first.append(goes_over + held + stream.after)
+        for stream in before:
+            self.ledger.set_pending(stream.name, 0)
+        self.ledger.open_clock_segment()
+        self.segment += 1
+        self._begin()
+        for stream, headings, earlier in zip((self._ts, self._rs), first, before):
+            stream.go_on_from(earlier)
+            if len(headings):
+                self._note(stream, stream.take_usable(headings, came_s))
         return pairs
 
     @property
@@ -180,6 +264,13 @@ class Pairer:
 
     def flush(self) -> Pairs:
         """End both streams: decide all waiting readings and return the last pairs."""
+        pairs = Pairs.empty()
+        while self._ts.set_back is not None or self._rs.set_back is not None:
+            pairs += self._open_segment(np.nan) + self._decide(None)
+        return pairs + self._end_streams()
+
+    def _end_streams(self) -> Pairs:
+        """Decide all waiting readings of this segment and return its last pairs."""
         for stream in (self._ts, self._rs):
             self._note(stream, stream.end())
         self._compare(self._sequences.take)
@@ -270,10 +361,10 @@ class Pairer:
         paired: _Rows = slice(ready) if has_pair.all() else np.flatnonzero(has_pair)
         t, of_deg, factor = t[paired], wrap360(of_deg[paired]), factor[paired]
         at_deg, lag_ns = at.heading_deg[:ready][paired], np.zeros(t.shape, np.int64)
-        unit_factor = np.ones(t.shape)
+        ones, segment = np.ones(t.shape), np.full(t.shape, self.segment)
         if at is self._ts:
-            return ready, paired, Pairs(t, at_deg, of_deg, lag_ns, factor, unit_factor)
-        return ready, paired, Pairs(t, of_deg, at_deg, lag_ns, unit_factor, factor)
+            return ready, paired, Pairs(t, at_deg, of_deg, lag_ns, factor, ones, segment)
+        return ready, paired, Pairs(t, of_deg, at_deg, lag_ns, ones, factor, segment)
 
     def _find_stretches(self, of: Stream) -> list[tuple[int, int, int | None]]:
         """Return the first reading, the end and the usual step of the stretches of a stream."""
@@ -339,7 +430,7 @@ class Pairer:
         which = np.flatnonzero(good[:ready])
         rs.role[partner[which]] = PAIRED
         pairs = Pairs.of(t[which], ts.heading_deg[which], rs.heading_deg[partner[which]],
-                         lag[which])
+                         lag[which], segment=self.segment)
         return ready, which, pairs
 
     def _settle(self, ready: int, which: _Rows, pairs: Pairs) -> Pairs:
@@ -367,6 +458,11 @@ class Pairer:
 
     def _expire(self, now_s: float) -> None:
         """Drop readings that waited too long by the steady clock and are old by stamp."""
+        if not (self._ts.may_step or self._rs.may_step):
+            self._may_step_since_s = now_s
+        elif now_s < self._may_step_since_s + _LONGEST_STEP_S:
+            # What waits now may belong on either side of the step.
+            return
         # A slow sensor is not late before its next reading is due.
         max_wait_ns = max(self._max_wait_ns, 2 * self._ts.steps.newest_ns,
                           2 * self._rs.steps.newest_ns)

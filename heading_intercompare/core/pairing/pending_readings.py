@@ -16,12 +16,14 @@
 
 from __future__ import annotations
 
+from collections import deque
+
 import numpy as np
 
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.raw_streams.decimal_steps import StepCount
 from heading_intercompare.core.raw_streams.held_values import HoldFilter, Unfolded
-from heading_intercompare.core.raw_streams.stamp_jumps import Decided, JumpFilter, NEVER
+from heading_intercompare.core.raw_streams.stamp_jumps import Decided, JumpFilter, NEVER, SetBack
 from heading_intercompare.core.records import Headings, Losses
 
 from .direction import UsualSteps
@@ -30,6 +32,9 @@ from .ledger import Ledger, LedgerKey
 UNBRIDGED, BRACKET, PAIRED = 1, 2, 3
 """How a reading was used: 0 is not at all; use in a pair outranks use in a bracket."""
 
+#: Readings without a pair are remembered for this long, for the next segment; it begins with those
+#: up to this time before the step.
+_REMEMBERED_NS, _BEFORE_STEP_NS = 30 * 10 ** 9, 5 * 10 ** 9
 _KEYS = {'ts': (LedgerKey.TS_UNPAIRED, LedgerKey.TS_UNBRIDGED, LedgerKey.TS_USED,
                 LedgerKey.TS_PAIRED),
          'rs': (LedgerKey.RS_UNUSED, LedgerKey.RS_UNBRIDGED, LedgerKey.RS_USED,
@@ -49,6 +54,10 @@ class Stream:
         Stamps of the first readings, of those accepted last, after a hold has begun or ended.
     accepted : Headings
         The readings that were accepted last.
+    set_back : SetBack or None
+        The clock of the sensor was set back.
+    after : Headings
+        The readings since then, which wait for the next segment.
 
     """
 
@@ -72,6 +81,9 @@ class Stream:
         self.accepted = Headings.empty()
         self._heard_s = self._back_s = -np.inf
         self.heard_ns: int | None = None
+        self.set_back: SetBack | None = None
+        self.after = Headings.empty()
+        self._unused: deque[tuple[LedgerKey, Headings]] = deque()
 
     def __len__(self) -> int:
         return len(self.stamp_ns)
@@ -90,7 +102,14 @@ class Stream:
         self._heard_s = now_s
         if not good.all():
             stamp, heading = stamp[good], heading[good]
-        accepted = self._decide(self._jumps.take(Headings(stamp - self.shift_ns, heading)))
+        return self.take_usable(Headings(stamp - self.shift_ns, heading), now_s)
+
+    def take_usable(self, headings: Headings, now_s: float) -> np.ndarray:
+        """Take readings that have a stamp and a value; return the stamps of those kept."""
+        if self.set_back is not None:
+            self.after += headings
+            return np.empty(0, np.int64)
+        accepted = self._decide(self._jumps.take(headings))
         return self._keep_first(self._holds.take(accepted), now_s)
 
     def end(self) -> np.ndarray:
@@ -105,7 +124,9 @@ class Stream:
         for reason, stamps in (('stamp_not_increasing', decided.late_ns),
                                ('jump', decided.jumped_ns)):
             self.ledger.add(LedgerKey.of_rejected(self.name, reason), stamps)
-        self.ledger.set_backs[self.name] = self._jumps.set_backs
+        if decided.set_back is not None and decided.after is not None:
+            self.set_back, self.after = decided.set_back, decided.after
+            self.ledger.note_set_back(decided.set_back)
         return decided.accepted
 
     def _keep_first(self, unfolded: Unfolded, now_s: float) -> np.ndarray:
@@ -131,7 +152,7 @@ class Stream:
     @property
     def pending(self) -> int:
         """Return how many readings wait for a partner, or for later readings to decide."""
-        return len(self) + len(self._jumps) + len(self._holds)
+        return len(self) + len(self._jumps) + len(self._holds) + len(self.after)
 
     def reach_ns(self, since_s: float) -> int:
         """Return the newest stamp, also of readings that wait, if the sensor was heard since."""
@@ -188,8 +209,64 @@ class Stream:
     def _book(self, which: slice) -> np.ndarray:
         stamps, role = self.stamp_ns[which], self.role[which]
         for number, key in enumerate(_KEYS[self.name]):
-            self.ledger.add(key, stamps[role == number])
+            booked = role == number
+            self.ledger.add(key, stamps[booked])
+            if number < BRACKET and booked.any():
+                self._remember(key, Headings(stamps[booked], self.heading_deg[which][booked]))
         return stamps
+
+    def _remember(self, key: LedgerKey, unused: Headings) -> None:
+        """Remember readings without a pair: the next segment may begin with them."""
+        oldest_ns = self.last_ns - _REMEMBERED_NS
+        while self._unused and self._unused[0][1].stamp_ns[-1] < oldest_ns:
+            self._unused.popleft()
+        unused = unused[int(np.searchsorted(unused.stamp_ns, oldest_ns)):]
+        if len(unused):
+            self._unused.append((key, unused))
+
+    def take_back(self, partner: Stream) -> Headings:
+        """
+        Return what the next segment begins with, after the clock of the `partner` was set back.
+
+        These are the readings without a pair that lie where the partner goes on, or after its last
+        reading before the step. The ledger no longer counts them in this segment.
+        """
+        assert partner.set_back is not None
+        end_ns, begin_ns = partner.set_back.stamp_ns, int(partner.after.stamp_ns[0])
+        rows = []
+        for key, unused in self._unused:
+            stamps = unused.stamp_ns
+            goes_over = (stamps > end_ns) | (stamps >= begin_ns - _BEFORE_STEP_NS) & (
+                np.abs(stamps - begin_ns) < np.abs(stamps - end_ns))
+            self.ledger.take_back(key, stamps[goes_over])
+            rows.append(unused[goes_over])
+        self._unused.clear()
+        headings = Headings.concatenate(rows)
+        return headings[np.argsort(headings.stamp_ns, kind='stable')]
+
+    def release_back(self) -> Headings:
+        """Give up the readings held far before the newest accepted one, and return them."""
+        return self._jumps.release_back()
+
+    @property
+    def may_step(self) -> bool:
+        """Whether the clock was set back, or may have been."""
+        return self.set_back is not None or self._jumps.holds_back
+
+    def has_passed(self, partner: Stream) -> bool:
+        """Tell whether all has come that belongs before a step of the partner's clock."""
+        assert partner.set_back is not None
+        end_ns, begin_ns = partner.set_back.stamp_ns, int(partner.after.stamp_ns[0])
+        newest_ns = self.reach_ns(-np.inf)
+        if newest_ns == NEVER or self._jumps.holds_back:
+            return False
+        nearest_ns = min((begin_ns, end_ns), key=lambda stamp_ns: abs(newest_ns - stamp_ns))
+        return newest_ns >= nearest_ns + _BEFORE_STEP_NS
+
+    def go_on_from(self, before: Stream) -> None:
+        """Go on in the next segment, where the sensor was heard as before."""
+        self.heard_ns = before.heard_ns
+        self._heard_s, self._back_s = before._heard_s, before._back_s
 
     def _keep(self, which: slice | np.ndarray) -> None:
         self.stamp_ns = self.stamp_ns[which]

@@ -21,7 +21,7 @@ depend on the stamps and their order alone, not on how the stream is cut into ch
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Generic, Sequence, TypeVar
 
 import numpy as np
@@ -40,10 +40,10 @@ _CONFIRMED_N, _SETTLED_NS, _CONFIRMED_NS = 3, 10 ** 9, 5 * 10 ** 9
 _ALIKE, _SLOWED_N = 10, 8
 # A gap of this many usual steps is no jump, however slow the sensor.
 _USUAL_STEPS = 3
-_RECENT, _MOST_LINES, _MOST_NAMED, _BLOCK = 4, 16, 100, 64
+_RECENT, _MOST_LINES, _BLOCK = 4, 16, 64
 _MOST_HELD, _MOST_SLOWED = 20_000, 1000
 
-_HELD, _ACCEPTED, _LATE, _JUMPED = range(4)
+_HELD, _ACCEPTED, _LATE, _JUMPED, _GONE = range(5)
 _NONE = np.empty(0, np.int64)
 
 _Rows = TypeVar('_Rows', Headings, Pairs)
@@ -87,12 +87,15 @@ class SetBack:
         Newest stamp before the step, nanoseconds.
     size_ns
         How far the clock was set back, nanoseconds, > 0.
+    clock_segment
+        How many clocks of the comparison were set back before, each at another time.
 
     """
 
     stream: str
     stamp_ns: int
     size_ns: int
+    clock_segment: int = 0
 
     def __str__(self) -> str:
         return (f'the clock of the {self.stream.upper()} was set back by '
@@ -112,12 +115,18 @@ class Decided(Generic[_Rows]):
         Stamps rejected because they do not increase: duplicates and reordered readings.
     jumped_ns : ndarray of int64
         Stamps rejected because the readings around them contradict them.
+    set_back : SetBack, optional
+        The clock was set back: this line of stamps has ended.
+    after : Headings or Pairs, optional
+        The readings after the step, whose stamps are decided by another filter.
 
     """
 
     accepted: _Rows
     late_ns: Integers
     jumped_ns: Integers
+    set_back: SetBack | None = None
+    after: _Rows | None = None
 
 
 class _Line:
@@ -142,7 +151,7 @@ class JumpFilter(Generic[_Rows]):
     Parameters
     ----------
     stream
-        Name of the stream, stated in `set_backs`.
+        Name of the stream, stated in a `SetBack`.
     jump_s
         A longer step of the stamps is a jump, seconds: `pairing.jump_s`.
     empty : Headings or Pairs
@@ -152,8 +161,6 @@ class JumpFilter(Generic[_Rows]):
     ----------
     newest_ns
         Newest accepted stamp.
-    set_backs
-        The times at which the clock was set back, at most the first hundred.
 
     Notes
     -----
@@ -168,22 +175,21 @@ class JumpFilter(Generic[_Rows]):
     whether they are right. Stamps that rise by similar steps longer than the bound are accepted,
     too: three at the start of a stream, eight later.
 
-    A stamp further back is rejected as a jump. If at least three go on from each other there for
-    at least five seconds, the clock was set back. The stream goes on when its stamps have caught
-    up.
+    A stamp further back is held, too. If a later one goes on from the newest accepted stamp, the
+    held ones are rejected as jumps. If at least three go on from each other for at least five
+    seconds, the clock was set back. Then the filter has done its work: `Decided.after` has the
+    readings from the first of them on.
 
     """
 
     def __init__(self, stream: str, jump_s: float, empty: _Rows) -> None:
         self.newest_ns: int | None = None
-        self.set_backs: list[SetBack] = []
         self._stream = stream
         self._jump_ns = round(jump_s * 1e9)
         self._held: _Rows = empty
         self._lines: list[_Line] = []
         self._recent: list[int] = []
         self._back: _Line | None = None
-        self._named = False
 
     def __len__(self) -> int:
         """Return the number of readings held."""
@@ -207,7 +213,8 @@ class JumpFilter(Generic[_Rows]):
         # One by one only near a jump: blocks that grow keep a long stream fast.
         block, singly = n, at
         while at < n:
-            if at >= singly and not self._lines and self.newest_ns is not None:
+            if (at >= singly and not self._lines and self._back is None
+                    and self.newest_ns is not None):
                 end = min(at + block, n)
                 at += self._go_on(stamps[at:end], fate[at:end])
                 block *= 2
@@ -216,7 +223,37 @@ class JumpFilter(Generic[_Rows]):
             else:
                 self._decide(at, int(stamps[at]), stamps, fate)
                 at += 1
+                if self._back is not None and self._back.lasts(_CONFIRMED_NS):
+                    return self._break_off(rows, fate, at)
         return self._release(rows, fate)
+
+    def _break_off(self, rows: _Rows, fate: np.ndarray, at: int) -> Decided[_Rows]:
+        """End this line of stamps at a clock that was set back; `at` is the first row not read."""
+        assert self._back is not None and self.newest_ns is not None
+        set_back = SetBack(self._stream, self.newest_ns,
+                           self.newest_ns + self._usual_ns() - self._back.first_ns)
+        after = rows[np.r_[self._back.rows, at:len(rows)]]
+        fate[self._back.rows], fate[at:] = _GONE, _GONE
+        self._drop_lines(fate)
+        self._back = None
+        return replace(self._release(rows, fate), set_back=set_back, after=after)
+
+    @property
+    def holds_back(self) -> bool:
+        """Whether stamps far before the newest accepted one are held."""
+        return self._back is not None
+
+    def release_back(self) -> _Rows:
+        """Give up the readings held far before the newest accepted one, and return them."""
+        back = np.zeros(len(self._held), bool)
+        if self._back is not None:
+            back[self._back.rows] = True
+            self._back = None
+        rows, place = self._held[back], np.cumsum(~back) - 1
+        for line in self._lines:
+            line.rows = place[line.rows].tolist()
+        self._held = self._held[~back]
+        return rows
 
     def end(self) -> Decided[_Rows]:
         """Decide the readings held at the end of the stream."""
@@ -230,7 +267,8 @@ class JumpFilter(Generic[_Rows]):
                 if self.newest_ns is None or len(longest.rows) >= _CONFIRMED_N:
                     fate[longest.rows] = _ACCEPTED
             self._lines = []
-            self._note_accepted(rows.stamp_ns[fate == _ACCEPTED].tolist())
+            self._note_accepted(rows.stamp_ns[fate == _ACCEPTED].tolist(), fate)
+        self._back = None
         return self._release(rows, fate)
 
     def _goes_on(self, stamp_ns: Integers) -> bool:
@@ -247,12 +285,16 @@ class JumpFilter(Generic[_Rows]):
         held = fate == _HELD
         if held.any():
             place = np.cumsum(held) - 1
-            for line in self._lines:
+            for line in self._held_lines:
                 line.rows = place[line.rows].tolist()
         self._held = rows[held]
         accepted = fate == _ACCEPTED
         return Decided(rows if accepted.all() else rows[accepted],
                        rows.stamp_ns[fate == _LATE], rows.stamp_ns[fate == _JUMPED])
+
+    @property
+    def _held_lines(self) -> list[_Line]:
+        return self._lines if self._back is None else [*self._lines, self._back]
 
     def _go_on(self, stamp_ns: Integers, fate: np.ndarray) -> int:
         """Decide the stamps before the first jump; return how many they are."""
@@ -266,11 +308,13 @@ class JumpFilter(Generic[_Rows]):
         self._note_accepted(stamp_ns[:n][rises][-_RECENT:].tolist())
         return n
 
-    def _note_accepted(self, stamp_ns: Sequence[int]) -> None:
+    def _note_accepted(self, stamp_ns: Sequence[int], fate: np.ndarray | None = None) -> None:
         if len(stamp_ns):
             self.newest_ns = stamp_ns[-1]
             self._recent = [*self._recent, *stamp_ns[-_RECENT:]][-_RECENT:]
-            self._back, self._named = None, False
+            if fate is not None and self._back is not None:
+                fate[self._back.rows] = _JUMPED
+            self._back = None
 
     def _usual_ns(self) -> int:
         """Return the median of the last three steps; 0 if there are fewer."""
@@ -287,19 +331,20 @@ class JumpFilter(Generic[_Rows]):
             if 0 < step <= bound_ns:
                 self._drop_lines(fate)
                 fate[row] = _ACCEPTED
-                self._note_accepted([stamp_ns])
+                self._note_accepted([stamp_ns], fate)
+                return
+            if step < -bound_ns:
+                self._hold_back(row, stamp_ns, bound_ns, fate)
                 return
             if step <= 0:
-                fate[row] = _LATE if step >= -bound_ns else _JUMPED
-                if step < -bound_ns:
-                    self._note_back(row, stamp_ns, bound_ns)
+                fate[row] = _LATE
                 return
         self._hold(row, stamp_ns, bound_ns, fate)
         confirmed = self._find_confirmed(stamps, fate, bound_ns)
         if confirmed:
             self._drop_lines(fate)
             fate[confirmed] = _ACCEPTED
-            self._note_accepted(stamps[confirmed].tolist())
+            self._note_accepted(stamps[confirmed].tolist(), fate)
 
     def _drop_lines(self, fate: np.ndarray) -> None:
         for line in self._lines:
@@ -344,16 +389,19 @@ class JumpFilter(Generic[_Rows]):
         begin = next((at + 1 for at in reversed(range(len(steps))) if steps[at] <= 0), 0)
         return held[begin:]
 
-    def _note_back(self, row: int, stamp_ns: int, bound_ns: int) -> None:
-        """Note a stamp far before the newest accepted one; name the step once it is sure."""
+    def _hold_back(self, row: int, stamp_ns: int, bound_ns: int, fate: np.ndarray) -> None:
+        """Put a stamp far before the newest accepted one in the line there, or in a new one."""
         line = self._back
-        if line is None or not 0 < stamp_ns - line.last_ns <= bound_ns:
-            line = self._back = _Line(row, stamp_ns)
-        elif not self._named:
+        if line is not None and 0 < stamp_ns - line.last_ns <= bound_ns:
             line.add(row, stamp_ns)
-        line.last_ns = stamp_ns
-        if line.lasts(_CONFIRMED_NS) and not self._named and self.newest_ns is not None:
-            self._named = True
-            back_ns = self.newest_ns + self._usual_ns() - line.first_ns
-            if len(self.set_backs) < _MOST_NAMED:
-                self.set_backs.append(SetBack(self._stream, self.newest_ns, back_ns))
+            if len(line.rows) <= _MOST_HELD:
+                return
+            # No sensor sends this number of readings within five seconds.
+            fate[line.rows], self._back = _JUMPED, None
+            return
+        if line is not None and -bound_ns <= stamp_ns - line.last_ns <= 0:
+            fate[row] = _LATE
+            return
+        if line is not None:
+            fate[line.rows] = _JUMPED
+        self._back = _Line(row, stamp_ns)

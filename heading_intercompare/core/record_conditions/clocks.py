@@ -80,8 +80,7 @@ def _settle(finding: Finding | None, account: RunAccount) -> Finding | None:
     steps = [str(set_back) for set_back in set_backs]
     if len(steps) > _MOST_NAMED:
         steps[_MOST_NAMED:] = [f'clocks were set back {len(steps)} times in all']
-    evidence = '; '.join((*steps, 'readings with the repeated times are rejected',
-                          finding.evidence))
+    evidence = '; '.join((*steps, 'the run ends there', finding.evidence))
     if finding.effect == VOID:
         return CLOCKS.find(VOID, finding.words, evidence)
     words = '; '.join(filter(None, (*steps, finding.words)))

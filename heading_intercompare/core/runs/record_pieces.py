@@ -149,6 +149,11 @@ class RecordPieces(Generic[Judged]):
         self._ended = [judged for judged in self._ended if end_of(judged) >= stamp_ns]
 
     @property
+    def newest_ns(self) -> int | None:
+        """Stamp of the newest pair; None before the first."""
+        return self._cutter.state.newest_ns
+
+    @property
     def pieces(self) -> tuple[Judged, ...]:
         """Return what is kept of the pieces so far, in the order of time."""
         newest = () if self._piece is None else (self._judge(self._piece),)

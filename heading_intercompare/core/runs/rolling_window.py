@@ -73,6 +73,10 @@ class Rolling:
     def __init__(self, window_s: float) -> None:
         self._begin(window_s)
 
+    def clear(self) -> None:
+        """Forget all differences."""
+        self._begin(self._pane_ns * _PANES / 1e9)
+
     def _begin(self, window_s: float) -> None:
         self._pane_ns = max(1, round(window_s * 1e9 / _PANES))
         self._panes: deque[_Pane] = deque()

@@ -110,6 +110,7 @@ class RunCutter:
         self._clock = rule.clock_cuts() if table is None else ClockCuts(None, None)
         self._since_ns = 0
         self._events: list[tuple[int, bool]] = []
+        self._rows = [*(table or ())]
         self._table = table is not None
         self._marked = self._table
         self._open = not self._table
@@ -124,8 +125,19 @@ class RunCutter:
             if last is not None and start_ns < last:
                 raise ValueError(f'run table: start {start_ns} is before the end {last} of '
                                  'the run above it')
-            self._events += [(start_ns, True), (stop_ns, False)]
             last = stop_ns
+        self._arm_table()
+
+    def _arm_table(self) -> None:
+        self._events += [event for start_ns, stop_ns in self._rows
+                         for event in ((start_ns, True), (stop_ns, False))]
+
+    def begin_segment(self) -> None:
+        """End the run where a clock was set back; the rows of a table count again."""
+        self._in_run, self._cut_ns, self._newest_ns = False, None, None
+        if self._table:
+            self._open, self._events = False, []
+            self._arm_table()
 
     @property
     def state(self) -> CutterState:

@@ -133,6 +133,9 @@ class RunVerdict:
                                         absent='if it is not known')
     limit_95: Percentile | None = figure('limit that 95 % of the differences keep',
                                          absent='with fewer than 20 independent differences')
+    clock_segment: int | None = figure('clocks set back before it',
+                                       'stamps are repeated from segment to segment', unit='1',
+                                       absent='if none was')
 
     @property
     def conditions_in_doubt(self) -> str:

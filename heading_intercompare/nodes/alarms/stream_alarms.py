@@ -67,7 +67,7 @@ class StreamAlarms:
         self.panel.update(self._streams.look([intake.received for intake in intakes], heard_ns,
                                              now_s), time.time_ns())
         state = self._pairing.look(ledger, *heard_ns, now_s)
-        set_back = self._set_back.take(sum(map(len, ledger.set_backs.values())), now_s)
+        set_back = self._set_back.take(len(ledger.all_set_backs), now_s)
         troubles = [words for words in (state.trouble, *(ledger.troubles if set_back else ()))
                     if words]
         self._health.note('pairing', WARN if troubles else OK, '; '.join(troubles) or 'pairing',

@@ -17,9 +17,10 @@
 from __future__ import annotations
 
 from collections import deque
+from dataclasses import replace
 from itertools import groupby
 import time
-from typing import Mapping
+from typing import Mapping, NamedTuple, Sequence
 
 import numpy as np
 from rclpy.node import Node
@@ -44,6 +45,20 @@ _Taken = list[tuple[bytes, Mapping[str, int]]]
 _MOST_HELD = 20_000
 #: Length and first characters of the frame, which name the start of the synchronizer.
 _NAME = slice(12, 40)
+
+
+class _Frame(NamedTuple):
+    """The start of a synchronizer, UTC ns, and the number of the clock segment of a pair."""
+
+    started_ns: int
+    segment: int
+
+
+def _read_frame(data: bytes) -> _Frame:
+    """Return what the frame of a pair says; 0 where another program published it."""
+    name, _, segment = header_frame(data).partition('/')
+    return _Frame(int(name) if name.isdecimal() else 0,
+                  int(segment) if segment.isdecimal() else 0)
 
 
 class PairIntake(Intake):
@@ -91,6 +106,7 @@ class PairIntake(Intake):
         self._resuming: dict[str, int] = {}
         self._behind = False
         self._taken: deque[bytes] = deque(maxlen=_MOST_HELD)
+        self._segment_of, self._first_segment = _Frame(0, 0), 0
         self.left_out = self.missed = 0
 
     def read(self) -> Pairs:
@@ -99,7 +115,7 @@ class PairIntake(Intake):
 
         What cannot be read is refused, and pairs with the stamp of the pair before.
         """
-        pairs = self.read_rows(lambda type_name, messages: read_pairs(messages))
+        pairs = self.read_rows(self._read_segments)
         new = np.diff(pairs.stamp_ns, prepend=self._read_ns) != 0
         if not new.all():
             # A synchronizer makes no such pair; another node may.
@@ -110,6 +126,23 @@ class PairIntake(Intake):
             self._read_ns = int(pairs.stamp_ns[-1])
         return pairs
 
+    def _read_segments(self, _: str, messages: Sequence[bytes]) -> tuple[Pairs, list[str]]:
+        """Return the pairs in messages, whose frames say in which clock segment each is."""
+        parts, problems = [Pairs.empty()], []
+        for _, several in groupby(messages, key=lambda data: data[_NAME]):
+            batch = [*several]
+            number = _read_frame(batch[0])
+            if number.started_ns != self._segment_of.started_ns:
+                # Another synchronizer counts from 0.
+                before = self._segment_of.segment
+                self._first_segment += before + 1 if before else 0
+            self._segment_of = number
+            pairs, troubles = read_pairs(batch)
+            problems += troubles
+            parts.append(replace(pairs, segment=np.full(
+                len(pairs), self._first_segment + number.segment)))
+        return Pairs.concatenate(parts), problems
+
     def take(self) -> _Taken:
         """Return the pairs of the followed synchronizer since the last call."""
         now_s, pairs = time.monotonic(), []
@@ -119,9 +152,7 @@ class PairIntake(Intake):
         self.last_sequence = followed
         for _, several in groupby(messages, key=lambda pair: pair[0][_NAME]):
             batch = list(several)
-            name = header_frame(batch[0][0])
-            # Pairs that another program publishes name no start.
-            started_ns = int(name) if name.isdecimal() else 0
+            started_ns, _ = _read_frame(batch[0][0])
             self._choice.hear(started_ns, now_s)
             if started_ns == self._choice.current:
                 pairs += self._accept(str(started_ns), batch)

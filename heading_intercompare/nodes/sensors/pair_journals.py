@@ -178,8 +178,8 @@ class PairJournals:
     def _book(self, names: Names) -> LedgerMessage:
         """Return the ledger of a pair as it is now."""
         ledger, numbers = self._others[names].pairer.ledger, self._headings.numbers
-        copy = Ledger.from_segments(ledger.segments, ledger.newest_ns, [
-            set_back for set_backs in ledger.set_backs.values() for set_back in set_backs])
+        copy = Ledger.from_segments(ledger.segments, ledger.newest_ns,
+                                    ledger.all_set_backs)
         return LedgerMessage(copy, False, self._started_ns, {
             stream: numbers[name] for name, stream in zip(names, ('ts', 'rs'))})
 

@@ -125,6 +125,7 @@ LEDGER: tuple[Row[RunVerdict], ...] = (
     Row('left out: taken out by hand', '1',
         lambda run: 0 if run.taken_out is None else run.taken_out.n),
     *_declare(RunVerdict, 'n'),
+    Row('clocks set back before it', '1', lambda run: run.clock_segment or 0),
 )
 
 RESULTS = _declare(RunVerdict, """

@@ -152,7 +152,8 @@ class Subject:
         start_ns, newest_ns = sketch.time.start_ns, sketch.newest_ns
         if not sketch.n or start_ns is None or newest_ns is None:
             return None
-        inside = [r for r in verdict.runs if r.start_ns <= newest_ns and r.end_ns >= start_ns]
+        inside = [r for r in verdict.runs if r.start_ns <= newest_ns and r.end_ns >= start_ns
+                  and (r.clock_segment or 0) == sketch.segment]
         runs = [r for r in inside if r.source == sketch.source] or inside
         return cls(sketch, start_ns, verdict.settings, runs,
                    [Band(run, verdict.settings) for run in runs])

@@ -167,7 +167,7 @@ def test_ledgers_of_all_synchronizers_come_back(tmp_path):
         assert back.ledger.segments == ledger.segments and back.final == final
         assert back.numbers == numbers
         assert (back.ledger.newest_ns, back.ledger.set_backs) == (
-            ledger.newest_ns, {'ts': (SetBack('ts', T0, 7 * S),)})
+            ledger.newest_ns, [SetBack('ts', T0, 7 * S)])
 
 
 @pytest.mark.parametrize('replaced', [False, True])
@@ -268,7 +268,8 @@ def test_a_state_that_this_version_cannot_read_is_set_aside(tmp_path, rng, monke
                 for record in _records_of(data)]
     path.write_bytes(journal_module._MAGIC + b''.join(map(journal_module._pack, contents)))
     node = Node(path, rule)
-    assert 'this version cannot read it: state.n_short is missing' in node.journal.set_aside
+    assert ('this version cannot read it: state.segments[0].n_short is missing'
+            in node.journal.set_aside)
     assert node.compliance.finished_runs == 0
 
 

@@ -23,6 +23,7 @@ from heading_intercompare import Headings, Settings
 from heading_intercompare.core.pairing.incarnations import Incarnations, StreamNumbers
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
 from heading_intercompare.core.pairing.pairer import Pairer
+from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
 
 STEP_NS = 10 ** 8
 STAMPS = 1_700_000_000 * 10 ** 9 + np.arange(1, 301) * STEP_NS
@@ -201,3 +202,34 @@ def ledger_of_first(hi):
 def numbers_of(first, last):
     """Return the numbers of both streams."""
     return dict.fromkeys(('ts', 'rs'), StreamNumbers('a', first, 'a', last))
+
+
+def test_clock_segments_go_on_counting_after_a_restart():
+    """The first synchronizer ended in its second segment, so that of the next is a third one."""
+    first = Ledger.from_segments([
+        LedgerSegment(None, {'paired': 10}), LedgerSegment(500, {'paired': 20}),
+        LedgerSegment(None, {'paired': 30}, clock_segment=1)], 200, [SetBack('ts', 900, 800)])
+    second = Ledger.from_segments([
+        LedgerSegment(None, {'paired': 40}),
+        LedgerSegment(None, {'paired': 50}, clock_segment=1)], 300, [SetBack('rs', 700, 600)])
+    ledgers = Incarnations()
+    ledgers.take(first, False, 1)
+    ledgers.take(second, True, 2)
+    total = ledgers.total
+    assert [part.clock_segment_total.counts['paired'] for part in total.clock_segments] == [
+        30, 30, 40, 50]
+    assert [(step.stream, step.clock_segment) for step in total.all_set_backs] == [
+        ('ts', 0), ('rs', 2)]
+    assert total.paired == 150 and total.newest_ns == 300
+
+
+def test_a_restart_before_any_step_goes_on_in_the_same_clock_segment():
+    first = Ledger.from_segments([LedgerSegment(None, {'paired': 10})], 200)
+    second = Ledger.from_segments([
+        LedgerSegment(None, {'paired': 40}),
+        LedgerSegment(None, {'paired': 50}, clock_segment=1)], 50, [SetBack('ts', 400, 380)])
+    ledgers = Incarnations()
+    ledgers.take(first, False, 1)
+    ledgers.take(second, True, 2)
+    assert [part.clock_segment_total.counts['paired']
+            for part in ledgers.total.clock_segments] == [50, 50]

@@ -163,7 +163,7 @@ def test_a_ts_put_onto_the_rs_is_the_rs_put_onto_the_ts_with_names_exchanged(ts,
     pairs, ledger = pair(ts, rs, rules('interpolate_ts', max_gap_s=1.5))
     other, exchanged = pair(rs, ts, rules('interpolate', max_gap_s=1.5))
     assert pairs == Pairs(other.stamp_ns, other.rs_deg, other.ts_deg, other.lag_ns,
-                          other.ts_variance_factor, other.rs_variance_factor)
+                          other.ts_variance_factor, other.rs_variance_factor, other.segment)
     counts, others = ledger.total.counts, exchanged.total.counts
     assert counts.get('rs_used', 0) == others.get('ts_paired', 0) == len(pairs)
     assert counts.get('ts_paired', 0) + counts.get('ts_used', 0) == others.get('rs_used', 0)

@@ -46,7 +46,7 @@ def settle(effect, words, *stamps_ns):
 def test_a_void_run_stays_void_and_its_evidence_names_the_step():
     finding = settle(VOID, DRIFT, 10 ** 18)
     assert (finding.effect, finding.words) == (VOID, DRIFT)
-    assert finding.evidence == f'{STEP}; readings with the repeated times are rejected; as seen'
+    assert finding.evidence == f'{STEP}; the run ends there; as seen'
 
 
 @pytest.mark.parametrize('effect, words, expected', [

@@ -84,30 +84,33 @@ def test_stamps_of_the_future_cost_only_their_readings(rng, rows, who):
 
 
 @pytest.mark.parametrize('who', ['ts', 'rs'])
-def test_a_clock_ahead_for_a_while_locks_the_stream_and_that_counts(rng, who):
-    """Stamped tomorrow for 8 s: then the clock is set back, and all later stamps repeat."""
+def test_a_clock_ahead_for_a_while_ends_the_run_and_the_next_one_is_judged(rng, who):
+    """Stamped tomorrow for 8 s: then the clock is set back."""
     stamps = START_NS + np.arange(1, 36_001) * STEP_NS
     stamps[7000:7080] += 86_400 * 10 ** 9
-    (run,) = judge(rng, **{who: stamps}).runs
-    assert find_finding(run, 'losses').effect == VOID
+    run, after = judge(rng, **{who: stamps}).runs
+    assert (run.n, after.n, after.clock_segment) == (7000, 28_920, 1)
+    assert find_finding(run, 'losses').effect == find_finding(after, 'clocks').effect == HOLDS
     assert find_finding(run, 'clocks').words == (
         f'the clock of the {who.upper()} was set back by 86400.0 s at 2023-11-15 22:25:08.000 UTC')
 
 
 @pytest.mark.parametrize('both', [True, False])
 def test_a_clock_set_back_by_an_hour_is_named(rng, both):
-    """After 40 min; what follows is rejected, a third of the readings."""
+    """After 40 min; of one sensor alone, what follows has no partner."""
     stamps = START_NS + np.arange(1, 36_001) * STEP_NS
     stamps[24_000:] -= 3600 * 10 ** 9
     verdict = judge(rng, ts=stamps, **({'rs': stamps} if both else {}))
-    (run,) = verdict.runs
+    run, *after = verdict.runs
     assert (run.n, run.outcome) == (24_000, Outcome.COMPLIANT)
+    assert [(later.n, later.clock_segment) for later in after] == [(12_000, 1)] * both
     words = 'the clock of the TS was set back by 3600.0 s at 2023-11-14 22:53:20.000 UTC'
-    assert find_finding(run, 'clocks').effect == find_finding(run, 'losses').effect == DOUBTFUL
+    assert find_finding(run, 'clocks').effect == DOUBTFUL
     assert words in find_finding(run, 'clocks').words
     assert ('of the RS' in find_finding(run, 'clocks').words) == both
     assert words in verdict.headline
-    assert run.pairing.rejected.ts == {'jump': 12_000}
+    assert sum(judged.pairing.ts_received for judged in verdict.runs) == 36_000
+    assert run.pairing.rejected.ts == {}
     assert Verdict.from_dict(verdict.to_dict()).to_dict() == verdict.to_dict()
 
 

@@ -40,7 +40,8 @@ SHOWN = {'run', 'source', 'start_ns', 'end_ns', 'duration_s', 'pairing', 'n_inpu
          'mean_square_deg2', 'circular_mean_deg', 'resultant_length', 'drift_coefficients_deg',
          'variance_deg2', 'std_deg', 'variance_criterion', 'count_criterion', 'total_error',
          'outcome', 'reason', 'headline', 'validity', 'validity_effect', 'coverage', 'looks',
-         'paper_outcome', 'guarded', 'assumptions', 'warnings', 'taken_out', 'limit_95'}
+         'paper_outcome', 'guarded', 'assumptions', 'warnings', 'taken_out', 'limit_95',
+         'clock_segment'}
 
 
 def keys_of(kind, prefix=''):
