@@ -21,13 +21,17 @@ The running graph next to its peers: CPU, losses, latency, start-up, memory.
     python benchmarks/live.py --day                               # memory over 24 h of stamps
     PYTHONPATH=filters/src python benchmarks/live.py              # with message_filters
 
-One process publishes two topics of sensor_msgs/Imu. It stands for the drivers, and its CPU is not
-counted. The candidates take the topics in turn, each with a publisher of its own:
+One process stands for the sensors, and its CPU is not counted. For the peers it publishes two
+topics of sensor_msgs/Imu, for the graphs it sends sentences (HDT) by UDP. The candidates take them
+in turn:
 
 * plain: an rclpy node with two subscriptions and a SingleThreadedExecutor, which only counts;
 * message_filters: the same with an ApproximateTimeSynchronizer, if that package can be found;
-* graph: synchronizer, compliance and recorder, a process each, as the launch file runs them;
+* graph: two drivers, synchronizer, compliance and recorder, a process each, as the launch file
+  runs them;
 * live: the same nodes in one process, as the command `live` runs them.
+
+With --without-drivers the graphs take topics, too, as from drivers of other packages.
 
 No wheel has message_filters. Its Python part needs only rclpy, so a checkout is enough:
 
@@ -45,12 +49,15 @@ from __future__ import annotations
 
 import argparse
 from contextlib import suppress
+from functools import reduce
 from importlib.util import find_spec
 import itertools
 import json
+import operator
 import os
 from pathlib import Path
 import signal
+import socket
 from statistics import median
 import subprocess
 import sys
@@ -82,15 +89,25 @@ PEERS, OURS = ('plain', 'message_filters'), ('graph', 'live')
 CANDIDATES = PEERS + OURS
 
 
-def publish(rate_hz: float, seconds: float, subscribers: int, faster: float) -> None:
-    """Publish both topics once both have their subscriptions; print when, and when it is over."""
+def publish(rate_hz: float, seconds: float, subscribers: int, faster: float,
+            ports: Sequence[int] = ()) -> None:
+    """
+    Send the readings of two sensors once they are heard; print when, and when it is over.
+
+    They go to topics, or as sentences to the ports of drivers.
+    """
     import rclpy
     from sensor_msgs.msg import Imu
     rclpy.init()
     node = rclpy.create_node('benchmark_publisher')
-    publishers = [node.create_publisher(Imu, topic, DEPTH) for topic in TOPICS]
+    publishers = [] if ports else [node.create_publisher(Imu, topic, DEPTH) for topic in TOPICS]
+    line = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
+
+    def is_heard(topic: str) -> bool:
+        return node.count_publishers(topic) > 0 and node.count_subscribers(topic) >= subscribers
+
     deadline_s = time.monotonic() + LONGEST_WAIT_S
-    while any(p.get_subscription_count() < subscribers for p in publishers):
+    while not all(map(is_heard, TOPICS)):
         if time.monotonic() > deadline_s:
             raise SystemExit('no subscriber')
         time.sleep(0.02)
@@ -102,19 +119,29 @@ def publish(rate_hz: float, seconds: float, subscribers: int, faster: float) -> 
     if faster:
         pour(publishers, began_ns, period_ns, n, rng)
     for i in range(0 if faster else n):
-        for late, publisher in enumerate(publishers):
+        for late in range(len(TOPICS)):
             # The RS speaks a third of a period after the TS.
             due_s = began_s + (i + late / 3) / rate_hz
             time.sleep(max(0.0, due_s - time.monotonic()))
             stamps[late].append(time.time_ns())
-            one = Headings.of(stamps[late][-1:], [90.0 + rng.normal(0.0, 0.1)])
-            publisher.publish(imu_messages(one, 'gyro')[0])
+            heading_deg = 90.0 + rng.normal(0.0, 0.1)
+            if ports:
+                line.sendto(make_sentence(heading_deg), ('127.0.0.1', ports[late]))
+            else:
+                reading = Headings.of(stamps[late][-1:], [heading_deg])
+                publishers[late].publish(imu_messages(reading, 'gyro')[0])
     np.save('sent.npy', stamps)
     print(2 * n, flush=True)
     for publisher in publishers:
         publisher.wait_for_all_acked(rclpy.duration.Duration(seconds=20))
     sys.stdin.readline()
     rclpy.try_shutdown()
+
+
+def make_sentence(heading_deg: float) -> bytes:
+    """Return a heading as a sentence."""
+    body = f'HEHDT,{heading_deg:.3f},T'
+    return f'${body}*{reduce(operator.xor, body.encode()):02X}\r\n'.encode()
 
 
 def pour(publishers: Sequence[Any], began_ns: int, period_ns: int, n: int,
@@ -238,24 +265,43 @@ class Process:
         return self.process.communicate(timeout=60.0)[0]
 
 
-def node_words(name: str, settings: dict[str, Any]) -> list[str]:
-    """Return the arguments of Python for a node."""
-    given = [word for key, value in settings.items() for word in ('-p', f'{key}:={value}')]
-    code = f'from heading_intercompare.node_executables import {name}; {name}()'
-    return ['-c', code, '--ros-args', *given]
+def node_words(executable: str, settings: dict[str, Any], name: str = '') -> list[str]:
+    """Return the arguments of Python for a node, which may have another name."""
+    words = [word for key, value in settings.items() for word in ('-p', f'{key}:={value}')]
+    code = f'from heading_intercompare.node_executables import {executable}; {executable}()'
+    return ['-c', code, '--ros-args', '-r', f'__node:={name or executable}', *words]
 
 
-def start(candidate: str, folder: Path, domain: int) -> dict[str, Process]:
-    """Start a candidate; return its processes by name."""
+def free_port() -> int:
+    """Return a port of UDP that nobody uses."""
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as line:
+        line.bind(('127.0.0.1', 0))
+        return int(line.getsockname()[1])
+
+
+def start(candidate: str, folder: Path, domain: int,
+          ports: Sequence[int] = ()) -> dict[str, Process]:
+    """Start a candidate, with drivers on these ports; return its processes by name."""
+    drivers = {f'{topic[:2]}_driver': {'source': f'udp://127.0.0.1:{port}', 'sentence': 'HDT'}
+               for topic, port in zip(TOPICS, ports)}
     if candidate == 'graph':
         own = {'recorder': {'output': str(folder / 'bag')}, 'compliance': {'report_dir': 'out'},
                'synchronizer': {'subscribers': 2}}
-        return {name: Process(node_words(name, {**SETTINGS, **own[name]}), folder, domain)
-                for name in NODES}
+        heard = {'subscribers': 2}
+        return {**{name: Process(node_words('nmea_driver', {
+            **driver, **heard, 'topic': topic}, name), folder, domain)
+            for topic, (name, driver) in zip(TOPICS, drivers.items())},
+                **{name: Process(node_words(name, {**SETTINGS, **own[name]}), folder, domain)
+                   for name in NODES}}
     if candidate == 'live':
         settings = [word for key, value in SETTINGS.items() for word in
                     ('--set', f'{key}={value}')]
-        words = ['-m', 'heading_intercompare', 'live', '--ts', TOPICS[0], '--rs', TOPICS[1],
+        # A parameter file is YAML, and so is JSON.
+        (folder / 'config.yaml').write_text(json.dumps(
+            {name: {'ros__parameters': driver} for name, driver in drivers.items()}), 'utf-8')
+        sources = (['--config', 'config.yaml'] if drivers
+                   else ['--ts', TOPICS[0], '--rs', TOPICS[1]])
+        words = ['-m', 'heading_intercompare', 'live', *sources,
                  *settings, '-o', 'bag', '--quiet', '--json', 'verdict.json']
         return {'live': Process(words, folder, domain)}
     return {candidate: Process([HERE, '--peer', candidate], folder, domain)}
@@ -287,17 +333,19 @@ def latencies(heard: Sequence[tuple[int, int]], since_ns: int, until_ns: int,
     return float(np.quantile(late_s, 0.5)), float(np.quantile(late_s, 0.99))
 
 
-def measure(candidate: str, rate_hz: float, seconds: float) -> dict[str, Any]:
-    """Run a candidate with a publisher; return its figures."""
+def measure(candidate: str, rate_hz: float, seconds: float, drivers: bool) -> dict[str, Any]:
+    """Run a candidate with a publisher, a graph with `drivers` too; return its figures."""
     domain = 1 + (os.getpid() * 7 + int(time.time())) % 100
     with TemporaryDirectory(prefix='live') as name:
         folder = Path(name)
-        parts = start(candidate, folder, domain)
         ours = candidate in OURS
+        ports = [free_port(), free_port()] if ours and drivers else []
+        parts = start(candidate, folder, domain, ports)
         watcher = Process([HERE, '--watch'], folder, domain) if ours else None
         source = Process([HERE, '--publish', f'--rate={rate_hz}',
                           f'--seconds={seconds + FIRST_WAIT_S}',
-                          f'--subscribers={2 if ours else 1}'], folder, domain)
+                          f'--subscribers={2 if ours else 1}',
+                          '--ports', *map(str, ports)], folder, domain)
         there_s = float(source.say())
         ready_s = there_s - next(iter(parts.values())).began_s
         time.sleep(FIRST_WAIT_S)
@@ -358,13 +406,14 @@ def compare(arguments: argparse.Namespace) -> None:
               'git clone -b jazzy https://github.com/ros2/message_filters filters')
     for rate_hz in arguments.rates:
         print(f'\n2 topics x {rate_hz:g} Hz for {arguments.seconds:g} s, the least of '
-              f'{arguments.rounds} rounds; the publisher is not counted\n'
+              f'{arguments.rounds} rounds; what stands for the sensors is not counted\n'
               f'{"":16s} {"CPU":>7s} {"p50":>10s} {"p99":>10s} {"lost":>6s} '
               f'{"bag":>6s} {"memory":>9s} {"ready":>8s}', flush=True)
         rows: dict[str, list[dict[str, Any]]] = {name: [] for name in candidates}
         for _ in range(arguments.rounds):
             for name in candidates:
-                rows[name].append(measure(name, rate_hz, arguments.seconds))
+                rows[name].append(measure(name, rate_hz, arguments.seconds,
+                                          not arguments.without_drivers))
         for name in candidates:
             least = {figure: min(row[figure] for row in rows[name])
                      for figure in ('p50_s', 'p99_s', 'ready_s')}
@@ -459,6 +508,9 @@ if __name__ == '__main__':
     parser.add_argument('--judging', action='store_true', help='threads beside the judge')
     parser.add_argument('--hours', type=float, default=24.0, help='hours of stamps')
     parser.add_argument('--day-rate', type=float, default=10.0, help='rate of the stamps')
+    parser.add_argument('--without-drivers', action='store_true',
+                        help='graphs take topics of another package')
+    parser.add_argument('--ports', type=int, nargs='*', default=[], help=argparse.SUPPRESS)
     parser.add_argument('--publish', action='store_true', help=argparse.SUPPRESS)
     parser.add_argument('--rate', type=float, default=100.0, help=argparse.SUPPRESS)
     parser.add_argument('--subscribers', type=int, default=1, help=argparse.SUPPRESS)
@@ -467,7 +519,7 @@ if __name__ == '__main__':
     parser.add_argument('--watch', action='store_true', help=argparse.SUPPRESS)
     given = parser.parse_args()
     if given.publish:
-        publish(given.rate, given.seconds, given.subscribers, given.faster)
+        publish(given.rate, given.seconds, given.subscribers, given.faster, given.ports)
     elif given.peer:
         peer(given.peer)
     elif given.watch:
