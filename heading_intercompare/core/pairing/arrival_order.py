@@ -121,7 +121,7 @@ def divide_by_arrival(ts: Headings, rs: Headings, jump_ns: int, *,
 
 
 def _list_bounds(elapsed_ns: Integers, windows: Sequence[tuple[int, int]]) -> Integers:
-    """Return where parts that hold readings end: by the second in a window, else by the minute."""
+    """Return where parts that hold readings end: by the second in a window, or by the minute."""
     starts, stops = (np.sort(np.array(ends)) for ends in zip(*windows))
     is_fine = (np.searchsorted(starts, elapsed_ns, 'right')
                > np.searchsorted(stops, elapsed_ns, 'left'))
