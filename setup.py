@@ -30,8 +30,9 @@ MAINTAINER = PACKAGE.find('maintainer')
 # colcon and the build farm put the executables of the nodes where `ros2 run` looks (setup.cfg).
 # pip would put them on everybody's PATH.
 FOR_ROS = {'install', 'develop'} & {*sys.argv[1:]}
-NODES = ('nmea_driver', 'sensor_simulator', 'synchronizer', 'compliance', 'recorder', 'replayer',
-         'dashboard', 'sensors_watch', 'motion_driver', 'alert_sender')
+NODES = ('nmea_driver', 'sensor_simulator', 'synchronizer', 'compliance', 'intercompare',
+         'recorder', 'replayer',
+         'dashboard', 'motion_driver', 'alert_sender')
 
 
 def list_shared(*folders):

@@ -21,7 +21,7 @@ One process publishes two topics of sensor_msgs/Imu. Another process, with the c
 measure, takes them and converts them to headings. The table shows the CPU time of the second as a
 share of one core, the latency from the call of `publish` to the heading, and the messages lost
 according to `publication_sequence_number`. The nodes use the best candidate: see
-`nodes/ros/batches.py`.
+`nodes/spinning/batches.py`.
 """
 
 from __future__ import annotations
@@ -42,7 +42,7 @@ from sensor_msgs.msg import Imu
 from heading_intercompare.core.angles import heading_from_quaternion
 from heading_intercompare.core.records import Headings
 from heading_intercompare.messages.heading_messages import IMU, read_headings
-from heading_intercompare.nodes.ros.batches import take_all, Unwatched
+from heading_intercompare.nodes.spinning.batches import take_all, Unwatched
 
 TOPICS = ('ts/heading', 'rs/heading')
 START_S = 3.0

@@ -29,7 +29,8 @@ in turn:
 * message_filters: the same with an ApproximateTimeSynchronizer, if that package can be found;
 * graph: two drivers, synchronizer, compliance and recorder, a process each, as the launch file
   runs them;
-* live: the same nodes in one process, as the command `live` runs them.
+* live: the same nodes in one process, as the command `live` runs them;
+* graph-rclpy, live-rclpy: the same with the executor of rclpy, if you ask for them by --only.
 
 With --without-drivers the graphs take topics, too, as from drivers of other packages.
 
@@ -74,6 +75,7 @@ from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.heading_messages import imu_messages
 from heading_intercompare.messages.stamps import header_stamp_ns
+from heading_intercompare.nodes.spinning.executors import EXECUTOR
 
 HERE = str(Path(__file__).resolve())
 TOPICS = ('ts/heading', 'rs/heading')
@@ -84,9 +86,12 @@ TICK_S = 1.0 / os.sysconf('SC_CLK_TCK')
 #: The run is judged from the first reading on.
 SETTINGS = {**NORMS, 'runs.stabilization_s': 0.0, 'pairing.method': 'interpolate'}
 FIRST_WAIT_S, LONGEST_WAIT_S = 3.0, 60.0
-NODES = ('synchronizer', 'compliance', 'recorder')
+NODES = ('intercompare', 'recorder')
 PEERS, OURS = ('plain', 'message_filters'), ('graph', 'live')
-CANDIDATES = PEERS + OURS
+#: Ends the name of a graph that has the executor of rclpy.
+STOCK = '-rclpy'
+STOCK_OURS = tuple(name + STOCK for name in OURS)
+CANDIDATES = PEERS + OURS + STOCK_OURS
 
 
 def publish(rate_hz: float, seconds: float, subscribers: int, faster: float,
@@ -215,12 +220,13 @@ def watch() -> None:
 class Process:
     """A process of this benchmark."""
 
-    def __init__(self, words: Sequence[str], folder: Path, domain: int) -> None:
+    def __init__(self, words: Sequence[str], folder: Path, domain: int,
+                 executor: str = 'quick') -> None:
         # It runs in another folder, so relative entries would be lost.
         given = os.environ.get('PYTHONPATH', '').split(os.pathsep)
         path = os.pathsep.join(os.path.abspath(entry) for entry in given if entry)
         environment = {**os.environ, 'PYTHONPATH': path, 'ROS_DOMAIN_ID': str(domain),
-                       'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
+                       'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST', EXECUTOR: executor}
         self.began_s = time.time()
         self.process = subprocess.Popen(
             [sys.executable, *words], env=environment, cwd=folder, text=True,
@@ -269,7 +275,9 @@ def node_words(executable: str, settings: dict[str, Any], name: str = '') -> lis
     """Return the arguments of Python for a node, which may have another name."""
     words = [word for key, value in settings.items() for word in ('-p', f'{key}:={value}')]
     code = f'from heading_intercompare.node_executables import {executable}; {executable}()'
-    return ['-c', code, '--ros-args', '-r', f'__node:={name or executable}', *words]
+    # The nodes of `intercompare` keep their names.
+    named = ['-r', f'__node:={name or executable}'] if executable != 'intercompare' else []
+    return ['-c', code, '--ros-args', *named, *words]
 
 
 def free_port() -> int:
@@ -284,16 +292,19 @@ def start(candidate: str, folder: Path, domain: int,
     """Start a candidate, with drivers on these ports; return its processes by name."""
     drivers = {f'{topic[:2]}_driver': {'source': f'udp://127.0.0.1:{port}', 'sentence': 'HDT'}
                for topic, port in zip(TOPICS, ports)}
-    if candidate == 'graph':
-        own = {'recorder': {'output': str(folder / 'bag')}, 'compliance': {'report_dir': 'out'},
-               'synchronizer': {'subscribers': 2}}
+    executor = STOCK[1:] if candidate.endswith(STOCK) else 'quick'
+    kind = candidate.removesuffix(STOCK)
+    if kind == 'graph':
+        own = {'recorder': {'output': str(folder / 'bag')},
+               'intercompare': {'compliance:report_dir': 'out'}}
         heard = {'subscribers': 2}
         return {**{name: Process(node_words('nmea_driver', {
-            **driver, **heard, 'topic': topic}, name), folder, domain)
+            **driver, **heard, 'topic': topic}, name), folder, domain, executor)
             for topic, (name, driver) in zip(TOPICS, drivers.items())},
-                **{name: Process(node_words(name, {**SETTINGS, **own[name]}), folder, domain)
+                **{name: Process(node_words(name, {**SETTINGS, **own[name]}), folder, domain,
+                                    executor)
                    for name in NODES}}
-    if candidate == 'live':
+    if kind == 'live':
         settings = [word for key, value in SETTINGS.items() for word in
                     ('--set', f'{key}={value}')]
         # A parameter file is YAML, and so is JSON.
@@ -303,7 +314,7 @@ def start(candidate: str, folder: Path, domain: int,
                    else ['--ts', TOPICS[0], '--rs', TOPICS[1]])
         words = ['-m', 'heading_intercompare', 'live', *sources,
                  *settings, '-o', 'bag', '--quiet', '--json', 'verdict.json']
-        return {'live': Process(words, folder, domain)}
+        return {'live': Process(words, folder, domain, executor)}
     return {candidate: Process([HERE, '--peer', candidate], folder, domain)}
 
 
@@ -338,7 +349,7 @@ def measure(candidate: str, rate_hz: float, seconds: float, drivers: bool) -> di
     domain = 1 + (os.getpid() * 7 + int(time.time())) % 100
     with TemporaryDirectory(prefix='live') as name:
         folder = Path(name)
-        ours = candidate in OURS
+        ours = candidate not in PEERS
         ports = [free_port(), free_port()] if ours and drivers else []
         parts = start(candidate, folder, domain, ports)
         watcher = Process([HERE, '--watch'], folder, domain) if ours else None
@@ -393,7 +404,9 @@ def describe_ratios(ours: str, peer: str,
                sum(one['cpu'].values()) / sum(other['cpu'].values()))
               for one, other in zip(rows[ours], rows[peer])]
     p50, p99, cpu = (median(column) for column in zip(*rounds))
-    return f'{ours} / {peer}: CPU {cpu:.2f}, p50 {p50:.1f}, p99 {p99:.1f}'
+    least, most = min(ratios[2] for ratios in rounds), max(ratios[2] for ratios in rounds)
+    return (f'{ours} / {peer}: CPU {cpu:.2f} ({least:.2f} to {most:.2f}), p50 {p50:.1f}, '
+            f'p99 {p99:.1f}')
 
 
 def compare(arguments: argparse.Namespace) -> None:
@@ -420,7 +433,7 @@ def compare(arguments: argparse.Namespace) -> None:
             print(describe(name, {
                 **min(rows[name], key=lambda row: sum(row['cpu'].values())), **least,
                 'lost': max(row['lost'] for row in rows[name])}), flush=True)
-        for ours, other in itertools.product(OURS, PEERS):
+        for ours, other in [*itertools.product(OURS + STOCK_OURS, PEERS), *zip(OURS, STOCK_OURS)]:
             if ours in rows and other in rows:
                 print(describe_ratios(ours, other, rows), flush=True)
 
@@ -502,7 +515,7 @@ if __name__ == '__main__':
                         help='messages per second and topic')
     parser.add_argument('--seconds', type=float, default=15.0, help='length of a measurement')
     parser.add_argument('--rounds', type=int, default=3, help='goes of each candidate')
-    parser.add_argument('--only', nargs='+', choices=CANDIDATES, default=CANDIDATES,
+    parser.add_argument('--only', nargs='+', choices=CANDIDATES, default=PEERS + OURS,
                         help='candidates to measure')
     parser.add_argument('--day', action='store_true', help='memory over many hours of stamps')
     parser.add_argument('--judging', action='store_true', help='threads beside the judge')

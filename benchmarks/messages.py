@@ -175,7 +175,7 @@ def compare_codecs(count: int, sizes: Sequence[int]) -> None:
 def run_nodes(count: int) -> None:
     """Take headings and judge them until nothing more comes; print what that took."""
     from heading_intercompare.nodes.compliance import Compliance
-    from heading_intercompare.nodes.ros.parameters import make_overrides
+    from heading_intercompare.nodes.interface.parameters import make_overrides
     from heading_intercompare.nodes.synchronizer import Synchronizer
     rclpy.init()
     settings = make_overrides({**NORMS, 'pairing.method': 'interpolate'})
@@ -183,7 +183,7 @@ def run_nodes(count: int) -> None:
     executor = SingleThreadedExecutor()
     for node in nodes:
         executor.add_node(node)
-    taken = [*nodes[1]._intakes.values()]
+    taken = [*nodes[1]._headings.intakes.values()]
     while not any(intake.received for intake in taken):
         executor.spin_once(0.05)
     cpu_s, began_s = time.process_time(), time.monotonic()

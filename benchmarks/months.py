@@ -42,8 +42,8 @@ from sensor_msgs.msg import Imu  # noqa: E402
 from heading_intercompare.core.records import Headings  # noqa: E402
 from heading_intercompare.messages.heading_messages import imu_messages  # noqa: E402
 from heading_intercompare.nodes.compliance import Compliance  # noqa: E402
-from heading_intercompare.nodes.ros import qos  # noqa: E402
-from heading_intercompare.nodes.ros.parameters import make_overrides  # noqa: E402
+from heading_intercompare.nodes.interface import qos  # noqa: E402
+from heading_intercompare.nodes.interface.parameters import make_overrides  # noqa: E402
 from heading_intercompare.nodes.synchronizer import Synchronizer  # noqa: E402
 
 S = 1_000_000_000
@@ -80,8 +80,9 @@ def run(days: int, step_s: float, folder: str) -> Iterator[Day]:
     executor = SingleThreadedExecutor(context=context)
     plain = Node('sensors', context=context)
     judging = {**settings, 'report_dir': folder, 'logbook': f'{folder}/book.sqlite'}
-    synchronizer = Synchronizer(context=context, parameter_overrides=make_overrides(settings))
-    compliance = Compliance(context=context, parameter_overrides=make_overrides(judging))
+    compliance = Compliance(True, context=context, parameter_overrides=make_overrides(judging))
+    synchronizer = Synchronizer(compliance, context=context, parameter_overrides=make_overrides(
+        {**settings, 'subscribers': 0}))
     nodes = [synchronizer, compliance]
     for node in (plain, *nodes):
         executor.add_node(node)
@@ -102,13 +103,15 @@ def run(days: int, step_s: float, folder: str) -> Iterator[Day]:
                 for message in imu_messages(chunk[lo:lo + AT_ONCE], 'x'):
                     sensor.publish(message)
             taken = day * per_day + min(lo + AT_ONCE, per_day)
-            while min(intake.received for intake in synchronizer._intakes.values()) < taken:
+            intakes = synchronizer._headings.intakes.values()
+            while min(intake.received for intake in intakes) < taken:
                 executor.spin_once(0.05)
-        while compliance.n_pairs < synchronizer._pairer.ledger.paired:
+        while compliance.n_pairs < synchronizer._makers['ts', 'rs'].pairer.ledger.paired:
             executor.spin_once(0.05)
         journal = Path(folder, 'compliance.journal')
         yield Day(day + 1, rss_mb(), journal.stat().st_size / 1e6,
-                  time.process_time() - began_s, compliance._compliance.finished_runs)
+                  time.process_time() - began_s,
+                  compliance.comparison.tested['ts'].compliance.finished_runs)
     executor.shutdown()
     for node in (plain, *nodes):
         node.destroy_node()

@@ -50,7 +50,7 @@ from heading_intercompare.messages.heading_messages import imu_messages
 HERE = str(Path(__file__).resolve())
 NAMES = 'a', 'b', 'c', 'd'
 #: What hears a tested sensor, and what hears the reference.
-SUBSCRIBERS = {'four': (3, 5), 'three': (2, 6)}
+SUBSCRIBERS = {'four': (2, 2), 'three': (2, 6)}
 COMMON = {'pairing.method': 'interpolate'}
 ROWS = '; '.join(f'{name} sigma_max_deg=0.2 topic=/{name}/heading' for name in NAMES) + ' rs'
 

@@ -17,12 +17,14 @@ The cost of starting: CPU time and memory of each executable, next to a peer of 
 
 A command runs to its end; its peer is `python -c 'import numpy'`. A node is measured one second
 after others see it: then its topics are open, and it waits for a sensor, a subscriber or a
-message. Its peer is an rclpy node with one publisher of sensor_msgs/Imu. The table shows the least
-CPU time, user and system, and the least peak of resident memory over several rounds, and the
-ratios to the peer in the same rounds. An extra first round compiles and is not counted.
+message. Its peer is an rclpy node with one publisher of sensor_msgs/Imu. The large node has as
+many publishers, subscriptions, services, timers and parameters as `compliance`. The table shows
+the least CPU time, user and system, and the least peak of resident memory over several rounds.
+The ratio to the peer is the median over the rounds, in each of which both ran under much the same
+load. An extra first round compiles and is not counted.
 
-Promises: at most twice the CPU time of the peer for `--version`, 1.3 times for a driver. The exit
-code is 1 if a promise is broken.
+Promises: at most twice the CPU time of the peer for `--version`, 1.8 times for a driver, 2.6 times
+for `compliance`. docs/ros.md says why not less. The exit code is 1 if a promise is broken.
 
     python benchmarks/start_up.py
     python benchmarks/start_up.py --rounds 3 --only driver
@@ -35,6 +37,7 @@ from itertools import count
 import os
 from pathlib import Path
 import re
+from statistics import median
 import subprocess
 import sys
 from tempfile import TemporaryDirectory
@@ -58,6 +61,29 @@ from sensor_msgs.msg import Imu
 rclpy.init()
 node = Node('plain_node')
 publisher = node.create_publisher(Imu, 'heading', 10)
+rclpy.spin(node)
+"""
+
+LARGE_NODE = """
+from diagnostic_msgs.msg import DiagnosticArray
+from rcl_interfaces.msg import ParameterDescriptor
+import rclpy
+from rclpy.node import Node
+from std_msgs.msg import Float64, String
+from std_srvs.srv import Trigger
+rclpy.init()
+node = Node('large_node')
+for kind, n_out, n_in in (DiagnosticArray, 7, 3), (Float64, 7, 0), (String, 3, 1):
+    for number in range(n_out):
+        node.create_publisher(kind, f'{kind.__name__}_out_{number}', 10)
+    for number in range(n_in):
+        node.create_subscription(kind, f'{kind.__name__}_in_{number}', print, 10)
+for number in range(4):
+    node.create_service(Trigger, f'service_{number}', print)
+    node.create_timer(1.0, int)
+for number in range(110):
+    node.declare_parameter(f'group.name_{number}', 1.0, ParameterDescriptor(
+        description='norm of the standard deviation [deg]', read_only=True, dynamic_typing=True))
 rclpy.spin(node)
 """
 
@@ -114,10 +140,11 @@ PROGRAMS = {
     'analyze --help': command('analyze', '--help'),
     'analyze, 10 min at 10 Hz': command('analyze', 'pairs.csv', *SETTINGS),
     'plain node': Program(('-c', PLAIN_NODE, '--ros-args'), node=True),
+    'large node': Program(('-c', LARGE_NODE, '--ros-args'), 'plain node', node=True),
     'nmea_driver': node('nmea_driver', 'source:=udp://127.0.0.1:10110', 'topic:=ts/heading',
-                        most=1.3),
+                        most=1.8),
     'synchronizer': node('synchronizer', *NORMS),
-    'compliance': node('compliance', *NORMS),
+    'compliance': node('compliance', *NORMS, most=2.6),
     'recorder': node('recorder', *NORMS),
     'replayer': node('replayer', 'bag:=bag'),
     'sensor_simulator': node('sensor_simulator'),
@@ -211,7 +238,8 @@ def main() -> int:
     print('| | CPU | × peer | memory | × peer |\n|---|---|---|---|---|')
     for name, program in rows.items():
         mine, peer = least[name], least[program.peer or name]
-        times = mine.cpu_s / peer.cpu_s
+        times = median(cost.cpu_s / its_peer.cpu_s for cost, its_peer
+                       in zip(costs[name], costs[program.peer or name]))
         word = ' **broken**' if times > program.most else ''
         broken = broken or bool(word)
         print(f'| {name} | {mine.cpu_s:.2f} s | {times:.2f}{word} | {mine.memory_mb:.0f} MB '

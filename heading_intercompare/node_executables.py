@@ -21,6 +21,7 @@ because nothing has begun. Once the node is there, it ends as `ros.process` says
 
 from __future__ import annotations
 
+import gc
 from importlib import import_module
 import os
 import signal
@@ -29,8 +30,8 @@ from typing import Callable
 
 from heading_intercompare.missing_module import explain_missing
 
-__all__ = ['alert_sender', 'compliance', 'dashboard', 'motion_driver', 'nmea_driver', 'recorder',
-           'replayer', 'sensor_simulator', 'sensors_watch', 'synchronizer']
+__all__ = ['alert_sender', 'compliance', 'dashboard', 'intercompare', 'motion_driver',
+           'nmea_driver', 'recorder', 'replayer', 'sensor_simulator', 'synchronizer']
 
 
 def _end_at_once(*_: object) -> None:
@@ -42,6 +43,8 @@ def _starter(name: str) -> Callable[[], int]:
     def start() -> int:
         for number in (signal.SIGINT, signal.SIGTERM):
             signal.signal(number, _end_at_once)
+        # What is loaded stays, and looking through it for garbage takes tens of milliseconds.
+        gc.disable()
         try:
             module = import_module(f'heading_intercompare.nodes.{name}')
         except ModuleNotFoundError as error:
@@ -49,6 +52,9 @@ def _starter(name: str) -> Callable[[], int]:
                 raise
             sys.stderr.write(f'{name}: error: {words}\n')
             return 2
+        finally:
+            gc.freeze()
+            gc.enable()
         code: int = module.main()
         return code
     return start
@@ -57,10 +63,10 @@ def _starter(name: str) -> Callable[[], int]:
 alert_sender = _starter('alert_sender')
 compliance = _starter('compliance')
 dashboard = _starter('dashboard')
+intercompare = _starter('intercompare')
 motion_driver = _starter('motion_driver')
 nmea_driver = _starter('nmea_driver')
 recorder = _starter('recorder')
 replayer = _starter('replayer')
 sensor_simulator = _starter('sensor_simulator')
-sensors_watch = _starter('sensors_watch')
 synchronizer = _starter('synchronizer')

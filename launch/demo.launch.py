@@ -38,7 +38,6 @@ from launch_ros.actions import Node
 
 from heading_intercompare.app.config import load_config, settings_for
 from heading_intercompare.app.scenarios import read_scenario
-from heading_intercompare.core.sensor_table import read_sensors
 from heading_intercompare.nodes.launching.arguments import (
     check_path,
     common_arguments,
@@ -48,7 +47,6 @@ from heading_intercompare.nodes.launching.arguments import (
     read_switch,
 )
 from heading_intercompare.nodes.launching.node_end import NodeEnd
-from heading_intercompare.nodes.sensors.places import count_subscribers
 
 # The file that it includes warns of all others.
 OWN = ('scenario', 'speed')
@@ -74,8 +72,8 @@ def nodes(context):
     common, _ = common_arguments('sensor_simulator', given['log_level'], False)
     own = {**scenario.to_mapping(), 'speed': read_number('speed', given['speed']),
            'ts_topic': settings.ts_topic, 'rs_topic': settings.rs_topic,
-           'subscribers': count_subscribers(read_sensors(settings.sensors),
-                                            read_switch('record', given['record']))}
+           # The synchronizer, and the recorder.
+           'subscribers': 1 + read_switch('record', given['record'])}
     return [Node(package='heading_intercompare', executable='sensor_simulator',
                  name='sensor_simulator', namespace=read_namespace(given['namespace']),
                  parameters=[given['config'],

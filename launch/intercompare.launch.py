@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-Compare two sensors live, or several: drivers, synchronizer, compliance, recorder.
+Compare two sensors live, or several: drivers, synchronizer with compliance, recorder.
 
     ros2 launch heading_intercompare intercompare.launch.py config:=FILE
         [record:=false] [drivers:=false] [dashboard:=true] [output:=BAG] [report_dir:=DIR]
@@ -27,8 +27,9 @@ A section `alert_sender` with a destination or push_url sends the alarms there.
 A section `motion_driver` names a source of its own for the motion of the ship. Without it the
 drivers of the sensors publish what their sentences tell of it.
 
-With the setting `sensors` the sections of the drivers are NAME_driver. Each tested sensor has a
-synchronizer and a compliance node in a namespace NAME, and `sensors_watch` joins them.
+The nodes synchronizer and compliance are one process, `intercompare`: what pairs and what judges
+have one fate, for two sensors and for several. With the setting `sensors` the sections of the
+drivers are NAME_driver.
 """
 
 from functools import partial
@@ -48,23 +49,19 @@ from launch_ros.actions import Node
 
 from heading_intercompare.app.config import load_config, settings_for
 from heading_intercompare.core.declared_settings import SettingsError
-from heading_intercompare.core.sensor_table import describe_driver, list_tested, read_sensors
+from heading_intercompare.core.sensor_table import describe_driver, read_sensors
 from heading_intercompare.core.sensors.pair_settings import check_norms
 from heading_intercompare.nodes.launching.arguments import (
     check_path,
     check_sections,
     common_arguments,
     find_misspelt,
+    join_nodes,
     read_namespace,
     read_switch,
+    TOGETHER,
 )
 from heading_intercompare.nodes.launching.node_end import NodeEnd
-from heading_intercompare.nodes.sensors.places import (
-    count_motion_subscribers,
-    count_subscribers,
-    further_subscribers,
-    remap_rules,
-)
 
 TEMPLATE = Path(__file__).resolve().parent.parent / 'config' / 'heading_intercompare.yaml'
 NO_CONFIG = ('there is no parameter file: copy {template}, enter the norms and the sources of the '
@@ -86,6 +83,9 @@ ARGUMENTS = {
     'log_level': ('info', 'least level that the nodes log: debug, info, warn, error or fatal'),
     'use_sim_time': ('false', 'the clock of the nodes is /clock: true or false'),
 }
+
+# One that is killed starts again, and the trial goes on.
+AGAIN = {'respawn': True, 'respawn_delay': 1.0}
 
 
 class Plan:
@@ -111,7 +111,7 @@ class Plan:
         """Return the section of a node in the parameter file."""
         return self.file.sections.get(name, {})
 
-    def node(self, executable, name, own, namespace=None, over=None, **kwargs):
+    def node(self, executable, name, own, over=None, **kwargs):
         """
         Return a node; its own section and `own` hold in any namespace, unlike the file's.
 
@@ -123,10 +123,19 @@ class Plan:
         if not self.respawn:
             kwargs = {key: value for key, value in kwargs.items() if 'respawn' not in key}
         return Node(package='heading_intercompare', executable=executable, name=name,
-                    namespace=namespace or self.namespace, parameters=[self.config, *given],
+                    namespace=self.namespace, parameters=[self.config, *given],
                     output='screen', **common, **kwargs, on_exit=NodeEnd(
-                        f'{namespace or self.namespace}/{name}'.replace('//', '/'), over,
+                        f'{self.namespace.rstrip("/")}/{name}', over,
                         respawn=kwargs.get('respawn', False)))
+
+    def judging(self, own):
+        """Return the process that pairs and judges, given parameters of its two nodes."""
+        self.started += [(name, name) for name in TOGETHER]
+        return Node(**join_nodes(self.namespace, self.config, self.file.sections, own,
+                                 self.log_level, self.use_sim_time),
+                    **(AGAIN if self.respawn else {}), on_exit=NodeEnd(
+                        f'{self.namespace.rstrip("/")}/intercompare', end_all('the comparison'),
+                        respawn=self.respawn))
 
 
 def end_all(name):
@@ -139,14 +148,13 @@ def drivers(plan):
     topics = {f'{one.name}_driver': (one.heading_topic, describe_driver(one))
               for one in plan.sensors} or {
         'ts_driver': (plan.settings.ts_topic, {}), 'rs_driver': (plan.settings.rs_topic, {})}
-    n = count_subscribers(plan.sensors, plan.record)
-    further = further_subscribers(plan.settings)
+    # The node that takes headings, or motion, and the recorder.
+    n = 1 + plan.record
     made, alone = [], 'motion_driver' in plan.file.sections
     if alone:
         live = not str(plan.section('motion_driver').get('source', '')).startswith('file:')
-        made.append(plan.node('motion_driver', 'motion_driver', {
-            'subscribers': count_motion_subscribers(plan.sensors, plan.record)},
-            respawn=live, respawn_delay=2.0))
+        made.append(plan.node('motion_driver', 'motion_driver', {'subscribers': n},
+                              respawn=live, respawn_delay=2.0))
     for name, (topic, given) in topics.items():
         section = plan.section(name)
         if name in plan.file.sections:
@@ -156,7 +164,7 @@ def drivers(plan):
             # Headings wait for all that hear them.
             made.append(plan.node('nmea_driver', name,
                                   {'topic': section.get('topic', topic), **own,
-                                   'subscribers': n + further.get(topic, 0),
+                                   'subscribers': n,
                                    **({'motion': False} if alone else {})},
                                   respawn=live, respawn_delay=2.0))
     return made
@@ -165,33 +173,15 @@ def drivers(plan):
 def nodes(context):
     """Return the nodes; no heading is lost, in whatever order they start."""
     plan = Plan(context)
-    heard = {'subscribers': 2 if plan.record else 1}
     made = drivers(plan) if plan.drivers else []
     # Without a folder for reports, the run in progress is kept beside the bag.
     judging = {'report_dir': plan.report_dir} if plan.report_dir else {}
     if not {'report_dir', 'journal'} & {*judging, *plan.section('compliance')}:
         named = plan.output or plan.section('recorder').get('output') or 'heading'
         judging['journal'] = f'{named}{plan.namespace.rstrip("/").replace("/", ".")}.journal'
-    # One that is killed starts again, and the trial goes on.
-    again = {'respawn': True, 'respawn_delay': 1.0}
-    remaps = [*remap_rules(plan.sensors, plan.namespace, plan.settings.motion).items()]
-    for name in [one.name for one in list_tested(plan.sensors)] if plan.sensors else ['']:
-        place = f'{plan.namespace.rstrip("/")}/{name}' if name else plan.namespace
-        own = {'sensor': name} if name else {}
-        several = {'remappings': remaps} if name else {}
-        # Pairs wait for compliance and the recorder.
-        made += [plan.node('synchronizer', 'synchronizer', {**heard, **own}, place,
-                           over=end_all('the synchronizer'), **several, **again),
-                 plan.node('compliance', 'compliance', {**judging, **own}, place,
-                           over=end_all('the compliance node'), **several, **again)]
-    if plan.sensors:
-        given = {**plan.section('compliance'), **judging}
-        shared = {name: given[name] for name in ('report_dir', 'journal', 'resume_within_s')
-                  if name in given and name not in plan.section('sensors_watch')}
-        if plan.report_dir:
-            shared['report_dir'] = plan.report_dir
-        made.append(plan.node('sensors_watch', 'sensors_watch', shared,
-                              over=end_all('the node sensors_watch'), **again))
+    # Pairs wait for the recorder.
+    made.append(plan.judging({'compliance': judging,
+                              'synchronizer': {'subscribers': int(plan.record)}}))
     if plan.record:
         # The trial goes on without it; it starts again with a new bag.
         made.append(plan.node('recorder', 'recorder',

@@ -30,19 +30,19 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
 from heading_intercompare.app.config import load_config, settings_for
-from heading_intercompare.core.sensor_table import list_tested, read_sensors
 from heading_intercompare.core.sensors.pair_settings import check_norms
 from heading_intercompare.nodes.launching.arguments import (
     check_path,
     check_sections,
     common_arguments,
     find_misspelt,
+    join_nodes,
     read_namespace,
     read_number,
     read_switch,
+    TOGETHER,
 )
 from heading_intercompare.nodes.launching.node_end import NodeEnd
-from heading_intercompare.nodes.sensors.places import count_subscribers, remap_rules
 
 # Default and meaning of each argument.
 ARGUMENTS = {
@@ -66,25 +66,25 @@ def nodes(context):
     check_path('bag', given['bag'], 'a bag', folder=True)
     check_path('config', given['config'], 'a ROS parameter file with the norms')
     file = load_config(given['config'])
-    settings = settings_for(file)
-    check_norms(settings)
-    sensors, namespace = read_sensors(settings.sensors), read_namespace(given['namespace'])
+    check_norms(settings_for(file))
+    namespace = read_namespace(given['namespace'])
     sim_time = read_switch('use_sim_time', given['use_sim_time'])
 
     started = []
 
-    def node(name, own, reason, place=namespace, **kwargs):
+    def node(name, own, reason):
         """Return a node whose end ends all; its section and `own` hold in any namespace."""
         started.append((name, name))
         common, shared = common_arguments(name, given['log_level'], sim_time)
         parameters = [dict(values) for values in (
             file.sections.get(name, {}), {**own, **shared}) if values]
-        return Node(package='heading_intercompare', executable=name, name=name, namespace=place,
-                    parameters=[given['config'], *parameters], output='screen',
-                    on_exit=NodeEnd(name, partial(Shutdown, reason=reason)), **common, **kwargs)
+        return Node(package='heading_intercompare', executable=name, name=name,
+                    namespace=namespace, parameters=[given['config'], *parameters],
+                    output='screen',
+                    on_exit=NodeEnd(name, partial(Shutdown, reason=reason)), **common)
 
     replayed = {
-        'bag': given['bag'], 'subscribers': count_subscribers(sensors, False),
+        'bag': given['bag'], 'subscribers': 1,
         'rate': read_number('rate', given['rate']),
         'start_s': read_number('start', given['start']),
         **{name: read_switch(name, given[name]) for name in ('start_paused', 'clock')},
@@ -92,17 +92,12 @@ def nodes(context):
            else {})}
     made = [node('replayer', replayed, 'the bag has been replayed')]
     written = {'report_dir': given['report_dir']} if given['report_dir'] else {}
-    remaps = [*remap_rules(sensors, namespace, settings.motion).items()]
-    for name in [one.name for one in list_tested(sensors)] if sensors else ['']:
-        place = f'{namespace.rstrip("/")}/{name}' if name else namespace
-        own = {'sensor': name} if name else {}
-        several = {'remappings': remaps} if name else {}
-        made += [node('synchronizer', {'subscribers': 1, **own}, 'the synchronizer has ended',
-                      place, **several),
-                 node('compliance', {**written, **own}, 'the compliance node has ended', place,
-                      **several)]
-    if sensors:
-        made.append(node('sensors_watch', written, 'the node sensors_watch has ended'))
+    started += [(name, name) for name in TOGETHER]
+    made.append(Node(**join_nodes(
+        namespace, given['config'], file.sections,
+        {'compliance': written, 'synchronizer': {'subscribers': 0}}, given['log_level'],
+        sim_time), on_exit=NodeEnd(f'{namespace.rstrip("/")}/intercompare', partial(
+            Shutdown, reason='the comparison has ended'))))
     check_sections(given['config'], file.sections, started)
     return made
 

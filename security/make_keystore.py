@@ -43,16 +43,15 @@ def fill_in(policy: str, namespace: str, topics: dict) -> str:
     return policy
 
 
-#: What the nodes of a sensor find in the namespace of the graph; what each of them has itself.
-SHARED = ('compliance/marker', 'compliance/heartbeat', 'compliance/alarms',
-          'compliance/acknowledge', 'ship/fix', 'ship/velocity', 'ship/rate_of_turn')
+#: What each tested sensor has of its own, apart from the topics with numbers.
 OWN = ('pairs', 'pairs/ledger', 'compliance/verdict', 'compliance/report', 'compliance/rolling',
-       'compliance/run')
+       'compliance/run', 'compliance/intermediate_report')
 HEADINGS = tuple(f'{role}/heading{end}' for role in ('ts', 'rs') for end in ('', '/lost'))
-#: What further topics a node hears with several sensors; those of each tested one have no place.
-HEARD = {'recorder': ('sensors/report', 'sensors/verdict'),
-         'dashboard': ('sensors/figures', 'sensors/verdict', 'sensors/vote'),
-         'watcher': ('sensors/figures', 'sensors/verdict', 'sensors/vote')}
+ALL_SENSORS = ('sensors/figures', 'sensors/verdict', 'sensors/vote')
+#: What a node hears, or publishes, of all sensors together.
+HEARD = {'recorder': ('sensors/report', 'sensors/verdict'), 'dashboard': ALL_SENSORS,
+         'watcher': ALL_SENSORS}
+PUBLISHED = {'compliance': (*ALL_SENSORS, 'sensors/report')}
 
 
 def add_sensors(policy: str, namespace: str, topics: dict, reference: str | None) -> str:
@@ -76,54 +75,39 @@ def add_sensors(policy: str, namespace: str, topics: dict, reference: str | None
               for name, topic in topics.items()}
     tested = [name for name in topics if reference is not None and name != reference]
 
-    def renew(profile, **rules):
+    def renew(profile, rename):
+        node = profile.get('node')
         for group in profile.iter('topics'):
-            # Every node logs there, in whatever namespace it is.
-            names = ['/rosout' if new == 'rosout' else new
-                     for one in group for new in rules['rename'](one.text)]
-            if 'subscribe' in group.attrib:
-                names += rules.get('more', ())
-            for one in [*group]:
-                group.remove(one)
+            names = [new for topic in group for new in rename(topic.text)]
+            names += (HEARD if 'subscribe' in group.attrib else PUBLISHED).get(node, ())
+            for topic in [*group]:
+                group.remove(topic)
             for name in sorted(dict.fromkeys(names)):
                 ElementTree.SubElement(group, 'topic').text = name
         return profile
 
-    def of_sensor(profile, name, node):
-        def rename(topic):
-            base, end = topic.removesuffix('/lost'), '/lost' * topic.endswith('/lost')
-            if base == 'ts/heading':
-                return [topics[name] + end]
-            if base == 'rs/heading':
-                return [topics[reference] + end]
-            return [f'{above}/{topic}' if topic in SHARED else topic]
-        made = renew(deepcopy(profile), rename=rename)
-        made.set('node', node)
-        return made
-
     def expand(profile):
         node = profile.get('node')
-        if node in ('ts_driver', 'rs_driver'):
-            return [of_sensor(profile, name, f'{name}_driver')
-                    for name in topics if node == 'ts_driver']
-        if node in ('synchronizer', 'compliance'):
-            made = {name: of_sensor(profile, name, node) for name in tested}
-            for name, one in made.items():
-                one.set('ns', f'{above}/{name}')
-            return [*made.values()]
+        if node == 'rs_driver':
+            return []
+        if node == 'ts_driver':
+            drivers = []
+            for name, topic in topics.items():
+                def of_sensor(text, topic=topic):
+                    return [text.replace('ts/heading', topic)]
+                drivers.append(renew(deepcopy(profile), of_sensor))
+                drivers[-1].set('node', f'{name}_driver')
+            return drivers
         shown = node in ('dashboard', 'watcher')
 
         def rename(topic):
             if topic in HEADINGS:
                 end = '/lost' * topic.endswith('/lost')
-                return [] if shown else [one + end for one in topics.values()]
-            if topic in OWN and node not in ('sensors_watch', 'operator_note'):
+                return [] if shown else [text + end for text in topics.values()]
+            if (topic in OWN or topic.startswith('scalar/')) and node != 'operator_note':
                 return [] if shown else [f'{name}/{topic}' for name in tested]
             return [topic]
-        more = [*HEARD.get(node, ())] + [
-            f'{name}/compliance/{topic}' for name in tested for topic in ('report', 'rolling')
-            if node == 'sensors_watch']
-        return [renew(deepcopy(profile), rename=rename, more=more)]
+        return [renew(deepcopy(profile), rename)]
 
     enclaves = root.find('enclaves')
     for enclave in [*enclaves]:
@@ -140,8 +124,6 @@ def add_sensors(policy: str, namespace: str, topics: dict, reference: str | None
         for one in [*profiles]:
             profiles.remove(one)
         profiles.extend(made)
-        if not made:
-            enclaves.remove(enclave)
     return ElementTree.tostring(root, 'unicode')
 
 

@@ -28,6 +28,7 @@ from heading_intercompare.core.pairing.incarnations import Incarnations
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.records import Pairs
+from heading_intercompare.core.sensors.pair_names import TWO
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.ledger_messages import LedgerMessage
 
@@ -77,11 +78,11 @@ def write_journal(path, pairs, marks=(), bag='trial_1', booked=True, **settings)
     node = Compliance(rule, source='live')
     with suppress(FileNotFoundError):
         path.unlink()
-    journal = RunJournal(path, node, within_s=3600.0, now_ns=T0, bag=bag)
+    journal = RunJournal(path, rule, {TWO: node}, within_s=3600.0, now_ns=T0, bag=bag)
     now_s, cuts = 0.0, []
     for lo in range(0, len(pairs), 100):
         chunk = pairs[lo:lo + 100]
-        journal.add(chunk, {'1000': (1, lo + len(chunk), 0)})
+        journal.add(chunk, {'1000': (1, lo + len(chunk), 0, 0)})
         node.update(chunk)
         for kind in [kind for at, kind in marks if at == lo + len(chunk)]:
             journal.mark(kind, int(chunk.stamp_ns[-1]))

@@ -170,10 +170,10 @@ def test_a_process_that_is_gone_ends_the_benchmark_with_a_line(tmp_path):
 
 def test_ratios_to_a_peer_are_those_of_the_median_round():
     peer = [{'cpu': {'plain': 0.1}, 'p50_s': 1.0, 'p99_s': late_s} for late_s in (2.0, 2.0, 90.0)]
-    graph = [{'cpu': {'a': 0.1, 'b': 0.2}, 'p50_s': p50_s, 'p99_s': 4.0}
-             for p50_s in (5.0, 6.0, 9.0)]
+    graph = [{'cpu': {'a': 0.1, 'b': b_cpu}, 'p50_s': p50_s, 'p99_s': 4.0}
+             for p50_s, b_cpu in ((5.0, 0.15), (6.0, 0.2), (9.0, 0.4))]
     assert live.describe_ratios('graph', 'plain', {'plain': peer, 'graph': graph}) == (
-        'graph / plain: CPU 3.00, p50 6.0, p99 2.0')
+        'graph / plain: CPU 3.00 (2.50 to 5.00), p50 6.0, p99 2.0')
 
 
 @pytest.mark.parametrize('row, kinds', [

@@ -80,7 +80,7 @@ def test_two_workers_at_most_run_the_tests_of_nodes():
     found = subprocess.run(
         [sys.executable, '-m', 'pytest', '--numprocesses', '3', '--dist', 'loadscope',
          '--no-loadscope-reorder', '-v', '-p', 'no:cacheprovider',
-         'test/nodes/sensors/test_places.py', 'test/nodes/taking/test_renewal.py',
+         'test/nodes/interface/test_places.py', 'test/nodes/taking/test_renewal.py',
          'test/nodes/taking/test_reception.py', 'test/core/test_angles.py'], cwd=ROOT,
         capture_output=True, text=True, timeout=300.0,
         env={name: value for name, value in os.environ.items()

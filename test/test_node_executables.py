@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+import gc
 import signal
 import subprocess
 import sys
@@ -63,15 +64,22 @@ def test_each_executable_loads_its_own_node(monkeypatch):
         def main() -> int:
             return len(loaded)
 
-    monkeypatch.setattr(executables, 'import_module', lambda name: loaded.append(name) or Module)
+    def load(name):
+        assert not gc.isenabled()
+        loaded.append(name)
+        return Module
+
+    monkeypatch.setattr(executables, 'import_module', load)
     before = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     try:
         for at, name in enumerate(executables.__all__, 1):
             assert getattr(executables, name)() == at
     finally:
+        gc.unfreeze()
         for number, handler in before.items():
             signal.signal(number, handler)
     assert loaded == [f'heading_intercompare.nodes.{name}' for name in executables.__all__]
+    assert gc.isenabled()
 
 
 WITHOUT = """

@@ -42,8 +42,8 @@ from heading_intercompare import __version__, node_executables as executables
 
 ROOT = Path(__file__).resolve().parent.parent
 NAME = 'heading_intercompare'
-NODES = ('nmea_driver', 'sensor_simulator', 'synchronizer', 'compliance', 'recorder', 'replayer',
-         'dashboard', 'sensors_watch', 'motion_driver', 'alert_sender')
+NODES = ('nmea_driver', 'sensor_simulator', 'synchronizer', 'compliance', 'intercompare',
+         'recorder', 'replayer', 'dashboard', 'motion_driver', 'alert_sender')
 IN_CI = os.environ.get('CI', '').lower() not in ('', '0', 'false')
 
 
@@ -192,8 +192,6 @@ def test_every_message_package_that_nodes_import_is_a_dependency():
                 imported |= {alias.name.partition('.')[0] for alias in node.names}
     ros = {name for name in imported if name.endswith('_msgs') or name in ('rclpy', 'std_srvs',
                                                                            'builtin_interfaces')}
-    # Taken where it is there.
-    ros.discard('compass_msgs')
     assert ros <= {element.text for element in manifest().iter('exec_depend')}
 
 
@@ -380,14 +378,14 @@ def test_colcon_builds_a_package_whose_nodes_start_and_end(source, tmp_path):
     config = share / NAME / 'config' / f'{NAME}.yaml'
     names = {'nmea_driver': 'ts_driver'}
     for node in NODES:
+        # The nodes of `intercompare` keep their names.
+        named = [] if node == 'intercompare' else ['-r', f'__node:={names.get(node, node)}']
         code, output = interrupted(
-            [str(executables / node), '--ros-args', '--params-file', str(config), '-r',
-             f'__node:={names.get(node, node)}', '-p', 'norms.sigma_max_deg:=0.2', '-p',
-             'norms.sigma_ref_max_deg:=0.1'], environment, tmp_path)
+            [str(executables / node), '--ros-args', '--params-file', str(config), *named, '-p',
+             'norms.sigma_max_deg:=0.2', '-p', 'norms.sigma_ref_max_deg:=0.1'], environment,
+            tmp_path)
         if node == 'replayer':
             assert code == 2 and output.startswith('replayer: error: bag is required'), output
-        elif node == 'sensors_watch':
-            assert code == 2 and output.startswith('sensors_watch: error: sensors: none'), output
         elif node == 'alert_sender':
             assert code == 2 and 'alert_sender: error: destination is required' in output, output
         elif node == 'motion_driver':

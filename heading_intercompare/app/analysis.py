@@ -24,12 +24,12 @@ import warnings
 
 from heading_intercompare.bags.csv.pairs_account import PairsAccount
 from heading_intercompare.core.records import Headings, Motion
+from heading_intercompare.core.sensors.compared_sensors import pair_with_reference
 from heading_intercompare.core.sensors.judging import judge_sensors
+from heading_intercompare.core.sensors.pair_names import Names
 from heading_intercompare.core.sensors.pair_settings import (
     check_norms,
     check_sensors,
-    Names,
-    pair_with_reference,
     settings_of_pair,
 )
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict

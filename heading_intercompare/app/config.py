@@ -31,7 +31,7 @@ SHARED = '/**'
 """The section whose settings apply to every node and every command."""
 
 # The replayer neither pairs nor judges: what it calls the TS may be another topic of the bag.
-_NODES = re.compile(r'synchronizer|compliance|sensors_watch|recorder|dashboard|.*_driver|\*+')
+_NODES = re.compile(r'synchronizer|compliance|recorder|dashboard|.*_driver|\*+')
 _NOWHERE = object()
 _ANALYSIS = frozenset(rule.name for rule in list_settings(Settings))
 

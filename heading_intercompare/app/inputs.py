@@ -55,10 +55,13 @@ from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.kept_state import KeptState
 from heading_intercompare.core.motion.antennas import find_baseline_headings
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
+from heading_intercompare.core.pairing.pair_maker import PairMaker
+from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.records import Headings, Motion, Pairs
 from heading_intercompare.core.sensor_table import Sensor
-from heading_intercompare.core.sensors.pair_settings import pair_with_reference
+from heading_intercompare.core.sensors.compared_sensors import pair_with_reference
+from heading_intercompare.core.sensors.pair_names import TWO
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import Input, OperatorNote
@@ -169,14 +172,19 @@ def judge_input(path: str, settings: Settings, table: RunTable | None = None,
         comparison = InputComparison(settings, name, spans, takers=takers, sketched=sketched,
                                      progress=progress)
         return _judge_recording(readers, path, name, settings, comparison, progress, helpers)
-    if settings.sensors is not None:
-        raise BagError('holds the pairs of two sensors, and the setting sensors names more; '
-                       'choose them with --ts NAME --rs NAME', path)
     sketch = SegmentSketches(name) if sketched else None
     pair_takers = (takers or {}).get('ts', ())
     if is_journal(path):
         return _judge_journal(path, name, settings, spans, pair_takers, progress, sketch)
+    _check_for_two(path, settings)
     return judge_csv(path, name, settings, spans, pair_takers, progress, sketch)
+
+
+def _check_for_two(path: str, settings: Settings) -> None:
+    """Raise BagError if the settings are of more sensors than the two of an input."""
+    if settings.sensors is not None:
+        raise BagError('holds the pairs of two sensors, and the setting sensors names more; '
+                       'choose them with --ts NAME --rs NAME', path)
 
 
 class _Resumed:
@@ -228,22 +236,25 @@ def _judge_journal(path: str, name: str, settings: Settings, runs: Spans | None,
     # A node may be writing the journal: the hash is that of the bytes that were read.
     contents = read_journal(Path(path))
     origin = read_origin(contents, Path(path))
+    if origin.names != (TWO,):
+        raise BagError('is the journal of several sensors: analyze the recording', path)
+    _check_for_two(path, settings)
     compliance = Compliance(settings, source=name, table=runs, progress=progress)
     others = compare_settings(*map(_leave_out_names, (
         origin.settings or {}, settings.to_mapping())))
     whole = runs is None and not others
     if sketch is not None:
         takers = (*takers, partial(sketch.update, settings=settings))
-    reader = JournalReader(Path(path))
-    state = reader.read(contents, _Resumed(compliance, whole, runs is not None, takers, progress))
+    reader = JournalReader(Path(path), makers=[PairMaker(Pairer(Settings.from_mapping(
+        origin.settings)))] if origin.holds_readings else None)
+    resumed = _Resumed(compliance, whole, runs is not None, takers, progress)
+    judged, trial = reader.read(contents, [resumed]), reader.kept
+    total, = reader.finish([resumed])
     compliance.finish()
-    trial = reader.kept
-    total = trial.sum_ledgers().total
     # The node called the source of the runs that it judged by another name.
     results, earlier = (
         [replace(result, verdict=replace(result.verdict, source=name)) for result in run_results]
         for run_results in (compliance.results(total), compliance.take_earlier(total)))
-    judged = 0 if state is None else state.n_judged
     problems = [f'is the journal of a live run, begun at {utc(origin.began_ns)} UTC by version '
                 f'{origin.software}' + (f', recorded to {origin.bag}' if origin.bag else '')
                 + f': it holds {count_words(trial.n_pairs, "pair")}, '

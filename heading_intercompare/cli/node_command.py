@@ -75,10 +75,10 @@ def run_node(module: str, node: str, config: str | None, *, namespace: str = '/'
         If the file cannot be read, is not a ROS parameter file, or the namespace is none.
 
     """
-    from heading_intercompare.nodes.ros.endpoints import check_namespace
-    from heading_intercompare.nodes.ros.parameters import make_overrides
-    from heading_intercompare.nodes.ros.process import run
-    from heading_intercompare.nodes.ros.steady_timer import every
+    from heading_intercompare.nodes.interface.parameters import make_overrides
+    from heading_intercompare.nodes.launching.process import run
+    from heading_intercompare.nodes.presence.endpoints import check_namespace
+    from heading_intercompare.nodes.spinning.clocks import every
 
     check_namespace(namespace)
     # rcl's message for an unreadable file is long and unclear, and rcl ignores other text.

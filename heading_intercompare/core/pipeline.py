@@ -19,13 +19,14 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any, Callable, Iterator, Sequence
 
-from heading_intercompare.core.decision.criteria import Limits
+from heading_intercompare.core.decision.criteria import Limits, require_norms
 from heading_intercompare.core.decision.sequential import find_standing, Look, LookVerdict
 from heading_intercompare.core.decision.taken_out import Stretch
 from heading_intercompare.core.motion.motion_record import RunMotion
 from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.pairing.incarnations import Incarnations
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSegment
+from heading_intercompare.core.pairing.pair_maker import PairMaker
 from heading_intercompare.core.pairing.pair_sampling import PairSampler
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.runs.growing_columns import Keep
@@ -95,8 +96,9 @@ class Compliance:
         self.settings = settings
         self._keeper, self._progress, self._thins = keeper, progress, thins
         self.newest_ns: int | None = None
+        require_norms(settings.norms, settings.model)
         # The limits of the newest run also serve the rolling window, which ends in it.
-        self._limits = Limits.of(settings.norms, settings.model)
+        self._limits: Limits | None = None
         self._source = source
         self._cutter = RunCutter(settings.runs, table)
         # The clock segments that have ended, and the present one.
@@ -305,6 +307,8 @@ class Compliance:
             return {'n': 0}
         if self._run is not None and len(self._run):
             self._limits = self._run.limits(self.settings.norms, self.settings.model)
+        elif self._limits is None:
+            self._limits = Limits.of(self.settings.norms, self.settings.model)
         return {'start_ns': self.rolling.start_ns, 'newest_ns': self.newest_ns,
                 **compute_figures(self.rolling, self._limits, self.settings)}
 
@@ -426,11 +430,18 @@ class Intercomparison:
     ----------
     settings
         Must hold the norms.
-    source, table, progress
+    source, table, keeper, progress
         As for `Compliance`.
     sampler
         Chooses the pairs to judge; by default all are judged. Every reading is paired and
         accounted for in either case.
+
+    Attributes
+    ----------
+    compliance : Compliance
+        Judges the pairs.
+    maker : PairMaker
+        Makes them.
 
     Examples
     --------
@@ -449,34 +460,32 @@ class Intercomparison:
 
     def __init__(self, settings: Settings, *, source: str = '',
                  table: Sequence[tuple[int, int]] | None = None,
+                 keeper: Callable[[], Keep | None] = lambda: None,
                  progress: Callable[[str], None] = lambda text: None,
                  sampler: PairSampler | None = None) -> None:
-        self.compliance = Compliance(settings, source=source, table=table, progress=progress,
-                                     thins=sampler is not None)
-        self._table, self._sampler = table or (), sampler
-        self._before = Incarnations()
-        self._keep: Callable[[Pairs], None] = lambda pairs: None
-        self._from_ns = 0
-        self._begin()
+        self.compliance = Compliance(settings, source=source, table=table, keeper=keeper,
+                                     progress=progress, thins=sampler is not None)
+        self._table, self._before = table or (), Incarnations()
+        self.maker = PairMaker(self._make_pairer(), sampler)
 
-    def _begin(self) -> None:
-        self.pairer = Pairer(self.compliance.settings)
+    def _make_pairer(self) -> Pairer:
+        pairer = Pairer(self.compliance.settings)
         for cut_ns in (edge_ns for span in self._table for edge_ns in span):
-            self.pairer.ledger.cut_run(cut_ns)
+            pairer.ledger.cut_run(cut_ns)
+        return pairer
+
+    @property
+    def pairer(self) -> Pairer:
+        """Return what pairs the readings."""
+        return self.maker.pairer
 
     def begin_again(self) -> Pairs:
         """Go on with the runs as after a restart of both nodes; return the last pairs before."""
-        self._judge(pairs := self.pairer.flush())
+        pairs = self.pairer.flush()
+        self.compliance.update(self.maker.choose(pairs))
         self._before.take(self.pairer.ledger, False, len(self._before))
-        self._begin()
+        self.maker.pairer = self._make_pairer()
         return pairs
-
-    def keep_with(self, keep: Callable[[Pairs], None]) -> None:
-        """Go on after the pairs that `compliance` has; hand all that follow to `keep` first."""
-        self._keep, newest_ns = keep, self.compliance.newest_ns
-        if newest_ns is not None:
-            # Readings that come again make pairs again.
-            self._from_ns = self._sampler.end_ns(newest_ns) if self._sampler else newest_ns + 1
 
     @property
     def ledger(self) -> Ledger:
@@ -495,15 +504,8 @@ class Intercomparison:
                now_s: float | None = None) -> Pairs:
         """Take readings; return the pairs that they complete. `now_s` as for `Pairer.update`."""
         pairs = self.pairer.update(ts, rs, now_s)
-        self._judge(pairs)
+        self.compliance.update(self.maker.choose(pairs))
         return pairs
-
-    def _judge(self, pairs: Pairs, end: bool = False) -> None:
-        if self._from_ns:
-            pairs = pairs[pairs.stamp_ns >= self._from_ns]
-        chosen = pairs if self._sampler is None else self._sampler.update(pairs, end)
-        self._keep(chosen)
-        self.compliance.update(chosen)
 
     def lose(self, key: LedgerKey, losses: Losses) -> None:
         """Count readings that never came; see `Pairer.lose`."""
@@ -517,7 +519,7 @@ class Intercomparison:
     def finish(self) -> Pairs:
         """End both streams and the run in progress; return the last pairs."""
         pairs = self.pairer.flush()
-        self._judge(pairs, end=True)
+        self.compliance.update(self.maker.choose(pairs, end=True))
         self.compliance.finish()
         return pairs
 

@@ -138,11 +138,11 @@ class SegmentRuns:
 
     def copy(self) -> 'SegmentRuns':
         """Return the same runs, to judge another one."""
-        other = SegmentRuns(self._settings, self.number)
-        other.record, other._before = self.record, self._before
-        other.finished, other.short = [*self.finished], [*self.short]
-        other._n_short_before, other._earlier_ns = self._n_short_before, self._earlier_ns
-        return other
+        copied = SegmentRuns(self._settings, self.number)
+        copied.record, copied._before = self.record, self._before
+        copied.finished, copied.short = [*self.finished], [*self.short]
+        copied._n_short_before, copied._earlier_ns = self._n_short_before, self._earlier_ns
+        return copied
 
     def withdraw(self) -> None:
         """Forget the runs, but not the record."""
@@ -222,11 +222,10 @@ class SegmentRuns:
             What pairs outside the runs are called.
 
         """
-        verdicts = [(result.first_pair, result.verdict) for result, _ in self.finished]
-        before = self._before if not n_old else (
-            verdicts[n_old - 1][0] + verdicts[n_old - 1][1].n_input, verdicts[n_old - 1][1].end_ns)
-        ended = [before, *((first + run.n_input, run.end_ns) for first, run in verdicts[n_old:])]
-        begun = [*((first, run.start_ns) for first, run in verdicts[n_old:]),
+        results = [result for result, _ in self.finished]
+        before = _end_of(results[n_old - 1]) if n_old else self._before
+        ended = [before, *map(_end_of, results[n_old:])]
+        begun = [*((result.first_pair, result.verdict.start_ns) for result in results[n_old:]),
                  (first_pair, self.record.newest_ns or 0)]
         short = [s for s in self.short if s.start_ns >= before[1]]
         outside = [*short]
@@ -242,9 +241,14 @@ class SegmentRuns:
         if not n_old:
             return
         last, self._earlier_ns = self.finished[n_old - 1]
-        end_ns = last.verdict.end_ns
-        self._before = last.first_pair + last.verdict.n_input, end_ns
+        self._before = _end_of(last)
+        end_ns = self._before[1]
         self.record.forget_before(end_ns, lambda piece: piece.end_ns)
         self._n_short_before += sum(s.start_ns < end_ns for s in self.short)
         self.short = [s for s in self.short if s.start_ns >= end_ns]
         del self.finished[:n_old]
+
+
+def _end_of(result: RunResult) -> tuple[int, int]:
+    """Return the pairs of the segment up to the end of a run, and that end, nanoseconds."""
+    return result.first_pair + result.verdict.n_input, result.verdict.end_ns

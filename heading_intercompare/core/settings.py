@@ -122,10 +122,11 @@ class Pairing(Checked):
         'sensor, which also bounds a number', 0.0, 3600.0, choices=('auto',))
     tolerance_s: float = setting(0.05, "largest lag of a pair, method 'nearest' [s]", 0.0, 60.0)
     max_wait_s: float = setting(
-        5.0, 'live only: how long a reading waits for its partner [s]', 0.0, 600.0)
+        5.0, 'live only: a sensor that lags the other by more, or is silent for longer, is late; '
+        'an alarm names a lag [s]', 0.0, 600.0)
     silent_wait_s: float = setting(
-        60.0, 'live only: the same while the other sensor is silent: what it has sent may still '
-        'come, all at once, when a connection is made or is back [s]', 0.0, 3600.0)
+        60.0, 'live only: how long a reading waits for a sensor that is late, at least '
+        'max_wait_s: what that one has sent may still come [s]', 0.0, 3600.0)
     jump_s: float = setting(10.0, 'a longer step of the stamps is a jump [s]', 0.1, 86400.0)
 
     @property
@@ -382,8 +383,10 @@ class Settings(Checked):
     pairing: Pairing = field(default_factory=Pairing)
     alignment: Alignment = field(default_factory=Alignment)
     sequential: Sequential = field(default_factory=Sequential)
-    ts_topic: str = setting('ts/heading', 'topic of the TS')
-    rs_topic: str = setting('rs/heading', 'topic of the RS')
+    ts_topic: str = setting(
+        'ts/heading', 'topic of the TS; of messages with NMEA sentences TOPIC.HEHDT chooses one, '
+        'and TOPIC.FIELD or TOPIC.FIELD@rad takes a field of messages of any type')
+    rs_topic: str = setting('rs/heading', 'the same of the RS')
     bag_namespace: str | None = setting(
         None, 'namespace in a bag of the topics without a leading slash, such as /ship1; none: '
         'that of the recorder of this package, or the root')
@@ -421,9 +424,11 @@ class Settings(Checked):
         except ValueError as error:
             raise SettingsError(f'exclusions, {error}') from error
         try:
-            read_sensors(self.sensors)
+            rows = read_sensors(self.sensors)
         except ValueError as error:
             raise SettingsError(f'sensors, {error}') from error
+        if not rows:  # A table without rows compares TS and RS.
+            object.__setattr__(self, 'sensors', None)
 
     @classmethod
     def from_mapping(cls, mapping: Mapping[str, Any]) -> 'Settings':

@@ -21,8 +21,8 @@ import math
 from typing import Sequence
 
 import numpy as np
-import scipy
 
+from heading_intercompare.core import lazy_scipy as scipy
 from heading_intercompare.core.records import Reals
 
 from .control_chart import estimate_correlation, LEAST_BASELINE

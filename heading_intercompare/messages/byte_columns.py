@@ -22,8 +22,9 @@ order, and rejects messages that do not start as plain CDR.
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import lru_cache
-from typing import Callable, Literal, Sequence, TypeVar
+from typing import Callable, Iterable, Literal, Sequence, TypeVar
 
 import numpy as np
 from numpy.typing import DTypeLike
@@ -50,7 +51,46 @@ _HEADER = np.dtype([('order', '<u2'), ('options', '<u2'), ('sec', '<i4'), ('nano
 #: `order` of a header: bytes 0, 0 for big-endian, bytes 0, 1 for little-endian.
 _BIG, _LITTLE = 0x0000, 0x0100
 
-_Chunk = TypeVar('_Chunk', Attitude, Headings, Motion, Pairs)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FieldColumn:
+    """
+    One field of n messages.
+
+    Attributes
+    ----------
+    stamp_ns : ndarray of int64, shape (n,)
+        Stamps of the headers, nanoseconds.
+    values : ndarray, shape (n,)
+        Numbers, or texts as bytes.
+
+    """
+
+    stamp_ns: Integers
+    values: np.ndarray
+
+    @classmethod
+    def empty(cls) -> 'FieldColumn':
+        """Return a column without messages."""
+        return cls(np.empty(0, np.int64), np.empty(0, object))
+
+    @classmethod
+    def concatenate(cls, parts: Iterable['FieldColumn']) -> 'FieldColumn':
+        """Return columns joined in their order."""
+        parts = [part for part in parts if len(part)] or [cls.empty()]
+        return cls(np.concatenate([part.stamp_ns for part in parts]),
+                   np.concatenate([part.values for part in parts]))
+
+    def __len__(self) -> int:
+        return len(self.stamp_ns)
+
+    def __getitem__(self, which: Integers | slice) -> 'FieldColumn':
+        """Return the field of some messages."""
+        return FieldColumn(self.stamp_ns[which], self.values[which])
+
+
+_Chunk = TypeVar('_Chunk', Attitude, FieldColumn, Headings, Motion, Pairs)
 #: Converts messages of one byte order to a chunk, from the data, their first bytes, their sizes
 #: and their headers.
 _DecodeOne = Callable[[BytesLike, Integers, Integers, np.ndarray], _Chunk]

@@ -66,6 +66,7 @@ DEFINITIONS = {
     'nav_msgs/Odometry':
         'std_msgs/Header header\nstring child_frame_id\n'
         'geometry_msgs/PoseWithCovariance pose\ngeometry_msgs/TwistWithCovariance twist\n',
+    'nmea_msgs/Sentence': 'std_msgs/Header header\nstring sentence\n',
     'rosgraph_msgs/Clock': 'builtin_interfaces/Time clock\n',
     'sensor_msgs/Imu':
         'std_msgs/Header header\ngeometry_msgs/Quaternion orientation\n'
@@ -103,6 +104,8 @@ TYPE_HASHES = {
         'RIHS01_77b67434531e6529b7a0091357b186b6ebdb17fd9ffd3e0c7ce9d3fb11a44563',
     'nav_msgs/msg/Odometry':
         'RIHS01_3cc97dc7fb7502f8714462c526d369e35b603cfc34d946e3f2eda2766dfec6e0',
+    'nmea_msgs/msg/Sentence':
+        'RIHS01_67d3d300e23d1d018584731cd9642ffb4c78d12da1f483d3f2be3a9396c40984',
     'rosgraph_msgs/msg/Clock':
         'RIHS01_692f7a66e93a3c83e71765d033b60349ba68023a8c689a79e48078bcb5c58564',
     'sensor_msgs/msg/Imu':

@@ -46,6 +46,8 @@ def decode_text(data: bytes) -> str:
 
 MARKER_TOPIC = 'compliance/marker'
 
+ALARMS_TOPIC = 'compliance/alarms'
+
 MARKS = ('start', 'stop')
 
 
@@ -98,7 +100,7 @@ class Status:
     values
         Figures, in display order; None is skipped.
     owner
-        The node that says so, `hardware_id` in the message; see `nodes/runtime/sole_node`.
+        The node that says so, `hardware_id` in the message; see `nodes/presence/sole_node`.
 
     """
 

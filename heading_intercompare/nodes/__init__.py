@@ -15,6 +15,6 @@
 """
 The ROS 2 nodes, and their graph in one process.
 
-Each node is a module here and an executable; the rooms `ros`, `runtime` and `taking` hold what
-they share.
+Each node is a module here and an executable; the rooms hold what they share, from what they agree
+on (`interface`) to how they judge (`judging`).
 """

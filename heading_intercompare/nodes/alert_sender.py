@@ -29,6 +29,7 @@ from heading_intercompare.drivers.alerts.alert_sentences import AlertCommand, re
 from heading_intercompare.drivers.alerts.alert_settings import AlertSettings
 from heading_intercompare.drivers.sentences import Rejected
 from heading_intercompare.messages.status_messages import (
+    ALARMS_TOPIC,
     decode_statuses,
     encode_text,
     OK,
@@ -37,15 +38,14 @@ from heading_intercompare.messages.status_messages import (
 )
 from heading_intercompare.nodes.alarms.alarm_panel import ACKNOWLEDGE_TOPIC
 from heading_intercompare.nodes.alarms.alarm_reports import read_reports
-from heading_intercompare.nodes.ros.graph_node import GraphNode
-from heading_intercompare.nodes.ros.health import Health
-from heading_intercompare.nodes.ros.parameters import declare
-from heading_intercompare.nodes.ros.process import run
-from heading_intercompare.nodes.ros.steady_timer import every
+from heading_intercompare.nodes.interface.parameters import declare
+from heading_intercompare.nodes.launching.process import run
+from heading_intercompare.nodes.presence.graph_node import GraphNode
+from heading_intercompare.nodes.presence.health import Health
+from heading_intercompare.nodes.spinning.clocks import every
 from heading_intercompare.nodes.taking.raw_subscription import subscribe
-from heading_intercompare.nodes.taking.recorded_topics import ALARMS_TOPIC
 
-from .ros import qos
+from .interface import qos
 from .settings import TOLD
 
 _TURN_S = 0.1

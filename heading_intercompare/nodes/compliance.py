@@ -19,38 +19,53 @@ from __future__ import annotations
 from functools import partial
 import math
 import time
-from typing import Any, Sequence
+from typing import Any, Callable, Mapping, Sequence
 
 from diagnostic_msgs.msg import DiagnosticArray
+from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
+from heading_intercompare.bags.recording.journal_reading import Numbers
+from heading_intercompare.bags.recording.reading_batches import Batch
+from heading_intercompare.bags.rosbag2.provenance import SENSORS_REPORT_TOPIC
 from heading_intercompare.core.alarms.graph_watch import estimate_judging_s
 from heading_intercompare.core.decision.coverage import least_duration_words
-from heading_intercompare.core.pipeline import Compliance as PureCompliance
+from heading_intercompare.core.declared_settings import SettingsError
+from heading_intercompare.core.records import Pairs
+from heading_intercompare.core.sensors.comparison import SensorsComparison
+from heading_intercompare.core.sensors.pair_names import Names, TWO
 from heading_intercompare.core.sensors.pair_settings import settings_of_tested
+from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.messages.ledger_messages import decode_ledger
-from heading_intercompare.messages.status_messages import decode_marks, encode_mark, MARKER_TOPIC
-from heading_intercompare.nodes.alarms.comparison_alarms import ComparisonAlarms
+from heading_intercompare.messages.status_messages import (
+    decode_marks,
+    encode_mark,
+    encode_text,
+    MARKER_TOPIC,
+)
+from heading_intercompare.nodes.alarms.alarm_panel import ACKNOWLEDGE_TOPIC, ALL
 from heading_intercompare.nodes.alarms.graph_alarms import GraphAlarms
+from heading_intercompare.nodes.interface.parameters import declare
+from heading_intercompare.nodes.interface.places import label_tested, name_place, place_files
+from heading_intercompare.nodes.judging.accounts import Account, HeardAccount, PairerAccount
+from heading_intercompare.nodes.judging.now_publisher import NowPublisher
 from heading_intercompare.nodes.judging.pair_intake import PairIntake
-from heading_intercompare.nodes.judging.reporting import Reporting
+from heading_intercompare.nodes.judging.sensor_judgement import SensorJudgement
+from heading_intercompare.nodes.judging.sensors_reporting import SensorsReporting
 from heading_intercompare.nodes.judging.trial_journal import open_spool, TrialJournal
-from heading_intercompare.nodes.ros.batches import Arrivals
-from heading_intercompare.nodes.ros.graph_node import GraphNode
-from heading_intercompare.nodes.ros.health import Health
-from heading_intercompare.nodes.ros.parameters import declare
-from heading_intercompare.nodes.ros.process import run
-from heading_intercompare.nodes.ros.steady_timer import every
-from heading_intercompare.nodes.runtime.figures import Figures
-from heading_intercompare.nodes.runtime.sole_node import SoleNode
-from heading_intercompare.nodes.sensors.places import called, place_files
+from heading_intercompare.nodes.launching.process import run
+from heading_intercompare.nodes.presence.graph_node import GraphNode
+from heading_intercompare.nodes.presence.health import Health
+from heading_intercompare.nodes.presence.sole_node import SoleNode
+from heading_intercompare.nodes.spinning.batches import Arrivals
+from heading_intercompare.nodes.spinning.clocks import every
 from heading_intercompare.nodes.taking.mark_intake import explain_mark, MarkIntake
 from heading_intercompare.nodes.taking.motion_intake import MotionIntake
 from heading_intercompare.nodes.taking.raw_subscription import subscribe
 
-from .ros import qos
+from .interface import qos
 from .settings import ComplianceNode, Taking
 
 # How long the last messages of a synchronizer that has ended, and of a batch, may be under way.
@@ -58,115 +73,246 @@ _ALONE_S, _HOLD_OFF_S = 0.3, 0.002
 
 
 class Compliance(GraphNode):
-    """Publish figures of the run in progress, and the verdict and report at the end of each."""
+    """
+    Publish figures of the runs in progress, and verdict and report at the end of each.
 
-    done, _alone_s, _end_s = False, math.inf, math.inf
+    Parameters
+    ----------
+    pairs_here
+        A synchronizer in this process pairs the readings of all sensors as `comparison` says,
+        keeps them with `keep` and gives the pairs to `take`. Otherwise the pairs of a tested
+        sensor are heard on their topic.
+    **kwargs
+        As for `Node`.
 
-    def __init__(self, **kwargs: Any) -> None:
+    Attributes
+    ----------
+    comparison : SensorsComparison
+        All pairs of sensors.
+    journal : TrialJournal
+        What has come in since the last judged runs.
+    n_pairs : int
+        How many pairs of tested sensors have come.
+    while_judging
+        Called now and then while a run is judged, which may take seconds.
+
+    """
+
+    done, n_pairs, _alone_s, _end_s = False, 0, math.inf, math.inf
+
+    def __init__(self, pairs_here: bool = False, **kwargs: Any) -> None:
         super().__init__('compliance', **kwargs)
-        settings, taking, node_settings = declare(
+        whole, taking, own = declare(
             self, Settings, Taking, ComplianceNode, followed=('window_s', 'stale_s'))
-        self._settings, self._own = (settings_of_tested(settings, node_settings.sensor),
-                                     place_files(node_settings))
-        self.health = Health(self, called(self, node_settings.sensor), keeper=True)
-        self._compliance = PureCompliance(self._settings, source='live',
-                                          keeper=lambda: open_spool(self.health))
-        self.get_logger().info(least_duration_words(self._settings.risk))
-        self._pairs = PairIntake(self, self.health, taking, self._settings.pairing,
-                                 Arrivals(self, self._drain, _HOLD_OFF_S))
-        self.alarms = ComparisonAlarms(self, self.health, self._settings)
-        GraphAlarms(self, self.health, self.alarms.panel, [node_settings.sensor or ''])
-        self._journal = TrialJournal(self, self._compliance, self._own, self.health)
-        self._pairs.go_on(self._journal.kept.numbers, self._compliance.newest_ns)
-        self._motion = MotionIntake(self, self.health, taking, self._settings.motion, (
-            self._journal, self._compliance, self.alarms), self._journal.kept.motion_ns)
-        self._marks = MarkIntake(self.health, self._journal.kept.marks)
-        self._reporting = Reporting(self, self._compliance, self._own, self.health, self._pairs,
-                                    self._journal)
-        self.sole = SoleNode(self, ['compliance/report'], self.health)
+        sensor = _find_sensor(whole, own.sensor, pairs_here)
+        settings = settings_of_tested(whole, sensor or None)
+        self._end_wait_s = own.end_wait_s
+        self.health = Health(self, keeper=True)
+        self.while_judging: Callable[[], None] = lambda: None
+        self.comparison = SensorsComparison(
+            settings, source='live', keeper=lambda: open_spool(self.health),
+            progress=lambda words: self.while_judging())
+        self.get_logger().info(least_duration_words(settings.risk))
+        pairs = self.comparison.pairs
+        self._judges = {names: pair.compliance for names, pair in pairs.items()}
+        self._makers = {names: pair.maker for names, pair in pairs.items()} if pairs_here else {}
+        self.journal = TrialJournal(self, settings, self._judges, place_files(own, sensor),
+                                    self.health, [*self._makers.values()] or None)
+        labels = label_tested(settings) if pairs_here else {TWO: sensor}
+        self._heard: HeardAccount | None = None
+        accounts: dict[Names, Account] = {
+            names: PairerAccount(self._makers[names], self.journal, names)
+            if pairs_here else self._hear(settings, taking, label)
+            for names, label in labels.items()}
+        self._judgements = {names: SensorJudgement(
+            self, self.health, label, self._judges[names], own, accounts[names], self.journal)
+            for names, label in labels.items()}
+        self._now: NowPublisher | None = None
+        if settings.sensors is not None:
+            self._now = NowPublisher(self, self.health, self.comparison,
+                                     settings.detectors.mean_max_deg, taking.stale_s)
+            self._all = SensorsReporting(
+                self, self.health, settings, own, self.comparison,
+                {names[0]: judgement for names, judgement in self._judgements.items()},
+                self.journal)
+        alarms = [judgement.alarms for judgement in self._judgements.values()]
+        self.panels = [*([self._now.panel] if self._now is not None else ()),
+                       *(watch.panel for watch in alarms)]
+        GraphAlarms(self, self.health, self.panels[0])
+        self._motion = MotionIntake(self, self.health, taking, settings.motion, (
+            self.journal, self.comparison, *alarms), self.journal.kept.motion_ns)
+        self._marks = MarkIntake(self.health, self.journal.kept.marks)
+        self.sole = SoleNode(self, [
+            *(f'{name_place(label)}compliance/report' for label in labels.values()),
+            *([SENSORS_REPORT_TOPIC] if self._now is not None else ())], self.health)
         self._marker = self.create_publisher(DiagnosticArray, MARKER_TOPIC, qos.MARKER)
-        self._figures = Figures(self, self._compliance, self._own.scalars_hz,
-                                self.health.owner)
+        self._acknowledged = self.create_publisher(String, ACKNOWLEDGE_TOPIC, qos.ACKNOWLEDGE)
         subscribe(self, DiagnosticArray, MARKER_TOPIC, qos.MARKER, self.health, decode_marks,
                   self._mark)
-        subscribe(self, DiagnosticArray, 'pairs/ledger', qos.LEDGER, self.health, decode_ledger,
-                  self._reporting.book)
         for name in ('start', 'stop'):
             self.create_service(Trigger, f'~/{name}_run', partial(self._command, name))
         self.create_service(Trigger, '~/acknowledge', self._acknowledge)
+        self.create_service(Trigger, '~/report', self._report)
         every(self, 1.0, self._beat)
 
-    @property
-    def n_pairs(self) -> int:
-        """Return the number of pairs taken."""
-        return self._pairs.received
+    def _hear(self, settings: Settings, taking: Taking, label: str) -> HeardAccount:
+        """Hear the pairs and ledgers of a synchronizer in another process."""
+        topic = f'{name_place(label)}pairs'
+        judge, = self._judges.values()
+        self._pairs = PairIntake(self, topic, self.health, taking, settings.pairing,
+                                 Arrivals(self, self._drain, _HOLD_OFF_S))
+        self._pairs.go_on(self.journal.kept.numbers, judge.newest_ns, judge.segment)
+        self._heard = HeardAccount(self._pairs, self.journal)
+        subscribe(self, DiagnosticArray, f'{topic}/ledger', qos.LEDGER, self.health,
+                  decode_ledger, self._heard.book)
+        return self._heard
 
     @property
-    def verdict(self) -> Verdict | None:
+    def verdict(self) -> Verdict | SensorsVerdict | None:
         """Return the verdict of the last report; None before the first."""
-        return self._reporting.verdict
+        if self._now is not None:
+            return self._all.verdict
+        judgement, = self._judgements.values()
+        return judgement.reporting.verdict
+
+    @property
+    def newest_ns(self) -> int | None:
+        """Return the stamp of the newest pair of all; None before the first."""
+        stamps = [*(judge.newest_ns for judge in self._judges.values()),
+                  *(maker.newest_ns for maker in self._makers.values())]
+        return max((stamp_ns for stamp_ns in stamps if stamp_ns is not None), default=None)
 
     def _drain(self) -> None:
-        if self.ended:
+        """Take the pairs that were heard."""
+        if self.ended or self._heard is None:
             return
         pairs = self._pairs.read()
+        self._heard.look()
         self._motion.pass_on()  # What was sent before these pairs is there by now.
-        self._journal.add(pairs, self._pairs.numbers_by_name)
-        self._compliance.update(pairs)
-        self._journal.tick(self.sole.clear)
-        self.alarms.take(pairs)
-        self._figures.publish(pairs)
-        self._reporting.look(self._pairs.last_sequence)
+        names, = self._judges
+        self.take({names: pairs}, self._pairs.numbers_by_name)
         if self._end_s < math.inf:
-            self._finish_if_complete()
+            self._finish_if_complete(self._heard)
+
+    def keep(self, batch: Batch, received_ns: Mapping[str, int]) -> None:
+        """
+        Keep readings, before they are paired here; the motion that came before them, too.
+
+        Parameters
+        ----------
+        batch
+            The readings.
+        received_ns
+            When the newest message of each sensor came, UTC ns.
+
+        """
+        self._motion.pass_on()
+        self.journal.add_batch(batch, self.sole.clear)
+        if self._now is not None:
+            self._now.take(batch.headings, received_ns)
+
+    def take(self, pairs: Mapping[Names, Pairs], numbers: Numbers | None = None) -> None:
+        """
+        Judge pairs, and publish what they say.
+
+        Parameters
+        ----------
+        pairs
+            By their sensors, those of all: of the readings kept last, or heard.
+        numbers
+            As for `TrialJournal.add`.
+
+        """
+        for names, of_sensors in pairs.items():
+            self.journal.add(of_sensors, numbers, names)
+            self._judges[names].update(of_sensors)
+        self.journal.tick(self.sole.clear)
+        for names, judgement in self._judgements.items():
+            self.n_pairs += len(pairs[names])
+            judgement.take(pairs[names])
 
     def _beat(self) -> None:
-        self.alarms.look()
-        self._compliance.motion.forget(self._compliance.run_start_ns)
-        self._figures.compute()
-        self.health.judging_s = estimate_judging_s(self._compliance.n_in_run)
+        rolling = {names: judgement.look() for names, judgement in self._judgements.items()}
+        for pair in self.comparison.others.values():
+            pair.compliance.take_earlier()
+            pair.compliance.motion.forget(pair.compliance.run_start_ns)
+        if self._now is not None:
+            verdict = self._all.verdict
+            self._now.look(rolling, self.newest_ns, None if verdict is None else verdict.vote)
+            self._all.look(self.newest_ns)
+        self.health.judging_s = estimate_judging_s(sum(
+            judge.n_in_run for judge in self._judges.values()))
 
     def _mark(self, marks: Sequence[tuple[str, int]]) -> None:
         for kind, stamp_ns in marks:
             if self._marks.take(kind, stamp_ns):
-                self._journal.mark(kind, stamp_ns)
-                self._compliance.mark(kind, stamp_ns)
-                self.alarms.start_run()
-        self._journal.tick(self.sole.clear)
+                self.journal.mark(kind, stamp_ns)
+                self.comparison.mark(kind, stamp_ns)
+                for judgement in self._judgements.values():
+                    judgement.alarms.start_run()
+        self.journal.tick(self.sole.clear)
 
     def _command(self, kind: str, _: Trigger.Request,
                  response: Trigger.Response) -> Trigger.Response:
-        """Set a mark after the newest pair; pairs up to it belong to the run before."""
+        """Set a mark after the newest pair of all; pairs up to it belong to the run before."""
         self._drain()
-        did = explain_mark(kind, self._compliance.keep().cutter)
-        stamp_ns = self._compliance.newest_ns or 0
+        did = explain_mark(kind, next(iter(self._judges.values())).keep().cutter)
+        stamp_ns = self.newest_ns or 0
         self._mark([(kind, stamp_ns)])
         self._marker.publish(encode_mark(kind, stamp_ns))
         response.success, response.message = True, f'{kind} after the pair of {stamp_ns} ns: {did}'
-        self._reporting.look(self._pairs.last_sequence)
+        for judgement in self._judgements.values():
+            judgement.reporting.look()
         return response
 
     def _acknowledge(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        n = self.health.acknowledge() + self.alarms.acknowledge_everywhere()
+        self._acknowledged.publish(encode_text(ALL))
+        n = self.health.acknowledge() + sum(panel.acknowledge() for panel in self.panels)
         response.success, response.message = True, f'{n} alerts acknowledged'
         return response
 
-    def end(self) -> None:
-        """Take the last pairs and the final ledger, then end the run and report on it."""
-        self.alarms.panel.muted = True
-        self._end_s = time.monotonic() + self._own.end_wait_s
+    def _report(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
+        headlines = [headline for judgement in self._judgements.values()
+                     if (headline := judgement.reporting.report())]
+        response.success = bool(headlines)
+        response.message = '; '.join(headlines) or 'no pair has come yet'
+        return response
 
-    def _finish_if_complete(self) -> None:
+    def end(self) -> None:
+        """Take the last pairs and the final ledger, then end the runs and report on them."""
+        self._end_s = time.monotonic() + self._end_wait_s
+        if self._heard is None:
+            # The synchronizer of this process has ended, and has given all.
+            self._finish(True)
+
+    def _finish_if_complete(self, heard: HeardAccount) -> None:
         self._pairs.look()
-        now_s, reporting = time.monotonic(), self._reporting
-        complete = reporting.final and self._pairs.last_sequence >= reporting.paired
+        now_s = time.monotonic()
         # Since the first look: what has come is served before the second.
         self._alone_s = math.inf if self._pairs.publishers else min(self._alone_s, now_s)
-        alone = now_s > self._alone_s + _ALONE_S
-        if (complete or alone) and not self._pairs.waiting or now_s > self._end_s:
-            self._compliance.finish()
-            reporting.close(complete)
-            self.ended = True
+        complete = heard.is_complete
+        if complete or now_s > min(self._alone_s + _ALONE_S, self._end_s):
+            self._finish(complete)
+
+    def _finish(self, complete: bool) -> None:
+        for judge in self._judges.values():
+            judge.finish()
+        for judgement in self._judgements.values():
+            judgement.reporting.close(complete)
+        if self._now is not None:
+            self._all.close(self.newest_ns)
+        self.journal.close()
+        self.ended = True
+
+
+def _find_sensor(settings: Settings, sensor: str | None, pairs_here: bool) -> str:
+    """Return the tested sensor whose pairs are heard; '' if all sensors are judged."""
+    if pairs_here and sensor is not None:
+        raise SettingsError(f'sensor = {sensor!r}: this process judges all sensors; leave it out')
+    if not pairs_here and sensor is None and settings.sensors is not None:
+        raise SettingsError('sensor is required with the setting sensors: the one to judge; the '
+                            'executable intercompare judges all')
+    return sensor or ''
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -22,12 +22,12 @@ from typing import Any, Sequence
 
 from heading_intercompare.core.alarms.alarm import Priority
 from heading_intercompare.core.decision.criteria import Limits
+from heading_intercompare.nodes.interface.parameters import declare
 from heading_intercompare.nodes.judging.operator_actions import OperatorActions
-from heading_intercompare.nodes.ros.graph_node import GraphNode
-from heading_intercompare.nodes.ros.health import Health
-from heading_intercompare.nodes.ros.parameters import declare
-from heading_intercompare.nodes.ros.process import run
-from heading_intercompare.nodes.ros.steady_timer import every
+from heading_intercompare.nodes.launching.process import run
+from heading_intercompare.nodes.presence.graph_node import GraphNode
+from heading_intercompare.nodes.presence.health import Health
+from heading_intercompare.nodes.spinning.clocks import every
 from heading_intercompare.nodes.taking.bridge_intake import BridgeIntake
 from heading_intercompare.web.bridge.bridge_view import BridgeView
 from heading_intercompare.web.controls import Controls

@@ -15,14 +15,15 @@
 """
 The graph in one process and one context; the launch files run it as several processes.
 
-The node that judges has its own thread. Judging a long run takes seconds, and meanwhile readings
-must still be stamped, paired and recorded.
+The nodes that pair and judge have a thread of their own. Judging a long run takes seconds, and
+meanwhile readings must still be stamped and recorded.
 """
 
 from __future__ import annotations
 
 from concurrent.futures import Future, ThreadPoolExecutor
 from contextlib import contextmanager
+from functools import partial
 import os
 from queue import SimpleQueue
 import threading
@@ -34,14 +35,11 @@ from rclpy.context import Context
 from rclpy.signals import SignalHandlerOptions
 
 from heading_intercompare.core.alarms.graph_watch import ONE_PROCESS_S
-from heading_intercompare.core.sensor_table import list_tested, read_sensors
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Verdict
-from heading_intercompare.nodes.ros.endpoints import check_namespace
-from heading_intercompare.nodes.ros.graph_node import GraphNode
-from heading_intercompare.nodes.ros.parameters import make_overrides
-from heading_intercompare.nodes.ros.process import (
+from heading_intercompare.nodes.interface.parameters import make_overrides
+from heading_intercompare.nodes.launching.process import (
     check_security,
     end,
     say_security_errors,
@@ -49,33 +47,26 @@ from heading_intercompare.nodes.ros.process import (
     spin_nodes,
     Stop,
 )
-from heading_intercompare.nodes.ros.quick_executor import QuickExecutor
-from heading_intercompare.nodes.ros.systemd_link import SystemdLink
-from heading_intercompare.nodes.ros.transports import prefer_udp, RANGE, set_variable
-from heading_intercompare.nodes.runtime.source_thread import ReadingNode
-from heading_intercompare.nodes.sensors.places import (
-    count_motion_subscribers,
-    count_subscribers,
-    further_subscribers,
-    remap_rules,
-)
+from heading_intercompare.nodes.launching.systemd_link import SystemdLink
+from heading_intercompare.nodes.presence.endpoints import check_namespace
+from heading_intercompare.nodes.presence.graph_node import GraphNode
+from heading_intercompare.nodes.presence.transports import prefer_udp, RANGE, set_variable
+from heading_intercompare.nodes.sending.source_thread import ReadingNode
+from heading_intercompare.nodes.spinning.executors import StockExecutor
 from heading_intercompare.web.bridge.bridge_view import BridgeView
 
 from .alert_sender import AlertSender
 from .compliance import Compliance
 from .dashboard import Dashboard
-from .motion_driver import MotionDriver
 from .recorder import Recorder
-from .sensors_watch import SensorsWatch
 from .synchronizer import Synchronizer
 from .watcher import Watcher
 
 _SHOW_S = 0.3
 
-_JUDGES = (Compliance, SensorsWatch)
+#: What pairs and judges has a thread of its own.
+_JUDGES = (Compliance, Synchronizer)
 _Kind = TypeVar('_Kind')
-#: What those that judge have in common.
-_OF_JUDGES = ('journal', 'resume_within_s', 'bag')
 
 
 class Source(NamedTuple):
@@ -99,37 +90,11 @@ class Source(NamedTuple):
 
 
 class _Planned(NamedTuple):
-    """A node to make: its class, name, own parameters, and its sensor if it has one."""
+    """A node to make: its class, name and own parameters."""
 
     make: Callable[..., GraphNode]
     name: str
     parameters: Mapping[str, Any]
-    sensor: str = ''
-
-    def arguments(self, namespace: str, remaps: Mapping[str, str]) -> list[str]:
-        """Return its arguments, given the namespace of the graph and what sensors share."""
-        place = f'{namespace.rstrip("/")}/{self.sensor}' if self.sensor else namespace
-        rules = {'__node': self.name, '__ns': place, **(remaps if self.sensor else {})}
-        return ['--ros-args', *(word for old, new in rules.items()
-                                for word in ('-r', f'{old}:={new}'))]
-
-
-def _plan_judging(settings: Settings, own: Mapping[str, Mapping[str, Any]],
-                  judging_own: Mapping[str, Any], recorded: bool) -> list[_Planned]:
-    """Return the nodes that judge: two for each tested sensor, and one for several."""
-    pairing_own = {**own.get('synchronizer', {}), 'subscribers': 1 + recorded}
-    sensors = read_sensors(settings.sensors)
-    planned = []
-    for sensor in [sensor.name for sensor in list_tested(sensors)] if sensors else ['']:
-        named = {'sensor': sensor} if sensor else {}
-        planned += [_Planned(Compliance, 'compliance', {**judging_own, **named}, sensor),
-                    _Planned(Synchronizer, 'synchronizer', {**pairing_own, **named}, sensor)]
-    if sensors:
-        shared = {name: judging_own[name] for name in _OF_JUDGES if name in judging_own}
-        planned.append(_Planned(SensorsWatch, 'sensors_watch', {
-            **shared, **own.get('sensors_watch', {}),
-            'report_dir': judging_own.get('report_dir')}))
-    return planned
 
 
 @contextmanager
@@ -157,7 +122,7 @@ def _align_logs(sources: Sequence[GraphNode]) -> None:
 
 
 @contextmanager
-def _spin_in_thread(executor: QuickExecutor, systemd: SystemdLink) -> Iterator[Future[None]]:
+def _spin_in_thread(executor: StockExecutor, systemd: SystemdLink) -> Iterator[Future[None]]:
     """Spin an executor in its own thread; yield its future, which ends early only on an error."""
     over = threading.Event()
 
@@ -192,9 +157,7 @@ class _Look:
     def hear_alarms(self) -> None:
         """Let the nodes hand over changes of alarms instead of logging them."""
         for node in self._graph.nodes if self._tell is not None else ():
-            alarms = getattr(node, 'alarms', None)
-            if alarms is not None:
-                alarms.panel.tell = self._alarm_lines.put
+            node.health.tell = self._alarm_lines.put
 
     def count_pairs(self) -> None:
         """Pass on the number of pairs."""
@@ -206,26 +169,27 @@ class _Look:
             self._tell(self._alarm_lines.get())
 
 
-def _plan(sources: Sequence[Source], settings: Settings, own: Mapping[str, Mapping[str, Any]],
+def _plan(sources: Sequence[Source], own: Mapping[str, Mapping[str, Any]],
           output: str | None, report_dir: str | None, page: Mapping[str, Any] | None,
           is_shown: bool) -> tuple[list[_Planned], list[_Planned]]:
     """Return the nodes that hear the others, and those to make then: a recorder, the sources."""
-    sensors, recorded = read_sensors(settings.sensors), output is not None
+    recorded = output is not None
     judging_own = {**own.get('compliance', {}), 'report_dir': report_dir}
     if output is not None:
         judging_own['bag'] = os.path.abspath(output)
-    hearing = _plan_judging(settings, own, judging_own, recorded)
+    hearing = [_Planned(partial(Compliance, True), 'compliance', judging_own),
+               _Planned(Synchronizer, 'synchronizer', {
+                   **own.get('synchronizer', {}), 'subscribers': int(recorded)})]
     if page is not None:
         hearing.append(_Planned(Dashboard, 'dashboard', page))
     if {'destination', 'push_url'} & own.get('alert_sender', {}).keys():
         hearing.append(_Planned(AlertSender, 'alert_sender', own['alert_sender']))
     if is_shown:
         hearing.append(_Planned(Watcher, 'watcher', {}))
-    heard, further = count_subscribers(sensors, recorded), further_subscribers(settings)
-    moved = count_motion_subscribers(sensors, recorded)
-    speaking = [_Planned(s.make, s.name, {
-        'subscribers': moved if s.make is MotionDriver else heard + further.get(
-            s.settings.get('topic', ''), 0), **s.settings}) for s in sources]
+    # One node takes headings, or motion; the recorder does, too.
+    audience = {'subscribers': 1 + recorded}
+    speaking = [_Planned(source.make, source.name, {**audience, **source.settings})
+                for source in sources]
     if recorded:
         speaking.insert(0, _Planned(Recorder, 'recorder',
                                     {**own.get('recorder', {}), 'output': output}))
@@ -233,19 +197,24 @@ def _plan(sources: Sequence[Source], settings: Settings, own: Mapping[str, Mappi
 
 
 class _Graph:
-    """The nodes of a graph: those that judge in one executor, the others in another one."""
+    """The nodes of a graph: those that pair and judge in one executor, the others in another."""
 
-    def __init__(self, context: Context, judging: QuickExecutor, executor: QuickExecutor,
+    def __init__(self, context: Context, judging: StockExecutor, executor: StockExecutor,
                  nodes: list[GraphNode]) -> None:
         self._context, self.judging, self.executor, self.nodes = context, judging, executor, nodes
 
-    def start(self, plan: Sequence[_Planned], settings: Mapping[str, Any], namespace: str,
-              remaps: Mapping[str, str]) -> None:
+    def start(self, plan: Sequence[_Planned], settings: Mapping[str, Any],
+              namespace: str) -> None:
         """Make nodes."""
         for planned in plan:
+            make = planned.make
+            if make is Synchronizer:
+                # Its pairs go to the compliance node before it.
+                make = partial(Synchronizer, self.of(Compliance)[-1])
             with say_security_errors():
-                node = planned.make(
-                    context=self._context, cli_args=planned.arguments(namespace, remaps),
+                node = make(
+                    context=self._context, cli_args=[
+                        '--ros-args', '-r', f'__node:={planned.name}', '-r', f'__ns:={namespace}'],
                     parameter_overrides=make_overrides({**settings, **planned.parameters}))
             node.health.within_s = ONE_PROCESS_S
             self.nodes.append(node)
@@ -255,22 +224,17 @@ class _Graph:
         """Return the nodes of a class."""
         return [node for node in self.nodes if isinstance(node, kind)]
 
-    @property
-    def judges(self) -> list[Compliance | SensorsWatch]:
-        """Return the nodes that judge; that of several sensors comes last."""
-        return [*self.of(Compliance), *self.of(SensorsWatch)]
-
     def is_sole(self) -> bool:
         """Tell whether no other graph publishes what this one does."""
-        return all(node.sole.clear for node in (*self.judges, *self.of(Synchronizer)))
+        return all(node.sole.clear for node in self.nodes if isinstance(node, _JUDGES))
 
     def end(self, sources: Sequence[GraphNode]) -> None:
         """End the sources first, and last those that show and record what the judges say last."""
-        for node in self.judges:
+        for node in [node for node in self.nodes if isinstance(node, _JUDGES)]:
             self.judging.remove_node(node)
             self.executor.add_node(node)
-        end(self.executor, [*sources, *self.of(Synchronizer), *self.judges, *self.of(Recorder),
-                            *self.of(AlertSender), *self.of(Dashboard), *self.of(Watcher)])
+        kinds = Synchronizer, Compliance, Recorder, AlertSender, Dashboard, Watcher
+        end(self.executor, [*sources, *(node for kind in kinds for node in self.of(kind))])
 
 
 def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
@@ -283,9 +247,6 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
                  served: Callable[[str], None] = lambda url: None) -> Verdict | SensorsVerdict:
     """
     Run sources, synchronizer and compliance until all sources have finished, or a signal comes.
-
-    With the setting `sensors` each tested sensor has these two nodes in a namespace of its own,
-    and a node joins them.
 
     Without sources the graph listens to topics that others publish, until a signal comes.
 
@@ -300,7 +261,7 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
     report_dir
         Folder for the reports.
     own
-        Further parameters of synchronizer, compliance, sensors_watch and recorder, by node name;
+        Further parameters of synchronizer, compliance and recorder, by node name;
         with a destination of `alert_sender` it sends the alarms to the bridge.
     private
         Hide the graph from other processes.
@@ -329,17 +290,17 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
         If something the user gave is wrong; the message is one line.
 
     """
-    whole = Settings.from_mapping({k: v for k, v in settings.items() if v is not None})
-    remaps = remap_rules(read_sensors(whole.sensors), namespace, whole.motion)
+    # A mistake is said before anything is made.
+    Settings.from_mapping({k: v for k, v in settings.items() if v is not None})
     check_namespace(namespace)
-    hearing, speaking = _plan(sources, whole, own or {}, output, report_dir, page,
+    hearing, speaking = _plan(sources, own or {}, output, report_dir, page,
                               show is not None)
     systemd = SystemdLink()
     with (_context(private) as context, Stop() as stop,
           spin_nodes(context) as (judging, _), spin_nodes(context) as (executor, nodes),
           systemd.watch(executor)):
         graph = _Graph(context, judging, executor, nodes)
-        graph.start(hearing, settings, namespace, remaps)
+        graph.start(hearing, settings, namespace)
         for dashboard in graph.of(Dashboard):
             served(dashboard.page.url)
         look = _Look(graph, show, tell, progress)
@@ -348,7 +309,7 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
             judging.spin_once(0.01)
             executor.spin_once(0.01)
             look.pass_on('starting: looking for other graphs')
-        graph.start(speaking, settings, namespace, remaps)
+        graph.start(speaking, settings, namespace)
         running = nodes[len(nodes) - len(sources):]
         for recorder in graph.of(Recorder):
             recorder.state_sources({source.name: source.settings for source in sources})
@@ -368,7 +329,7 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
         graph.end(running)
         # The last pairs come while the nodes end.
         look.count_pairs()
-        verdict = graph.judges[-1].verdict
+        verdict = graph.of(Compliance)[-1].verdict
     if verdict is None:
         raise TimeoutError(None, 'no verdict: the nodes that judge did not end in time')
     return verdict

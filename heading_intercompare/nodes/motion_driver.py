@@ -18,9 +18,9 @@ from __future__ import annotations
 
 from typing import Any, Sequence
 
-from heading_intercompare.nodes.ros.process import run
-from heading_intercompare.nodes.runtime.publishing import Audience
-from heading_intercompare.nodes.runtime.source_thread import ReadingNode
+from heading_intercompare.nodes.launching.process import run
+from heading_intercompare.nodes.sending.publishing import Audience
+from heading_intercompare.nodes.sending.source_thread import ReadingNode
 
 
 class MotionDriver(ReadingNode):

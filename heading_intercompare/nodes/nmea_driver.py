@@ -28,19 +28,19 @@ from heading_intercompare.drivers.framing import Received
 from heading_intercompare.drivers.nmea import NmeaDecoder
 from heading_intercompare.messages.heading_messages import imu_messages
 from heading_intercompare.nodes.alarms.sentence_alarms import SentenceAlarms
-from heading_intercompare.nodes.ros.parameters import resolve_topic
-from heading_intercompare.nodes.ros.process import run
-from heading_intercompare.nodes.runtime.loss_publisher import LossPublisher
-from heading_intercompare.nodes.runtime.publishing import (
+from heading_intercompare.nodes.interface.parameters import resolve_topic
+from heading_intercompare.nodes.launching.process import run
+from heading_intercompare.nodes.sending.loss_publisher import LossPublisher
+from heading_intercompare.nodes.sending.publishing import (
     Allowance,
     Audience,
     FlowControl,
     HeadingQueue,
 )
-from heading_intercompare.nodes.runtime.source_thread import ReadingNode
+from heading_intercompare.nodes.sending.source_thread import ReadingNode
 
-from .ros import qos
-from .sensors import places
+from .interface import qos
+from .interface.places import judging_topics
 
 
 class NmeaDriver(ReadingNode):
@@ -60,7 +60,7 @@ class NmeaDriver(ReadingNode):
             event_callbacks=self.health.of_publisher(settings.topic))
         self._audience = Audience(
             self, [self._publisher], self._sending.subscribers, self.health,
-            judged=places.judging_topics(self._analysis),
+            judged=judging_topics(self._analysis),
             patience_s=math.inf if from_file else self._sending.start_wait_s)
         # Headings held until the sentence was chosen would overrun subscribers all at once.
         self._waiting, self._allowance = HeadingQueue(), Allowance(self._sending.max_rate_hz)

@@ -41,11 +41,13 @@ from heading_intercompare.core.alarms.alarm import Priority
 from heading_intercompare.core.alarms.graph_watch import NOT_RECORDED
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.statistics.recent_count import RecentCount
-from heading_intercompare.nodes.ros.graph_node import GraphNode
-from heading_intercompare.nodes.ros.health import Health
-from heading_intercompare.nodes.ros.parameters import declare
-from heading_intercompare.nodes.ros.process import run
-from heading_intercompare.nodes.ros.steady_timer import every
+from heading_intercompare.nodes.alarms.alarm_panel import AlarmPanel
+from heading_intercompare.nodes.alarms.graph_alarms import GraphAlarms
+from heading_intercompare.nodes.interface.parameters import declare
+from heading_intercompare.nodes.launching.process import run
+from heading_intercompare.nodes.presence.graph_node import GraphNode
+from heading_intercompare.nodes.presence.health import Health
+from heading_intercompare.nodes.spinning.clocks import every
 from heading_intercompare.nodes.taking.judged_headings import JudgedHeadings
 from heading_intercompare.nodes.taking.reception import Message
 from heading_intercompare.nodes.taking.recorded_topics import (
@@ -79,6 +81,9 @@ class Recorder(GraphNode):
         file = self._own.parameter_file and Path(self._own.parameter_file)
         copy = file and (file.name, 'application/yaml', file.read_bytes())
         self._states = PartStates(self._own.diagnostics_period_s)
+        # What pairs and judges dies as one; only another process can miss it.
+        self.alarms = GraphAlarms(self, self.health, AlarmPanel(self, self.health, ()),
+                                  keepers_only=True)
         self._topics = make_intakes(self, self._settings, taking, types, self.health,
                                     self._states)
         self._bag = Recording(self.path, bag_settings)

@@ -28,25 +28,29 @@ from std_srvs.srv import Trigger
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.paced_replay import Replay
 from heading_intercompare.core.declared_settings import SettingsError
+from heading_intercompare.messages.sentence_messages import TOPIC_TYPES
 from heading_intercompare.messages.stamps import encode_clock
 from heading_intercompare.messages.status_messages import MARKER_TOPIC, OK, WARN
-from heading_intercompare.nodes.ros.endpoints import published_names
-from heading_intercompare.nodes.ros.graph_node import GraphNode
-from heading_intercompare.nodes.ros.health import Health
-from heading_intercompare.nodes.ros.message_types import find_heading_type
-from heading_intercompare.nodes.ros.parameters import declare
-from heading_intercompare.nodes.ros.process import run
-from heading_intercompare.nodes.ros.steady_timer import every
-from heading_intercompare.nodes.runtime.publishing import (
+from heading_intercompare.nodes.interface.message_types import (
+    find_heading_type,
+    list_heading_types,
+)
+from heading_intercompare.nodes.interface.parameters import declare
+from heading_intercompare.nodes.launching.process import run
+from heading_intercompare.nodes.presence.endpoints import published_names
+from heading_intercompare.nodes.presence.graph_node import GraphNode
+from heading_intercompare.nodes.presence.health import Health
+from heading_intercompare.nodes.sending.publishing import (
     Allowance,
     Audience,
     await_acknowledgement,
     FlowControl,
 )
+from heading_intercompare.nodes.spinning.clocks import every
 
-from .ros import qos
-from .runtime import replayed_beside as beside
-from .sensors import places
+from .interface import qos
+from .interface.places import heading_places, judging_topics
+from .sending import replayed_beside as beside
 from .settings import REPLAYED, ReplayerNode, Sending
 
 _TICK_S = 0.02
@@ -67,15 +71,17 @@ class Replayer(GraphNode):
         self.health, self._reader = Health(self), BagReader(node_settings.bag,
                                                             settings.bag_namespace)
         self._motion = beside.ReplayedMotion(self._reader, settings.motion)
-        topics = [*(heard := places.judging_topics(settings)), MARKER_TOPIC, *self._motion.topics]
+        sources = heading_places(settings)
+        topics = [*sources, MARKER_TOPIC, *self._motion.topics]
         names = published_names(self, topics + ['/clock'] * node_settings.clock, remapped)
-        # This reads nothing yet, but rejects a topic that is not a heading.
-        self._reader.headings(dict.fromkeys(heard, 'enu'))
-        self._headings, self._mark_readers = {}, places.count_judges(settings)
-        for topic, name in zip(heard, names):
+        self._headings = {}
+        for topic, name in zip(sources, names):
             in_bag = self._reader.resolve(topic)
+            if not sources[topic].part:
+                self._reader.check_heading(in_bag, TOPIC_TYPES)
             self._headings[in_bag] = self.create_publisher(
-                find_heading_type(self._reader.topics[in_bag].type_name), topic, qos.HEADINGS_OUT,
+                find_heading_type(self._reader.topics[in_bag].type_name,
+                                  list_heading_types(sources[topic])), topic, qos.HEADINGS_OUT,
                 event_callbacks=self.health.of_publisher(name))
         self._lost = beside.ReplayedLosses(self, self._reader, dict(zip(self._headings, names)),
                                            whole=not node_settings.start_s)
@@ -88,7 +94,7 @@ class Replayer(GraphNode):
         self._time = (self.create_publisher(Clock, '/clock', qos.CLOCK)
                       if node_settings.clock else None)
         self._audience = Audience(self, [*self._headings.values()], sending.subscribers,
-                                  self.health, places.further_subscribers(settings), judged=heard)
+                                  self.health, judged=judging_topics(settings))
         self._allowance = Allowance(sending.max_rate_hz)
         self._flow = FlowControl(self._headings.values(), self.health)
         # Before any heading: marks act by stamp, and a late mark would not.
@@ -126,7 +132,7 @@ class Replayer(GraphNode):
         if not self._audience.is_there():
             return False
         self._heard_s = self._heard_s or time.monotonic()
-        return (not self._marks or self._marker.get_subscription_count() >= self._mark_readers
+        return (not self._marks or self._marker.get_subscription_count() > 0
                 or time.monotonic() > self._heard_s + _MARK_WAIT_S)
 
     def _tick(self) -> None:

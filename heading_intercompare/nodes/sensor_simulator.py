@@ -34,21 +34,21 @@ from heading_intercompare.bags.rosbag2.provenance import TRUTH_TOPIC
 from heading_intercompare.core.sensor_table import simulated_topics
 from heading_intercompare.messages.heading_messages import imu_messages
 from heading_intercompare.messages.status_messages import LEVELS, OK
-from heading_intercompare.nodes.ros.graph_node import GraphNode
-from heading_intercompare.nodes.ros.health import Health
-from heading_intercompare.nodes.ros.parameters import declare, resolve_topic
-from heading_intercompare.nodes.ros.process import run
-from heading_intercompare.nodes.ros.steady_timer import every
-from heading_intercompare.nodes.runtime.motion_sender import MotionSender
-from heading_intercompare.nodes.runtime.publishing import (
+from heading_intercompare.nodes.interface.parameters import declare, resolve_topic
+from heading_intercompare.nodes.launching.process import run
+from heading_intercompare.nodes.presence.graph_node import GraphNode
+from heading_intercompare.nodes.presence.health import Health
+from heading_intercompare.nodes.sending.motion_sender import MotionSender
+from heading_intercompare.nodes.sending.publishing import (
     Allowance,
     Audience,
     await_acknowledgement,
     FlowControl,
 )
+from heading_intercompare.nodes.spinning.clocks import every
 
-from .ros import qos
-from .sensors import places
+from .interface import qos
+from .interface.places import heading_places, judging_topics
 from .settings import PUBLISHED, Sending, SimulatorNode
 
 _TICK_S, _STEP_S = 0.05, 0.5  # the latter: simulated time of a step as fast as possible
@@ -71,10 +71,10 @@ class SensorSimulator(GraphNode):
         self._publishers_of = {role: self.create_publisher(
             Imu, topic, qos.HEADINGS_OUT, event_callbacks=self.health.of_publisher(topic))
             for role, topic in topics.items()}
-        judged = places.judging_topics(settings)  # Other topics may go unheard.
+        compared = heading_places(settings)  # Other topics may go unheard.
         self._audience = Audience(
-            self, [self._publishers_of[role] for role in topics if topics[role] in judged],
-            sending.subscribers, self.health, places.further_subscribers(settings), judged=judged)
+            self, [self._publishers_of[role] for role in topics if topics[role] in compared],
+            sending.subscribers, self.health, judged=judging_topics(settings))
         self._motion = MotionSender(self, self.health, settings.motion,
                                     is_first=self._scenario.motion_hz > 0.0)
         self._allowance = Allowance(sending.max_rate_hz)
@@ -109,8 +109,11 @@ class SensorSimulator(GraphNode):
         speed, elapsed_s, step_s = self._own.speed, math.inf, _STEP_S
         if speed > 0.0:
             elapsed_s, step_s = (time.monotonic() - self._began_s) * speed, _TICK_S * speed
+        # Other nodes of the process, such as the recorder, must have their turn.
+        until_s = time.monotonic() + _TICK_S
         while not trial.over and trial.now_s + step_s <= elapsed_s and (
-                self._allowance.has_left() and self._flow.has_room()):
+                time.monotonic() < until_s
+                and self._allowance.has_left() and self._flow.has_room()):
             self._publish(trial.advance(trial.now_s + step_s))
         if not self._motion.look() and trial.over:
             self.done = self._audience.has_heard(

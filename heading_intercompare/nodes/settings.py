@@ -20,7 +20,7 @@ from dataclasses import dataclass
 
 from heading_intercompare.core.declared_settings import Checked, setting, Used
 from heading_intercompare.core.settings import Settings
-from heading_intercompare.messages.heading_messages import HEADING_TYPES
+from heading_intercompare.messages.sentence_messages import TOPIC_TYPES
 
 PUBLISHED = Used(Settings, ('ts_topic', 'rs_topic', 'sensors', 'motion'))
 """What a node that publishes headings uses of the settings of the analysis."""
@@ -64,9 +64,9 @@ class HeadingTypes(Checked):
     ts_message_type: str | None = setting(
         None, 'message type of the TS headings, if it is known: they are then heard from the '
         'start of the node, for publishers that wait for nobody, such as ros2 bag play; none: the '
-        'type of the publisher, once it is seen', choices=tuple(HEADING_TYPES))
+        'type of the publisher, once it is seen', choices=TOPIC_TYPES)
     rs_message_type: str | None = setting(
-        None, 'the same for the RS headings', choices=tuple(HEADING_TYPES))
+        None, 'the same for the RS headings', choices=TOPIC_TYPES)
 
 
 @dataclass(frozen=True, slots=True)
@@ -113,8 +113,6 @@ class SimulatorNode(Checked):
 class SynchronizerNode(Checked):
     """Settings of the node synchronizer in addition to those of the analysis."""
 
-    sensor: str | None = setting(
-        None, 'with the setting sensors: the one that this node compares with the reference')
     subscribers: int = setting(
         1, 'subscriptions that the pairs must have before headings are taken', 0, 100)
     startup_wait_s: float = setting(
@@ -128,13 +126,17 @@ class ComplianceNode(Checked):
     """Settings of the node compliance in addition to those of the analysis."""
 
     sensor: str | None = setting(
-        None, 'with the setting sensors: the one that this node compares with the reference; its '
-        'name then also is part of the names of its files')
+        None, 'with the setting sensors, where another process pairs: the sensor whose pairs this '
+        'node judges; where the readings are paired in this process, it judges all')
     report_dir: str | None = setting(
-        None, 'folder in which each report is also written as verdict_<UTC>.json')
+        None, 'folder in which each report is also written as verdict_<UTC>.json; with the '
+        'setting sensors in a folder with the name of the sensor, and that on all of them as '
+        'sensors_<UTC>.json and .txt')
     logbook: str | None = setting(
         None, 'logbook (SQLite) that gets a row per judged run; none: no logbook')
-    ship: str | None = setting(None, 'name of the ship or station in the logbook')
+    ship: str | None = setting(
+        None, 'name of the ship or station in the logbook; with the setting sensors the name of '
+        'the sensor follows')
     bag: str | None = setting(
         None, 'recording of these runs, for the logbook; the command live gives it')
     journal: str | None = setting(
@@ -155,28 +157,6 @@ class ComplianceNode(Checked):
     end_wait_s: float = setting(
         5.0, 'at the end: how long to wait for the last pairs and the final ledger [s]', 0.0,
         5.0)
-
-
-@dataclass(frozen=True, slots=True)
-class SensorsNode(Checked):
-    """Settings of the node sensors_watch in addition to those of the analysis."""
-
-    report_dir: str | None = setting(
-        None, 'folder in which each report is also written as sensors_<UTC>.json and .txt')
-    journal: str | None = setting(
-        None, 'file that keeps the runs in progress of the pairs without the reference, from '
-        'which a node that was killed goes on, with the names of both sensors in its name: '
-        "trial.gyro1.gyro2.journal; none: <node>.journal in report_dir, or no file without that; "
-        "'-': no file. The command live keeps it beside its bag")
-    resume_within_s: float = setting(
-        3600.0, 'a journal that was not written for longer than this belongs to another trial, '
-        'and is set aside [s]', 0.0)
-    bag: str | None = setting(
-        None, 'recording of these runs, for the journal; the command live gives it')
-    settle_s: float = setting(
-        2.0, 'how long to wait for the reports of other sensors after one has come [s]', 0.0, 60.0)
-    end_wait_s: float = setting(
-        6.0, 'at the end: how long to wait for the last headings and reports [s]', 0.0, 7.0)
 
 
 @dataclass(frozen=True, slots=True)

@@ -12,129 +12,170 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The node `synchronizer`: headings of two sensors to pairs, with a ledger."""
+"""The node `synchronizer`: headings of two sensors or more to pairs, with ledgers."""
 
 from __future__ import annotations
 
 import math
 import time
-from typing import Any, Sequence
+from typing import Any, Mapping, Sequence, TYPE_CHECKING
 
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import TwistStamped
 
-from heading_intercompare.core.pairing.ledger import LedgerKey
+from heading_intercompare.bags.recording.reading_batches import Batch, choose_pairs, count_losses
+from heading_intercompare.core.pairing.pair_maker import PairMaker
 from heading_intercompare.core.pairing.pairer import Pairer
-from heading_intercompare.core.records import Losses, Pairs
-from heading_intercompare.messages.heading_messages import pair_messages
-from heading_intercompare.messages.ledger_messages import encode_ledger
+from heading_intercompare.core.records import Headings, Losses
+from heading_intercompare.core.sensors.compared_sensors import list_sensors
 from heading_intercompare.messages.status_messages import decode_marks, MARKER_TOPIC
-from heading_intercompare.nodes.alarms.graph_alarms import GraphAlarms
 from heading_intercompare.nodes.alarms.stream_alarms import StreamAlarms
-from heading_intercompare.nodes.ros.batches import Arrivals
-from heading_intercompare.nodes.ros.endpoints import count_subscribed
-from heading_intercompare.nodes.ros.graph_node import GraphNode
-from heading_intercompare.nodes.ros.health import Health
-from heading_intercompare.nodes.ros.parameters import declare
-from heading_intercompare.nodes.ros.process import run
-from heading_intercompare.nodes.ros.steady_timer import every
-from heading_intercompare.nodes.runtime.awake_clock import AwakeClock
-from heading_intercompare.nodes.runtime.publishing import await_acknowledgement, Backlog
-from heading_intercompare.nodes.runtime.sole_node import SoleNode
-from heading_intercompare.nodes.sensors.places import called, choose_streams, list_watched
+from heading_intercompare.nodes.interface.parameters import declare
+from heading_intercompare.nodes.interface.places import label_tested, name_place
+from heading_intercompare.nodes.launching.process import run
+from heading_intercompare.nodes.presence.graph_node import GraphNode
+from heading_intercompare.nodes.presence.health import Health
+from heading_intercompare.nodes.presence.sole_node import SoleNode
+from heading_intercompare.nodes.sending.pair_outlet import PairOutlet
+from heading_intercompare.nodes.spinning.batches import Arrivals
+from heading_intercompare.nodes.spinning.clocks import AwakeClock, every
 from heading_intercompare.nodes.taking.headings_intake import HeadingsIntake
 from heading_intercompare.nodes.taking.mark_intake import MarkIntake
-from heading_intercompare.nodes.taking.predecessor import Predecessor
 from heading_intercompare.nodes.taking.raw_subscription import subscribe
 
-from .ros import qos
+from .interface import qos
 from .settings import HeadingTypes, PAIRED, SynchronizerNode, Taking
 
-# A subscriber of the pairs that hangs holds up the others no longer than this.
+if TYPE_CHECKING:
+    from .compliance import Compliance
+
 # What a driver that has ended said last, such as its losses, may still be under way.
-_PATIENCE_S, _LAST_S = 10.0, 0.3
+_LAST_S = 0.3
 
 
 class Synchronizer(GraphNode):
-    """Publish pairs and ledger; take headings once pairs have subscribers: none gets lost."""
+    """
+    Publish pairs and ledgers; take headings once pairs have subscribers: none gets lost.
+
+    Parameters
+    ----------
+    judge
+        The compliance node of this process, if there is one. It keeps the readings and the marks,
+        and judges the pairs as they are made; after a crash the pairing goes on where it was.
+    **kwargs
+        As for `Node`.
+
+    Attributes
+    ----------
+    judge
+
+    """
 
     done = ended = _flushed = _opened = False
 
-    def __init__(self, **kwargs: Any) -> None:
+    def __init__(self, judge: Compliance | None = None, **kwargs: Any) -> None:
         super().__init__('synchronizer', **kwargs)
         settings, taking, types, self._own = declare(
             self, PAIRED, Taking, HeadingTypes, SynchronizerNode, followed=('stale_s',))
-        streams = choose_streams(settings, self._own.sensor)
-        places, settings = list_watched(settings, self._own.sensor), streams
-        self._started_ns = time.time_ns()
-        self._pairer = Pairer(settings)
-        self.health = Health(self, called(self, self._own.sensor))
-        self.alarms = StreamAlarms(self, self.health, settings.pairing, taking)
-        GraphAlarms(self, self.health, self.alarms.panel, places, keepers_only=True)
-        self._marks = MarkIntake(self.health)
-        self._pairs = self.create_publisher(TwistStamped, 'pairs', qos.PAIRS,
-                                            event_callbacks=self.health.of_publisher('pairs'))
-        self.sole = SoleNode(self, ['pairs'], self.health)
-        self._ledger = self.create_publisher(DiagnosticArray, 'pairs/ledger', qos.LEDGER)
-        self._headings = HeadingsIntake(
-            self, self.health, taking, {
-                'ts': (settings.ts_topic, settings.ts_convention, types.ts_message_type),
-                'rs': (settings.rs_topic, settings.rs_convention, types.rs_message_type)},
-            self._lose, Arrivals(self, self._drain, taking.drain_period_s))
-        subscribe(self, DiagnosticArray, MARKER_TOPIC, qos.MARKER, self.health, decode_marks,
-                  self._mark)
-        self._intakes = self._headings.intakes
-        for intake in self._intakes.values():
+        self.judge, labels = judge, label_tested(settings)
+        if judge is None:
+            self._makers = {names: PairMaker(Pairer(settings)) for names in labels}
+            started_ns = time.time_ns()
+        else:
+            self._makers = {names: pair.maker for names, pair in judge.comparison.pairs.items()}
+            started_ns = judge.journal.began_ns
+        self.health = Health(self)
+        healths = {names: self.health.of_sensor(label) for names, label in labels.items()}
+        topics = {names: f'{name_place(label)}pairs' for names, label in labels.items()}
+        self._alarms = {names: StreamAlarms(self, health, settings.pairing, taking)
+                        for names, health in healths.items()}
+        self._outlets = {names: PairOutlet(self, health, topics[names], names,
+                                           self._makers[names], started_ns)
+                         for names, health in healths.items()}
+        self.sole = SoleNode(self, [*topics.values()], self.health)
+        self._headings = HeadingsIntake(self, self.health, taking, {
+            sensor.name: (sensor.heading_topic, sensor.convention,
+                          types.rs_message_type if sensor.is_reference else types.ts_message_type)
+            for sensor in list_sensors(settings)},
+            self._note_losses, Arrivals(self, self._drain, taking.drain_period_s))
+        self._losses: list[tuple[str, str, Losses]] = []
+        for intake in self._headings.intakes.values():
             intake.open = False
-        self._predecessor = Predecessor(self, self.health, self._intakes, self._started_ns,
-                                        self._pairs.topic_name)
-        self._awake, self._end_s, self._seen_s = AwakeClock(), math.inf, 0.0
+        if judge is None:
+            self._marks = MarkIntake(self.health)
+            subscribe(self, DiagnosticArray, MARKER_TOPIC, qos.MARKER, self.health, decode_marks,
+                      self._mark)
+        else:
+            judge.while_judging = self._hold
+            if judge.journal.resumed:
+                self._headings.go_on(judge.journal.kept.heard, started_ns)
+        self._awake = AwakeClock(0.0 if judge is None else judge.journal.kept.now_s)
+        self._end_s, self._seen_s = math.inf, 0.0
         self._open_at_s = time.monotonic() + self._own.startup_wait_s
-        self._waiting = Backlog(self._pairs, self.health, patience_s=_PATIENCE_S)
         every(self, 1.0, self._beat)
 
     def _drain(self) -> None:
         if not self._opened:
             self._open_when_wanted()
         if not self._flushed:
-            headings = self._headings.take()
-            self._send(self._pairer.update(headings['ts'], headings['rs'], self._awake.now_s()))
-        self._waiting.publish()
+            self._pair(self._headings.take())
+        for outlet in self._outlets.values():
+            outlet.publish()
         if self._end_s < math.inf and not self.ended:
             self._finish_if_quiet()
 
-    def _send(self, pairs: Pairs) -> None:
-        for part in pairs.in_segments():
-            segment = int(part.segment[0])
-            self._waiting.add(pair_messages(part, f'{self._started_ns}/{segment}' if segment
-                                            else str(self._started_ns)))
+    def _hold(self) -> None:
+        """Make room for readings while the pairs are judged."""
+        if not self._flushed:
+            self._headings.hold()
+
+    def _pair(self, headings: Mapping[str, Headings], *, last: bool = False) -> None:
+        """Pair readings, after what was lost of them; `last` says that none follow."""
+        losses, self._losses = self._losses, []
+        batch = Batch(headings, losses, self._awake.now_s(), self._headings.last_heard)
+        if self.judge is not None:
+            self.judge.keep(batch, self._headings.received_ns)
+        pairs = {names: choose_pairs(maker, batch, names, end=last)
+                 for names, maker in self._makers.items()}
+        for names, outlet in self._outlets.items():
+            outlet.add(pairs[names])
+        if self.judge is not None:
+            self.judge.take(pairs)
 
     def _open_when_wanted(self) -> None:
         """Open the inputs once the pairs have their subscribers, or after `startup_wait_s`."""
-        if (count_subscribed(self, self._pairs) >= self._own.subscribers
-                and self._predecessor.is_known() or time.monotonic() > self._open_at_s):
+        if self.sole.clear and (time.monotonic() > self._open_at_s or all(
+                outlet.is_heard(self._own.subscribers) for outlet in self._outlets.values())):
             self._opened = True
-            for intake in self._intakes.values():
+            for intake in self._headings.intakes.values():
                 intake.open = True
 
-    def _lose(self, stream: str, lost_as: str, losses: Losses) -> None:
-        self._pairer.lose(LedgerKey.of_told(stream, lost_as), losses)
+    def _note_losses(self, sensor: str, lost_as: str, losses: Losses) -> None:
+        if len(losses):
+            self._losses.append((sensor, lost_as, losses))
 
     def _beat(self) -> None:
-        self._pairer.forget_earlier()
-        self._ledger.publish(encode_ledger(self._pairer.ledger, self.ended, self._started_ns,
-                                           self._headings.numbers))
-        self.alarms.look(self._pairer, [*self._intakes.values()])
+        if self._flushed:
+            losses, self._losses = self._losses, []
+            for names, maker in self._makers.items():
+                count_losses(maker.pairer, losses, names)
+        for maker in self._makers.values():
+            maker.pairer.forget_earlier()
+        for names, outlet in self._outlets.items():
+            outlet.publish_ledger(self._headings.numbers, final=self.ended)
+            self._alarms[names].look(self._makers[names].pairer,
+                                     [self._headings.intakes[name] for name in names])
+        if self.judge is not None:
+            self.health.judging_s = self.judge.health.judging_s
 
     def _mark(self, marks: Sequence[tuple[str, int]]) -> None:
         for kind, stamp_ns in marks:
             if self._marks.take(kind, stamp_ns):
-                self._pairer.ledger.cut_run(stamp_ns + 1)
+                for maker in self._makers.values():
+                    maker.pairer.ledger.cut_run(stamp_ns + 1)
         self._beat()
 
     def end(self) -> None:
         """Take the last headings, until their publishers are gone or time is up."""
-        self.alarms.panel.muted = True
         self._seen_s = time.monotonic()
         self._end_s = self._seen_s + self._own.end_wait_s
 
@@ -146,13 +187,12 @@ class Synchronizer(GraphNode):
             return
         if not self._flushed:
             self._flushed = True
-            headings = self._headings.take(last=True)
-            self._send(self._pairer.update(headings['ts'], headings['rs'])
-                       + self._pairer.flush())
-        if not self._waiting:
+            self._pair(self._headings.take(last=True), last=True)
+        if not any(outlet.n_waiting for outlet in self._outlets.values()):
             self.ended = True
             self._beat()
-            await_acknowledgement([self._pairs, self._ledger])
+            for outlet in self._outlets.values():
+                outlet.close()
 
 
 def main(args: Sequence[str] | None = None) -> int:

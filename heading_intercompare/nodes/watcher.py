@@ -18,9 +18,9 @@ from __future__ import annotations
 
 from typing import Any
 
-from heading_intercompare.nodes.ros.graph_node import GraphNode
-from heading_intercompare.nodes.ros.health import Health
-from heading_intercompare.nodes.ros.parameters import declare
+from heading_intercompare.nodes.interface.parameters import declare
+from heading_intercompare.nodes.presence.graph_node import GraphNode
+from heading_intercompare.nodes.presence.health import Health
 from heading_intercompare.nodes.taking.bridge_intake import BridgeIntake
 from heading_intercompare.web.bridge.bridge_view import BridgeView
 

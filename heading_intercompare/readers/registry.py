@@ -36,6 +36,7 @@ from heading_intercompare.natural_order import natural_key
 
 from . import json_lines, nmea2000, tables
 from .stream_recording import Collected, ReaderError, StreamRecording
+from .topic_bag import TopicBag
 
 if TYPE_CHECKING:
     from .rosbag_recording import RosbagRecording
@@ -280,7 +281,7 @@ def open_recording(path: str | os.PathLike[str], namespace: str | None = None,
     form = find_format(path)
     if form is None:
         refuse_unreadable(path)
-        return BagReader(path, namespace)
+        return TopicBag(path, namespace)
     try:
         if form.read is not None:
             return StreamRecording(path, form.name, form.read, unit_of)

@@ -16,46 +16,37 @@
 Bags that `rosbags` reads: rosbag2 in SQLite or compressed by file or message, and ROS 1.
 
 Messages come one by one from the library, and are decoded in columns like those of MCAP bags.
-Topics of `nmea_msgs/Sentence` are read as a log, with the stamps of their headers. An unreadable
-message is an invalid reading at its log time, as in MCAP bags.
+An unreadable message is an invalid reading at its log time, as in MCAP bags.
 """
 
 from __future__ import annotations
 
 from contextlib import contextmanager
-from functools import partial
-from itertools import islice
 import os
 from pathlib import Path
 import sqlite3
 import struct
-from tempfile import NamedTemporaryFile
-from typing import Any, Callable, IO, Iterable, Iterator, Mapping, Sequence
+from typing import Any, Callable, Iterable, Iterator, Mapping
 import weakref
 
-import numpy as np
 from rosbags.rosbag1 import Reader as Ros1Reader, ReaderError as Ros1Error
 from rosbags.rosbag2 import Reader as Ros2Reader, reader as ros2, ReaderError as Ros2Error
 from rosbags.serde import SerdeError
-from rosbags.typesys import get_typestore, Stores
+from rosbags.typesys import get_types_from_msg, get_typestore, Stores
 
 from heading_intercompare.bags.packed_files import unpack_payload
 from heading_intercompare.bags.rosbag2.bag_reader import BagMessage, TopicInfo
 from heading_intercompare.bags.rosbag2.topic_names import clean_namespace, find_topic, list_topics
 from heading_intercompare.core.records import Headings, Losses
-from heading_intercompare.drivers.logs import LogReader
-from heading_intercompare.drivers.settings import DriverSettings
-from heading_intercompare.messages.byte_columns import decode_readable, join_messages
 from heading_intercompare.messages.errors import MessageError
-from heading_intercompare.messages.heading_messages import decode_headings, HEADING_TYPES
+from heading_intercompare.messages.fields import short_name
+from heading_intercompare.messages.schemas import DEFINITIONS
+from heading_intercompare.messages.sentence_messages import SENTENCE, TOPIC_TYPES
 from heading_intercompare.natural_order import natural_key
 
 from .stream_recording import ReaderError
+from .topic_decoding import list_keys, Logged, read_topics, TopicDecoder, TopicKey
 
-SENTENCE = 'nmea_msgs/msg/Sentence'
-"""The type of a topic with NMEA sentences."""
-
-_MESSAGES = 4_000
 _FAULTS = (Ros1Error, Ros2Error, SerdeError, MessageError, sqlite3.Error, struct.error, EOFError,
            KeyError, IndexError, AssertionError, RuntimeError, UnicodeDecodeError,
            getattr(getattr(ros2, 'zstd', None), 'ZstdError', RuntimeError))
@@ -83,81 +74,6 @@ def _take_packed(reader: Any) -> bool:
         return False
     storage.metadata = storage.metadata._replace(compression_mode=None)
     return True
-
-
-def _sentence_line(data: bytes, ros1: bool) -> bytes:
-    """Return the line of a log for the sentence in a message; MessageError if it has none."""
-    if not ros1 and data[:2] not in (b'\0\0', b'\0\1'):
-        raise MessageError(f'{SENTENCE} message does not start as CDR')
-    at, sign = (4, '<') if ros1 else (4, '<' if data[1] & 1 else '>')
-    try:
-        sec, nsec, size = struct.unpack_from(f'{sign}III', data, at)
-        at += 12 + size
-        if not ros1:
-            # Strings end with a zero, and the next length is aligned after the head of 4 bytes.
-            at += -(at - 4) % 4
-        size, = struct.unpack_from(f'{sign}I', data, at)
-    except struct.error:
-        size = len(data)
-    if at + 4 + size > len(data):
-        raise MessageError(f'{SENTENCE} message of {len(data)} bytes is too short')
-    text = bytes(data[at + 4:at + 4 + size]).rstrip(b'\0\r\n')
-    return b'%010d.%09d %s\r\n' % (sec, nsec, text)
-
-
-class _Topic:
-    """Decodes the messages of a topic."""
-
-    def __init__(self, info: TopicInfo, convention: str, ros1: bool) -> None:
-        self._type, self._convention, self._ros1 = info.type_name, convention, ros1
-        self._log: IO[bytes] | None = None
-        #: Log times of sentences that cannot be read.
-        self._refused_ns: list[int] = []
-        self.unreadable = 0
-        self.problem = ''
-
-    def _refuse(self, count: int, problem: str) -> None:
-        self.unreadable += count
-        self.problem = self.problem or problem
-
-    def decode(self, raw: Sequence[tuple[int, bytes]], last: bool) -> Headings:
-        """Return the headings of messages, each given with its log time."""
-        if self._type == SENTENCE:
-            return self._take_sentences(raw, last)
-        if not raw:
-            return Headings.empty()
-        data, starts, stops = join_messages([message for _, message in raw])
-        headings, readable, problem = decode_readable(
-            partial(decode_headings, self._type, self._convention, data), starts, stops)
-        if not problem:
-            return headings
-        self._refuse(int((~readable).sum()), problem)
-        stamp_ns, heading_deg = np.array([ns for ns, _ in raw]), np.full(len(raw), np.nan)
-        stamp_ns[readable], heading_deg[readable] = headings.stamp_ns, headings.heading_deg
-        return Headings(stamp_ns, heading_deg)
-
-    def _take_sentences(self, raw: Sequence[tuple[int, bytes]], last: bool) -> Headings:
-        """Write sentences into a log; return its headings at the end."""
-        if self._log is None:
-            self._log = NamedTemporaryFile(suffix='.log')
-        for ns, message in raw:
-            try:
-                self._log.write(_sentence_line(message, self._ros1))
-            except MessageError as error:
-                self._refuse(1, error.problem)
-                self._refused_ns.append(ns)
-        if not last:
-            return Headings.empty()
-        headings = Headings.empty()
-        with self._log as log:
-            log.flush()
-            if log.tell():
-                headings = Headings.concatenate(list(LogReader(log.name, DriverSettings(
-                    stamp_format='epoch'))))
-        refused_ns = np.sort(np.array(self._refused_ns, np.int64))
-        places = np.searchsorted(np.maximum.accumulate(headings.stamp_ns), refused_ns)
-        return Headings(np.insert(headings.stamp_ns, places, refused_ns),
-                        np.insert(headings.heading_deg, places, np.nan))
 
 
 class RosbagRecording:
@@ -193,6 +109,9 @@ class RosbagRecording:
         self.ros1 = self.path.is_file() and self.path.suffix != '.db3'
         # Its headers have no number, which the conversion leaves out.
         self._store = get_typestore(Stores.ROS2_HUMBLE) if self.ros1 else None
+        if self._store is not None:
+            self._store.register(get_types_from_msg(
+                DEFINITIONS[short_name(SENTENCE)], SENTENCE))
         self.incomplete: str | None = None
         self.oddities: list[str] = []
         self.namespace = clean_namespace(namespace or '')
@@ -245,44 +164,32 @@ class RosbagRecording:
                  lost: Callable[[str, str, Losses], None] | None = None,
                  ) -> Iterator[dict[str, Headings]]:
         """Return an iterator over the headings of some topics; see `BagReader.headings`."""
-        allowed = (*HEADING_TYPES, SENTENCE)
-        for asked in conventions:
-            name = self.resolve(asked)
-            if self.topics[name].type_name not in allowed:
-                raise ReaderError(self.path, f'topic {name} is {self.topics[name].type_name}; a '
-                                  f'heading is {", ".join(allowed)}')
-        return self._headings(conventions)
+        keys = list_keys(self.resolve, conventions)
+        for key in keys.values():
+            type_name = self.topics[key.name].type_name
+            if type_name not in TOPIC_TYPES:
+                raise ReaderError(self.path, f'topic {key.name} is {type_name}; a heading is '
+                                  f'{", ".join(TOPIC_TYPES)}')
+            if key.part and type_name != SENTENCE:
+                raise ReaderError(self.path, f'topic {key.name}: the field {key.part} of its '
+                                  'messages is read from MCAP bags only')
+        try:
+            decoders = {key: TopicDecoder(self.topics[key.name].type_name, key.place,
+                                          key.convention) for key in keys.values()}
+        except ValueError as error:
+            raise ReaderError(self.path, f'{error}') from error
+        return self._read_messages(keys, decoders)
 
-    def _headings(self, conventions: Mapping[str, str]) -> Iterator[dict[str, Headings]]:
-        names = {asked: self.resolve(asked) for asked in conventions}
-        once = {(names[asked], convention): _Topic(self.topics[names[asked]], convention,
-                                                   self.ros1)
-                for asked, convention in conventions.items()}
-        raw: dict[str, list[tuple[int, bytes]]] = {name: [] for name in names.values()}
-
-        def hand_out(last: bool) -> dict[str, Headings]:
-            headings = {key: topic.decode(raw[key[0]], last) for key, topic in once.items()}
-            for data in raw.values():
-                data.clear()
-            return {asked: headings[names[asked], convention]
-                    for asked, convention in conventions.items()}
+    def _read_messages(self, keys: Mapping[str, TopicKey],
+                       decoders: Mapping[TopicKey, TopicDecoder]) -> Iterator[dict[str, Headings]]:
         with self._named():
-            messages = self._raw(raw)
-            append = {name: data.append for name, data in raw.items()}
-            while batch := list(islice(messages, _MESSAGES)):
-                for name, time_ns, data in batch:
-                    append[name]((time_ns, data))
-                yield hand_out(False)
-            yield hand_out(True)
-        unreadable = sum(topic.unreadable for topic in once.values())
-        if unreadable:
-            problem = next(topic.problem for topic in once.values() if topic.problem)
-            self.oddities.append(f'{unreadable} messages cannot be read and count as invalid '
-                                 f'readings; the first: {problem}')
+            yield from read_topics(
+                ((name, Logged(time_ns, 0, data)) for name, time_ns, data in self._raw(
+                    {key.name for key in decoders})), keys, decoders, self.oddities)
 
     def _raw(self, topics: Iterable[str]) -> Iterator[tuple[str, int, bytes]]:
         """
-        Yield topic, log time and data of messages, as CDR but for sentences of ROS 1.
+        Yield topic, log time and data of messages, as CDR.
 
         A message that cannot be decompressed or converted is empty.
         """
@@ -299,11 +206,10 @@ class RosbagRecording:
                 continue
             convert = self._store.ros1_to_cdr
             for connection, time_ns, data in messages:
-                if connection.msgtype != SENTENCE:
-                    try:
-                        data = convert(data, connection.msgtype)
-                    except _UNREADABLE:
-                        data = b''
+                try:
+                    data = convert(data, connection.msgtype)
+                except _UNREADABLE:
+                    data = b''
                 yield connection.topic, time_ns, data
 
     def keeps_numbers(self) -> bool:

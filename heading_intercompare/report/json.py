@@ -18,13 +18,13 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
+from typing import TYPE_CHECKING
 
-from heading_intercompare.core.sensors.sensors_verdict import (
-    is_of_sensors,
-    SensorsVerdict,
-)
 from heading_intercompare.core.typed_reader import VerdictError
 from heading_intercompare.core.verdict.verdict_document import Verdict
+
+if TYPE_CHECKING:
+    from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 
 
 def render(verdict: Verdict | SensorsVerdict) -> str:
@@ -49,7 +49,7 @@ def parse(text: str | bytes) -> Verdict:
 
     """
     verdict = parse_any(text)
-    if isinstance(verdict, SensorsVerdict):
+    if not isinstance(verdict, Verdict):
         raise VerdictError('is a verdict on several sensors, not on one; take one of its '
                            'verdicts')
     return verdict
@@ -57,6 +57,8 @@ def parse(text: str | bytes) -> Verdict:
 
 def parse_any(text: str | bytes) -> Verdict | SensorsVerdict:
     """Return the verdict on one sensor, or on several, in a JSON text; errors as `parse`."""
+    # A node that writes the verdicts on one sensor needs nothing of several.
+    from heading_intercompare.core.sensors.sensors_verdict import is_of_sensors, SensorsVerdict
     try:
         document = json.loads(text)
         kind = SensorsVerdict if is_of_sensors(document) else Verdict

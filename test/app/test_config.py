@@ -36,7 +36,7 @@ def load(tmp_path):
 
 @pytest.mark.parametrize('name', [
     'compliance', '/compliance', 'ship1/compliance', '/**/compliance', '/*', 'synchronizer',
-    'recorder', 'ts_driver', 'gyro_driver', 'dashboard', 'sensors_watch'])
+    'recorder', 'ts_driver', 'gyro_driver', 'dashboard'])
 @pytest.mark.parametrize('given, key', [
     ({'norms': {'sigma_max_deg': 2.0}}, 'norms.sigma_max_deg'),
     ({'norms.sigma_max_deg': 2.0}, 'norms.sigma_max_deg'), ({'ts_topic': 'other'}, 'ts_topic'),

@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+import time
 
 from journals import (
     last_record_at,
@@ -33,11 +34,13 @@ import pytest
 
 from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.app.config import settings_for
-from heading_intercompare.app.inputs import _join_chunks, load_config_or_journal
+from heading_intercompare.app.inputs import _join_chunks, judge_input, load_config_or_journal
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.recording.run_journal import RunJournal
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.records import Headings, Pairs
+from heading_intercompare.core.sensors.comparison import SensorsComparison
+from heading_intercompare.core.sensors.pair_names import TWO
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.ledger_messages import LedgerMessage
 
@@ -82,8 +85,8 @@ def test_the_input_says_what_it_was_and_what_is_not_in_it(tmp_path):
 
 def test_a_journal_without_a_ledger_and_with_gaps_says_so(tmp_path):
     path, rule = tmp_path / 'j', Settings.from_mapping(NORMS)
-    journal = RunJournal(path, Compliance(rule), within_s=60.0, now_ns=T0)
-    journal.add(some_pairs(50), {'1000': (4, 60, 7)})
+    journal = RunJournal(path, rule, {TWO: Compliance(rule)}, within_s=60.0, now_ns=T0)
+    journal.add(some_pairs(50), {'1000': (4, 60, 7, 0)})
     journal.close(over=False)
     given, = judge(path).verdict.inputs
     assert [*given.ledger_problems][1:4] == [
@@ -146,9 +149,9 @@ def test_the_pairs_of_a_journal_can_be_taken(tmp_path):
 def test_a_journal_torn_at_any_byte_of_its_last_record_loses_that_record_only(tmp_path):
     path = tmp_path / 'trial.journal'
     pairs, rule = some_pairs(20), Settings.from_mapping(NORMS)
-    journal = RunJournal(path, Compliance(rule), within_s=60.0, now_ns=T0)
+    journal = RunJournal(path, rule, {TWO: Compliance(rule)}, within_s=60.0, now_ns=T0)
     for at, now_s in ((0, 1.0), (15, 2.0)):
-        journal.add(pairs[at:at + 15], {'1000': (1, at + 15, 0)})
+        journal.add(pairs[at:at + 15], {'1000': (1, at + 15, 0, 0)})
         journal.tick(now_s)
     journal.close(over=False)
     whole, begin = path.read_bytes(), last_record_at(path)
@@ -174,7 +177,7 @@ def test_a_journal_torn_in_its_first_record_holds_nothing(tmp_path):
 
 def test_a_journal_in_use_is_read_without_a_lock_and_not_changed(tmp_path):
     path, rule = tmp_path / 'trial.journal', Settings.from_mapping(NORMS)
-    journal = RunJournal(path, Compliance(rule), within_s=60.0, now_ns=T0)
+    journal = RunJournal(path, rule, {TWO: Compliance(rule)}, within_s=60.0, now_ns=T0)
     journal.add(some_pairs(300), {})
     journal.tick(1.0)
     was, names = path.read_bytes(), {*tmp_path.iterdir()}
@@ -190,7 +193,7 @@ def test_a_journal_in_use_is_read_without_a_lock_and_not_changed(tmp_path):
 
 def test_a_journal_without_pairs_gives_no_run_and_says_why(tmp_path):
     path, rule = tmp_path / 'trial.journal', Settings.from_mapping(NORMS)
-    RunJournal(path, Compliance(rule), within_s=60.0, now_ns=T0).close(over=False)
+    RunJournal(path, rule, {TWO: Compliance(rule)}, within_s=60.0, now_ns=T0).close(over=False)
     judged = judge(path).verdict
     assert (judged.outcome.value, judged.runs) == ('indeterminate', ())
     assert judged.inputs[0].no_run.startswith('no pair was made; 0 TS and 0 RS')
@@ -198,13 +201,13 @@ def test_a_journal_without_pairs_gives_no_run_and_says_why(tmp_path):
 
 def test_ledgers_of_a_synchronizer_that_was_restarted_add_up(tmp_path):
     path, rule = tmp_path / 'trial.journal', Settings.from_mapping(NORMS)
-    journal = RunJournal(path, Compliance(rule), within_s=60.0, now_ns=T0)
-    journal.add(some_pairs(300), {'1': (1, 100, 0), '2': (1, 200, 0)})
+    journal = RunJournal(path, rule, {TWO: Compliance(rule)}, within_s=60.0, now_ns=T0)
+    journal.add(some_pairs(300), {'1': (1, 100, 0, 0), '2': (1, 200, 0, 1)})
     for started_ns, n in ((1, 100), (2, 200)):
         ledger = ledger_with(n)
         journal.book(LedgerMessage(ledger, False, started_ns, {}))
     journal.close(over=False)
-    journal = RunJournal(path, Compliance(rule), within_s=1e12, now_ns=T0)
+    journal = RunJournal(path, rule, {TWO: Compliance(rule)}, within_s=1e12, now_ns=T0)
     journal.book(LedgerMessage(ledger_with(200), False, 2, {}))
     journal.book(LedgerMessage(ledger_with(100), False, 1, {}))
     journal.tick(1.0)
@@ -274,3 +277,21 @@ def test_chunks_are_joined_without_a_loss():
         assert Headings.concatenate([chunk[topic] for chunk in joined]) == Headings.concatenate(
             [chunk[topic] for chunk in chunks])
     assert [*_join_chunks(iter([]))] == []
+
+
+def test_a_journal_of_several_sensors_without_the_reference_says_what_to_analyze(tmp_path):
+    """It was said to hold the pairs of two sensors, to be chosen."""
+    rule = Settings.from_mapping({'sensors': 'a sigma_max_deg=0.3; b sigma_max_deg=0.3'})
+    path, others = tmp_path / 'j.journal', SensorsComparison(rule).others
+    for within_s in (3600.0, -1.0):
+        journal = RunJournal(
+            path, rule, {names: pair.compliance for names, pair in others.items()},
+            within_s=within_s, now_ns=time.time_ns())
+        assert 'to judge what it holds' not in journal.set_aside
+        journal.add(Pairs.of([T0], [90.0], [90.0]), names=('a', 'b'))
+        journal.tick(1.0)
+        journal.close(over=False)
+    assert 'is not this one: it was last written' in journal.set_aside
+    for settings in (rule, Settings.from_mapping(NORMS)):
+        with pytest.raises(BagError, match='of several sensors: analyze the recording'):
+            judge_input(str(path), settings)

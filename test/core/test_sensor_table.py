@@ -55,3 +55,8 @@ def test_a_mistake_is_a_mistake_of_the_settings(text, said):
 
 def test_the_classes_are_those_with_a_slowest_error():
     assert {*SENSOR_CLASS_NAMES} == {*SENSOR_CLASSES}
+
+
+@pytest.mark.parametrize('table', ['', '  \n', '# none', ';'])
+def test_a_table_without_rows_compares_ts_and_rs(table):
+    assert Settings.of(sensors=table).sensors is None

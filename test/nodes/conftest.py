@@ -24,6 +24,14 @@ import pytest
 collect_ignore_glob = [] if find_spec('rclpy') else ['*.py']
 
 
+@pytest.fixture(params=['quick', 'rclpy'])
+def either_executor(request, monkeypatch):
+    """Run a test twice: all nodes have the one executor, then the other."""
+    from heading_intercompare.nodes.spinning.executors import EXECUTOR
+
+    monkeypatch.setenv(EXECUTOR, request.param)
+
+
 @pytest.fixture
 def ros():
     """Return the nodes of this test."""

@@ -28,7 +28,7 @@ from unittest import mock
 import yaml
 
 # What the launch files import stays loaded when their stand-ins are taken away again.
-import heading_intercompare.nodes.sensors.places  # noqa: F401
+import heading_intercompare.nodes.interface.places  # noqa: F401
 
 FOLDER = Path(__file__).resolve().parents[2] / 'launch'
 LOOPBACK = Path(__file__).with_name('loopback.xml')
@@ -52,10 +52,11 @@ class Node:
 
     package: str
     executable: str
-    name: str
     namespace: str
     parameters: list[Any]
     output: str
+    #: Without a name, the process has several nodes, and each keeps its own.
+    name: str = ''
     on_exit: Any = None
     respawn: bool = False
     respawn_delay: float = 0.0
@@ -67,6 +68,20 @@ class Node:
     #: Name of its files, if it is not that of the node.
     file: str = ''
 
+    @property
+    def label(self) -> str:
+        """Name of the node, or of the executable of several."""
+        return self.name or self.executable
+
+    def own(self, node: str = '') -> dict[str, Any]:
+        """Return the parameters that the launch file itself sets; of one of several nodes."""
+        given = [given for given in self.parameters if isinstance(given, dict)]
+        if not self.name:
+            sections = yaml.safe_load(Path(self.parameters[-1]).read_text('utf-8'))
+            given = [section['ros__parameters'] for name, section in sections.items()
+                     if name.endswith(f'/{node}')]
+        return {key: value for values in given for key, value in values.items()}
+
     def arguments(self, folder: Path) -> list[str]:
         """Return the arguments of the process, as `launch_ros` composes them."""
         files = []
@@ -77,7 +92,8 @@ class Node:
                 full = f'{self.namespace.rstrip("/")}/{self.name}'
                 path.write_text(yaml.dump({full: {'ros__parameters': given}}))
             files += ['--params-file', str(path)]
-        rules = [('__node', self.name), ('__ns', self.namespace), *self.remappings]
+        rules = [*([('__node', self.name)] if self.name else []), ('__ns', self.namespace),
+                 *self.remappings]
         return ['--ros-args', *(word for old, new in rules for word in ('-r', f'{old}:={new}')),
                 *files, *self.ros_arguments]
 

@@ -17,11 +17,12 @@ A player of bags that waits for nobody, as `ros2 bag play`: a process that knows
 
     python plain_player.py await PAIRS_SUBSCRIBERS
     python plain_player.py play BAG RATE kept|volatile|best_effort TOPIC...
-    python plain_player.py send COUNT RATE_HZ kept|volatile|best_effort SUBSCRIBERS TOPIC...
+    python plain_player.py send AT_ONCE COUNT RATE_HZ KIND SUBSCRIBERS TOPIC...
 
 The first form ends when a synchronizer runs that has done with looking who is there. The third
-one sends headings with the time of day at once, as a sensor does, and so many more once it has its
-subscribers; it prints how many it has sent.
+one sends headings with the time of day at once, as a sensor does, and COUNT more once it has its
+subscribers; it prints how many it has sent. If AT_ONCE is not 0, it sends so many at once, and
+then waits for the subscribers.
 """
 
 from __future__ import annotations
@@ -37,7 +38,7 @@ from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.core.records import Headings
 from heading_intercompare.messages.heading_messages import IMU, imu_messages
 from heading_intercompare.messages.ledger_messages import decode_ledger
-from heading_intercompare.nodes.ros.message_types import HEADING_TYPES, STATUS_TYPES
+from heading_intercompare.nodes.interface.message_types import HEADING_TYPES, STATUS_TYPES
 
 QOS = {'kept': QoSProfile(depth=5000, durability=DurabilityPolicy.TRANSIENT_LOCAL),
        'volatile': QoSProfile(depth=5000),
@@ -57,25 +58,31 @@ def play(node, bag, rate, kind, *topics):
         publishers[message.topic].publish(message.data)
     # As with --wait-for-all-acked: the end is to arrive, whatever else the machine does.
     for publisher in publishers.values():
-        publisher.wait_for_all_acked(Duration(seconds=60))
+        publisher.wait_for_all_acked(Duration(seconds=150))
 
 
-def send(node, count, rate_hz, kind, subscribers, *topics):
+def send(node, at_once, count, rate_hz, kind, subscribers, *topics):
     """Publish headings of each topic, the first ones before anybody listens."""
     publishers = [node.create_publisher(HEADING_TYPES[IMU], topic, QOS[kind]) for topic in topics]
     began_s, number, end = time.monotonic(), 0, None
     while number != end:
-        time.sleep(max(0.0, began_s + number / float(rate_hz) - time.monotonic()))
+        if not 0 < number < int(at_once):
+            time.sleep(max(0.0, began_s + number / float(rate_hz) - time.monotonic()))
         message, = imu_messages(Headings.as_sent([time.time_ns()], [90.0 + number % 7 / 10]), 'x')
         for publisher in publishers:
             publisher.publish(message)
         number += 1
-        if end is None and min(publisher.get_subscription_count()
-                               for publisher in publishers) >= int(subscribers):
-            end = number + int(count)
+        while end is None and number >= int(at_once):
+            if min(publisher.get_subscription_count()
+                   for publisher in publishers) >= int(subscribers):
+                end, began_s = number + int(count), time.monotonic() - number / float(rate_hz)
+            elif not int(at_once):
+                break
+            else:
+                time.sleep(0.01)
     print(number)
     for publisher in publishers:
-        publisher.wait_for_all_acked(Duration(seconds=60))
+        publisher.wait_for_all_acked(Duration(seconds=150))
     # Nobody acknowledges what is best effort.
     time.sleep(0.5)
 

@@ -38,7 +38,7 @@ class Processes:
         """Start a node as `ros2 launch` would."""
         code = (f'from heading_intercompare.node_executables import {node.executable} as main; '
                 'raise SystemExit(main())')
-        name = node.file or node.name
+        name = node.file or node.label
         with open(self.folder / f'{name}.log', 'wb') as said:
             # Background children inherit an ignored SIGINT; the node sets its own handler.
             self.running[name] = subprocess.Popen(

@@ -19,12 +19,17 @@ from __future__ import annotations
 import time
 
 from deadlines import DEADLINE_S
+import pytest
 import rclpy
 from rclpy.context import Context
 from rclpy.node import Node
 from rclpy.signals import SignalHandlerOptions
 
 NORMS = {'norms.sigma_max_deg': 0.2, 'norms.sigma_ref_max_deg': 0.1}
+
+
+#: The test runs with either executor.
+EITHER_EXECUTOR = pytest.mark.usefixtures('either_executor')
 
 
 class NoPage:
@@ -48,8 +53,8 @@ class Ros:
         self.context = Context()
         rclpy.init(context=self.context, args=[],
                    signal_handler_options=SignalHandlerOptions.NO)
-        from heading_intercompare.nodes.ros.quick_executor import QuickExecutor
-        self.executor = QuickExecutor(context=self.context)
+        from heading_intercompare.nodes.spinning.executors import make_executor
+        self.executor = make_executor(self.context)
         self.nodes = []
         self.plain = self.add(Node, 'test_node')
 
@@ -64,7 +69,7 @@ class Ros:
 
     def ours(self, make, name=None, **values):
         """Make a node of the package with settings, including the norms."""
-        from heading_intercompare.nodes.ros.parameters import make_overrides
+        from heading_intercompare.nodes.interface.parameters import make_overrides
         named = {key.replace('__', '.'): value for key, value in values.items()}
         return self.add(make, name=name, parameter_overrides=make_overrides({**NORMS, **named}))
 
@@ -77,7 +82,7 @@ class Ros:
 
     def end(self, *nodes):
         """End nodes as their process would; they are destroyed."""
-        from heading_intercompare.nodes.ros.process import end
+        from heading_intercompare.nodes.launching.process import end
         end(self.executor, nodes)
         self.nodes = [node for node in self.nodes if node not in nodes]
 

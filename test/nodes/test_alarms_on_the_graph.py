@@ -20,7 +20,9 @@ import socket
 import time
 
 from checksums import checksum_of
+from deadlines import Stopwatch
 from diagnostic_msgs.msg import DiagnosticArray
+from nodes.inside_nodes import judgement_of, stream_alarms_of
 import numpy as np
 import pytest
 from sensor_msgs.msg import Imu
@@ -31,8 +33,8 @@ from heading_intercompare.core.records import Headings
 from heading_intercompare.messages.heading_messages import imu_messages
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 from heading_intercompare.nodes.compliance import Compliance
+from heading_intercompare.nodes.interface import qos
 from heading_intercompare.nodes.nmea_driver import NmeaDriver
-from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.synchronizer import Synchronizer
 
 T0_NS = 1_700_000_000_000_000_000
@@ -61,7 +63,7 @@ class Bridge:
             # The newest second waits for the RS reading after it.
             self.ros.spin_until(
                 lambda: self.compliance.n_pairs >= self.sent - behind_s * RATE_HZ)
-            self.compliance.alarms.look()
+            judgement_of(self.compliance).alarms.look()
         self.ros.spin_until(lambda: self.ros.executor.spin_once(0.01) is None)
 
     def send(self, rate_deg_s=0.0, ts=lambda true, rs: true, off_s=0.0, pace=lambda: None):
@@ -97,7 +99,7 @@ class Bridge:
         """Return the names of the alarms of compliance that are active."""
         return [name for name in ('ts_frozen', 'rs_frozen', 'rotated', 'mirrored', 'jump',
                                   'outliers', 'same_source', 'clock_step')
-                if self.compliance.alarms.panel[name].state.active]
+                if judgement_of(self.compliance).alarms.panel[name].state.active]
 
 
 @pytest.fixture
@@ -205,25 +207,25 @@ def test_a_clock_that_steps_is_raised_by_the_synchronizer(bridge):
     run_in_time(bridge, 8)
     assert bridge.state('clock_step')[0] == 'normal'
     run_in_time(bridge, 4, off_s=2.0)
-    assert bridge.synchronizer.alarms.panel['clock_step'].state.active
+    assert stream_alarms_of(bridge.synchronizer).panel['clock_step'].state.active
     heard(bridge, 'clock_step', 'active_unacknowledged')
 
 
 @pytest.mark.slow
 def test_the_nodes_look_by_themselves_within_3_s(bridge):
     run_in_time(bridge, 5)
-    began_s = time.monotonic()
+    watch = Stopwatch()
     while 'rotated' not in bridge.active():
         run_in_time(bridge, 1, ts=lambda true, rs: true + 90.0)
-        assert time.monotonic() < began_s + 4.5
+        assert watch.passed_s < 4.5
     heard(bridge, 'rotated', 'active_unacknowledged')
 
 
 def test_a_silent_sensor_is_raised_and_cleared_by_the_synchronizer(bridge):
     bridge.play(3)
-    bridge.ros.spin_until(lambda: bridge.synchronizer.alarms.panel['ts_silent'].state.active)
+    panel = stream_alarms_of(bridge.synchronizer).panel
+    bridge.ros.spin_until(lambda: panel['ts_silent'].state.active)
     heard(bridge, 'ts_silent', 'active_unacknowledged')
-    panel = bridge.synchronizer.alarms.panel
 
     def goes_on():
         bridge.send()
@@ -243,7 +245,7 @@ def test_an_alarm_is_acknowledged_by_its_name_or_all_at_once(bridge, ros):
     acknowledge.publish(String(data='compliance: rotated'))
     heard(bridge, 'rotated', 'active_acknowledged')
     assert bridge.state('rotated')[1] == WARN
-    ros.spin_until(lambda: bridge.synchronizer.alarms.panel['rs_silent'].state.active)
+    ros.spin_until(lambda: stream_alarms_of(bridge.synchronizer).panel['rs_silent'].state.active)
     client = ros.plain.create_client(Trigger, 'compliance/acknowledge')
     ros.spin_until(client.service_is_ready)
     done = client.call_async(Trigger.Request())
@@ -285,16 +287,16 @@ class Line:
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 
     def send_until(self, condition, *more):
-        """Send a good sentence and more, ten times a second, until a condition holds."""
+        """Send a good sentence and more, ten times a second, until a condition holds; time it."""
         def step():
             if time.monotonic() >= self.next_s:
                 self.next_s = time.monotonic() + 0.1
                 for data in (sentence(90.0), *more):
                     self.socket.sendto(data, ('127.0.0.1', self.port))
             return condition()
-        began_s = time.monotonic()
+        watch = Stopwatch()
         self.ros.spin_until(step)
-        return time.monotonic() - began_s
+        return watch.passed_s
 
 
 @pytest.mark.parametrize('name, more', [

@@ -38,7 +38,7 @@ from heading_intercompare.core.alarms.alarm import AlarmState, Priority, Rule, S
 from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.nodes.alarms.alarm_panel import AlarmPanel
 from heading_intercompare.nodes.alert_sender import AlertSender
-from heading_intercompare.nodes.ros.health import Health
+from heading_intercompare.nodes.presence.health import Health
 
 S_NS = 10 ** 9
 

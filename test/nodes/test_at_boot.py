@@ -35,7 +35,7 @@ import pytest
 from ros_domain import DOMAIN
 import yaml
 
-from heading_intercompare.nodes.ros.process import _END_S, _HUNG_S
+from heading_intercompare.nodes.launching.process import _END_S, _HUNG_S
 
 ROOT = Path(__file__).resolve().parents[2]
 UNITS = sorted((ROOT / 'systemd').glob('*.service'))

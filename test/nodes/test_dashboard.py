@@ -31,7 +31,7 @@ from heading_intercompare.messages.ledger_messages import encode_ledger
 from heading_intercompare.messages.status_messages import encode_statuses, Status, WARN
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.dashboard import Dashboard
-from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.interface import qos
 from heading_intercompare.nodes.synchronizer import Synchronizer
 
 T0_NS = 1_700_000_000_000_000_000
@@ -89,7 +89,7 @@ def test_the_page_sees_headings_pairs_figures_nodes_and_no_verdict(ros, graph):
     assert view.window.mean_deg == pytest.approx(0.5)
     assert view.lamp.word == 'NONE YET' and view.run.number == 1
     assert view.trend.limit_deg > 0.2 and len(view.trend.columns) >= 6
-    assert graph.page.controls.look()[1] < 1.0
+    ros.spin_until(lambda: graph.page.controls.look()[1] < 1.0)
 
 
 def test_the_page_is_no_subscriber_that_a_log_would_wait_for(ros, dashboard):

@@ -31,8 +31,8 @@ import yaml
 from heading_intercompare.bags.recording.part_states import PartStates
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.nodes.compliance import Compliance
-from heading_intercompare.nodes.ros.health import Health
-from heading_intercompare.nodes.runtime.figures import SCALARS
+from heading_intercompare.nodes.judging.figures import SCALARS
+from heading_intercompare.nodes.presence.health import Health
 from heading_intercompare.nodes.settings import HeadingTypes, Taking
 from heading_intercompare.nodes.taking.recorded_topics import make_intakes
 
@@ -139,7 +139,7 @@ def test_the_tree_of_states_has_each_node_once(tmp_path):
                       'sigma_ref_max_deg: 1.0}}\n')
     names |= {node.name for node in nodes('intercompare.launch.py', config=str(config))}
     names &= {'ts_driver', 'rs_driver', 'synchronizer', 'compliance', 'recorder', 'replayer',
-              'dashboard', 'sensor_simulator', 'nmea_driver', 'motion_driver', 'sensors_watch'}
+              'dashboard', 'sensor_simulator', 'nmea_driver', 'motion_driver'}
     assert len(names) >= 7
     for state in (f'{place}{name}: part' for name in names for place in ('', 'ship1/', 'gyro1/')):
         assert sum(word in state for word in words) == 1, state

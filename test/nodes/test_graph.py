@@ -25,7 +25,7 @@ import time
 from deadlines import DEADLINE_S
 from nodes.graph_checks import assert_same, log, offline
 from nodes.rclpy_objects import heading_messages, headings_from
-from nodes.ros_nodes import NORMS, Ros
+from nodes.ros_nodes import EITHER_EXECUTOR, NORMS, Ros
 import pytest
 from ros_domain import take_domain
 from sensor_msgs.msg import Imu
@@ -42,10 +42,10 @@ from heading_intercompare.logbook.run_row import make_rows
 from heading_intercompare.messages.status_messages import decode_statuses
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.graph import intercompare, Source
+from heading_intercompare.nodes.interface import qos
 from heading_intercompare.nodes.nmea_driver import NmeaDriver
 from heading_intercompare.nodes.recorder import Recorder
 from heading_intercompare.nodes.replayer import Replayer
-from heading_intercompare.nodes.ros import qos
 from heading_intercompare.nodes.sensor_simulator import SensorSimulator
 
 TRIAL = {'duration_s': 120.0, 'seed': 5, 'ts.white_deg': 0.1, 'ts.rate_hz': 10.0,
@@ -83,6 +83,7 @@ def test_with_a_slow_rs_the_live_verdict_is_that_of_the_recording(tmp_path):
     assert_same(live, offline(bag))
 
 
+@EITHER_EXECUTOR
 def test_while_a_run_is_judged_readings_are_recorded(tmp_path, monkeypatch):
     """The judge waits for the recorder; in a single thread it would wait for ever."""
     judging, recorded = threading.Event(), threading.Event()
@@ -104,6 +105,7 @@ def test_while_a_run_is_judged_readings_are_recorded(tmp_path, monkeypatch):
     assert recorded.is_set()
 
 
+@EITHER_EXECUTOR
 def test_an_error_of_the_judge_ends_the_graph(monkeypatch):
     def fail(self):
         raise OSError(28, 'No space left on device')
@@ -128,6 +130,7 @@ def domain(monkeypatch):
     monkeypatch.setenv('ROS_DOMAIN_ID', str(take_domain()))
 
 
+@EITHER_EXECUTOR
 def test_without_sources_the_graph_listens_to_the_topics_of_others(domain, tmp_path):
     """Another program publishes 200 headings of each sensor; then the user presses Ctrl-C."""
     other = Ros()

@@ -17,13 +17,14 @@
 from __future__ import annotations
 
 from datetime import datetime, timezone
-from functools import reduce
+from functools import partial, reduce
 from operator import xor
 from pathlib import Path
 import sys
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
+from nodes.inside_nodes import judge_of, judgement_of
 from nodes.killed import kill
 from nodes.lines import free_port
 from nodes.rclpy_objects import heading_messages
@@ -43,11 +44,11 @@ from heading_intercompare.messages.heading_messages import pair_messages
 from heading_intercompare.messages.motion.motion_messages import split_motion
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.graph import intercompare, Source
+from heading_intercompare.nodes.interface import qos
 from heading_intercompare.nodes.motion_driver import MotionDriver
 from heading_intercompare.nodes.nmea_driver import NmeaDriver
 from heading_intercompare.nodes.replayer import Replayer
-from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.sensors_watch import SensorsWatch
+from heading_intercompare.nodes.synchronizer import Synchronizer
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1] / 'core' / 'motion'))
 
@@ -160,7 +161,7 @@ class Ship:
             self.pairs.publish(message)
         # Not their number: what a publisher sends again to a new node counts in it, too.
         last_ns = START_NS + (seconds - 1) * S
-        self.ros.spin_until(lambda: self.node._compliance.newest_ns == last_ns)
+        self.ros.spin_until(lambda: judge_of(self.node).newest_ns == last_ns)
 
     def state(self, name):
         """Return state and words of an alarm as last told."""
@@ -175,10 +176,10 @@ class Ship:
 def test_a_heading_against_the_motion_is_an_alarm_while_it_happens(ros):
     ship = Ship(ros)
     ship.play(240)
-    ship.node.alarms.look()
-    assert ship.node.alarms.panel['motion'].state == 'normal'
+    judgement_of(ship.node).alarms.look()
+    assert judgement_of(ship.node).alarms.panel['motion'].state == 'normal'
     ship.play(480, since=240, heading_deg=220.0)
-    ship.node.alarms.look()
+    judgement_of(ship.node).alarms.look()
     ros.spin_until(lambda: (ship.state('motion') or [''])[0] == 'active_unacknowledged')
     assert ship.state('motion')[1] == ('TS and RS both point 180 deg off the course over ground '
                                        '(mounted backwards, or the ship goes astern)')
@@ -187,7 +188,7 @@ def test_a_heading_against_the_motion_is_an_alarm_while_it_happens(ros):
     acknowledge.publish(String(data='motion'))
     ros.spin_until(lambda: ship.state('motion')[0] == 'active_acknowledged')
     ship.play(800, since=480)
-    ship.node.alarms.look()
+    judgement_of(ship.node).alarms.look()
     ros.spin_until(lambda: ship.state('motion')[0] == 'normal')
 
 
@@ -196,15 +197,15 @@ def test_a_compliance_node_that_is_killed_goes_on_with_the_motion_of_its_run(ros
     ship = Ship(ros, report_dir=str(tmp_path), runs__min_duration_s=0.0)
     ship.play(300)
     ros.spin_until(lambda: b'"velocity"' in (tmp_path / 'compliance.journal').read_bytes())
-    ship.node._journal._journal._journal.flush(1e9)
+    ship.node.journal._journal._journal.flush(1e9)
     killed = ship.node
-    killed._journal._journal._journal._syncing.close()
-    killed._journal._journal._journal.close(remove=False)
+    killed.journal._journal._journal._syncing.close()
+    killed.journal._journal._journal.close(remove=False)
     ros.executor.remove_node(killed)
     ros.nodes.remove(killed)
     killed.destroy_node()
     ship.start()
-    assert ship.node._compliance.run_start_ns == START_NS
+    assert judge_of(ship.node).run_start_ns == START_NS
     ship.play(600, since=300)
     ros.end(ship.node)
     (run,) = ship.node.verdict.runs
@@ -216,13 +217,13 @@ def test_motion_after_the_end_of_its_run_is_counted_and_said(ros):
     ship = Ship(ros, runs__min_duration_s=0.0, runs__every_h=0.05)
     late = rows(100, since=40)
     ship.play(40)
-    first_ns = ship.node._compliance.run_start_ns
+    first_ns = judge_of(ship.node).run_start_ns
     end = int(np.ceil((first_ns - START_NS) / S)) + 400
     ship.play(end, since=40)
-    assert ship.node._compliance.finished_runs >= 1
+    assert judge_of(ship.node).finished_runs >= 1
     for message in split_motion(late, 'velocity', 'ship'):
         ship.course.publish(message)
-    ros.spin_until(lambda: ship.node._compliance.motion.late == 60)
+    ros.spin_until(lambda: judge_of(ship.node).motion.late == 60)
     ros.end(ship.node)
     assert ('60 messages of the motion of the ship came after their run was judged'
             in ship.node.verdict.ledger_problems)
@@ -256,30 +257,37 @@ def test_a_driver_takes_over_when_the_other_one_ends(ros):
     ros.spin_until(lambda: len(heard) == 2)
 
 
-def test_a_sensors_watch_hears_the_motion_for_the_pairs_without_the_reference(ros):
-    node = ros.ours(SensorsWatch, sensors='a sigma_max_deg=0.2; b sigma_max_deg=0.2; '
-                    'c sigma_max_deg=0.1 rs')
+def join(ros, **values):
+    """Return the synchronizer of a process that pairs and judges."""
+    judge = ros.ours(partial(Compliance, True), **values)
+    return ros.ours(partial(Synchronizer, judge), sensors=values['sensors'], subscribers=0)
+
+
+def test_the_motion_also_counts_for_the_pairs_without_the_reference(ros):
+    node = join(ros, sensors='a sigma_max_deg=0.2; b sigma_max_deg=0.2; c sigma_max_deg=0.1 rs')
     course = ros.plain.create_publisher(TwistStamped, 'ship/velocity', qos.HEADINGS_OUT)
     ros.spin_until(lambda: course.get_subscription_count() == 1)
     for message in split_motion(rows(30), 'velocity', 'ship'):
         course.publish(message)
-    (other,) = node._comparison.others.values()
-    ros.spin_until(lambda: other.compliance.motion.rows is not None
-                   and len(other.compliance.motion.rows) == 30)
+    pairs = node.judge.comparison.pairs
+    assert len(pairs) == 3
+    ros.spin_until(lambda: all(pair.compliance.motion.rows is not None
+                               and len(pair.compliance.motion.rows) == 30
+                               for pair in pairs.values()))
 
 
-def test_a_sensors_watch_that_is_killed_goes_on_with_the_motion_of_its_runs(ros, tmp_path):
+def test_a_comparison_that_is_killed_goes_on_with_the_motion_of_its_runs(ros, tmp_path):
     """Publishers send their last messages again, which must not count twice."""
     course = ros.plain.create_publisher(TwistStamped, 'ship/velocity', qos.HEADINGS_OUT)
     publishers = [ros.plain.create_publisher(Imu, f'{name}/heading', qos.HEADINGS_OUT)
                   for name in 'ab']
 
     def start():
-        watch = ros.ours(SensorsWatch, sensors='a sigma_max_deg=0.2; b sigma_max_deg=0.2',
-                         report_dir=str(tmp_path))
-        ros.spin_until(lambda: all(one.get_subscription_count() == 1
-                                   for one in (course, *publishers)))
-        return watch, watch._comparison.others['a', 'b'].compliance
+        node = join(ros, sensors='a sigma_max_deg=0.2; b sigma_max_deg=0.2',
+                    report_dir=str(tmp_path))
+        ros.spin_until(lambda: all(publisher.get_subscription_count() == 1
+                                   for publisher in (course, *publishers)))
+        return node, node.judge.comparison.others['a', 'b'].compliance
 
     def play(seconds, since=0):
         for message in split_motion(rows(seconds, since=since), 'velocity', 'ship'):
@@ -291,20 +299,17 @@ def test_a_sensors_watch_that_is_killed_goes_on_with_the_motion_of_its_runs(ros,
         ros.spin_until(lambda: compliance.motion.rows is not None
                        and len(compliance.motion.rows) == seconds
                        and (compliance.newest_ns or 0) == stamps[-2])
-    watch, compliance = start()
+    node, compliance = start()
     play(300)
-    journal = watch._journals._journals['a', 'b']
-    ros.spin_until(lambda: b'"velocity"' in (
-        tmp_path / 'sensors_watch.a.b.journal').read_bytes())
-    journal._journal._journal.flush(1e9)
-    kill(ros, watch, journal)
-    watch, compliance = start()
+    ros.spin_until(lambda: b'"velocity"' in (tmp_path / 'compliance.journal').read_bytes())
+    kill(ros, node)
+    kill(ros, node.judge, node.judge.journal)
+    node, compliance = start()
     assert compliance.run_start_ns == START_NS and len(compliance.motion.rows) == 300
     play(600, since=300)
-    ros.end(watch)
-    (run,) = watch._journals.results()['a', 'b']
-    # The reading of the last second was waiting when the node was killed.
-    assert run.verdict.n in (599, 600)
+    ros.end(node, node.judge)
+    run, = node.judge.comparison.others['a', 'b'].results()
+    assert run.verdict.n == 600
     assert run.verdict.motion.n_velocities == 600 and run.verdict.motion.kind == 'agrees'
 
 

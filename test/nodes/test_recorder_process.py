@@ -39,7 +39,7 @@ import numpy as np, rclpy
 from sensor_msgs.msg import Imu
 from heading_intercompare.messages.heading_messages import encode_imu
 from heading_intercompare.core.records import Headings
-from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.interface import qos
 
 count, rate_hz, *topics = int(sys.argv[1]), int(sys.argv[2]), *sys.argv[3:]
 rclpy.init()
@@ -70,8 +70,8 @@ sys.stdin.read()
 def recording(tmp_path):
     """Return the processes of a recorder, and the folder of its bag."""
     processes = Processes(tmp_path)
-    processes.start(Node('heading_intercompare', 'recorder', 'recorder', '/',
-                         [{'output': str(tmp_path / 'bag')}], 'screen'))
+    processes.start(Node('heading_intercompare', 'recorder', '/',
+                         [{'output': str(tmp_path / 'bag')}], 'screen', 'recorder'))
     yield processes, tmp_path / 'bag'
     processes.reap()
 

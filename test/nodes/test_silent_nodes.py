@@ -30,7 +30,7 @@ from heading_intercompare.messages.status_messages import decode_statuses
 
 pytestmark = pytest.mark.process
 
-SILENT = ('ts_driver_silent', 'rs_driver_silent', 'synchronizer_silent', 'recorder_silent')
+SILENT = {f'compliance: {name}_silent' for name in ('ts_driver', 'rs_driver', 'recorder')}
 
 
 @pytest.fixture
@@ -48,7 +48,7 @@ def start_graph(processes, ports):
         '/**': {'ros__parameters': NORMS}, **{
             name: {'ros__parameters': {'source': f'udp://127.0.0.1:{port}', 'sentence': 'HDT'}}
             for name, port in zip(('ts_driver', 'rs_driver'), ports)}}))
-    graph = {node.name: node for node in nodes(
+    graph = {node.label: node for node in nodes(
         'intercompare.launch.py', config=str(config), output=str(bag),
         report_dir=str(processes.folder / 'reports'))}
     for node in graph.values():
@@ -71,24 +71,30 @@ def has_said(processes, name, words):
     return words in (processes.folder / f'{name}.log').read_text(errors='replace')
 
 
-def stop_for_a_while(processes, name, watcher):
-    """Stop a process until it is missed, let it go on, and wait until it is missed no more."""
+def stop_for_a_while(processes, name, watcher, node=''):
+    """
+    Stop a process until it is missed, let it go on, and wait until it is missed no more.
+
+    The watcher misses one of its nodes, if it has several.
+    """
+    missed = node or name
     processes.running[name].send_signal(signal.SIGSTOP)
-    wait_for(lambda: has_said(processes, watcher, f'alarm raised: {name}_silent: {name} has not '
-                              'been heard for more than'))
+    wait_for(lambda: has_said(processes, watcher, f'alarm raised: {missed}_silent: {missed} has '
+                              'not been heard for more than'))
     processes.running[name].send_signal(signal.SIGCONT)
     wait_for(lambda: has_said(processes, watcher,
-                              f'alarm cleared, not acknowledged: {name}_silent'))
+                              f'alarm cleared, not acknowledged: {missed}_silent'))
 
 
-def kill(processes, name, watcher, node):
+def kill(processes, name, watcher, start, node=''):
     """Kill a process until it is missed, and start it again until it is missed no more."""
+    missed = node or name
     processes.running[name].kill()
     processes.running[name].wait()
-    wait_for(lambda: has_said(processes, watcher, f'alarm raised: {name}_silent'))
-    processes.start(node)
+    wait_for(lambda: has_said(processes, watcher, f'alarm raised: {missed}_silent'))
+    processes.start(start)
     wait_for(lambda: has_said(processes, watcher,
-                              f'alarm cleared, not acknowledged: {name}_silent'))
+                              f'alarm cleared, not acknowledged: {missed}_silent'))
 
 
 @pytest.fixture
@@ -104,11 +110,10 @@ def ship():
 @pytest.mark.slow
 def test_each_node_that_stands_still_is_missed_until_it_goes_on(processes, ship):
     _, bag = start_graph(processes, ship.ports)
-    wait_for(lambda: {f'compliance: {name}' for name in SILENT} | {
-        'synchronizer: compliance_silent'} <= list_alarms(bag).keys())
-    for name in ('recorder', 'ts_driver', 'synchronizer'):
-        stop_for_a_while(processes, name, 'compliance')
-    stop_for_a_while(processes, 'compliance', 'synchronizer')
+    wait_for(lambda: SILENT | {'recorder: compliance_silent'} <= list_alarms(bag).keys())
+    for name in ('recorder', 'ts_driver'):
+        stop_for_a_while(processes, name, 'intercompare')
+    stop_for_a_while(processes, 'intercompare', 'recorder', 'compliance')
     processes.signal(signal.SIGINT)
     processes.wait(*processes.running)
     times = {name: int(values['times']) for name, values in list_alarms(bag).items()
@@ -117,29 +122,28 @@ def test_each_node_that_stands_still_is_missed_until_it_goes_on(processes, ship)
     # While the synchronizer stands still, its own look finds both streams silent.
     times.pop('synchronizer: rs_silent', None)
     assert times == {'compliance: recorder_silent': 1, 'compliance: ts_driver_silent': 1,
-                     'compliance: synchronizer_silent': 1, 'synchronizer: compliance_silent': 1}
+                     'recorder: compliance_silent': 1}
 
 
 @pytest.mark.slow
 def test_a_node_that_was_killed_is_missed_until_it_is_started_again(processes, ship):
     graph, bag = start_graph(processes, ship.ports)
-    wait_for(lambda: {f'compliance: {name}' for name in SILENT} | {
-        'synchronizer: compliance_silent'} <= list_alarms(bag).keys())
-    kill(processes, 'rs_driver', 'compliance', graph['rs_driver'])
-    kill(processes, 'compliance', 'synchronizer', graph['compliance'])
+    wait_for(lambda: SILENT | {'recorder: compliance_silent'} <= list_alarms(bag).keys())
+    kill(processes, 'rs_driver', 'intercompare', graph['rs_driver'])
+    kill(processes, 'intercompare', 'recorder', graph['intercompare'], 'compliance')
     # The log of compliance began anew, and so did its knowledge of the others.
-    wait_for(lambda: {f'compliance: {name}' for name in SILENT} <= list_alarms(bag).keys())
-    kill(processes, 'recorder', 'compliance', graph['recorder'])
+    wait_for(lambda: SILENT <= list_alarms(bag).keys())
+    kill(processes, 'recorder', 'intercompare', graph['recorder'])
 
 
 @pytest.mark.slow
 def test_a_node_that_ends_in_order_is_not_missed(processes, ship):
     """A driver that is stopped afterwards is, so the time for it has passed."""
     _, bag = start_graph(processes, ship.ports)
-    wait_for(lambda: {f'compliance: {name}' for name in SILENT} <= list_alarms(bag).keys())
+    wait_for(lambda: SILENT <= list_alarms(bag).keys())
     for name in ('recorder', 'rs_driver'):
         processes.running[name].send_signal(signal.SIGINT)
         processes.wait(name)
-    stop_for_a_while(processes, 'ts_driver', 'compliance')
+    stop_for_a_while(processes, 'ts_driver', 'intercompare')
     for name in ('recorder', 'rs_driver'):
-        assert not has_said(processes, 'compliance', f'{name}_silent')
+        assert not has_said(processes, 'intercompare', f'{name}_silent')

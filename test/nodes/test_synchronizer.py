@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
 from geometry_msgs.msg import QuaternionStamped, TwistStamped
+from nodes.inside_nodes import pairer_of, stream_alarms_of
 from nodes.rclpy_objects import (
     heading_messages,
     headings_from,
@@ -25,6 +26,7 @@ from nodes.rclpy_objects import (
     marker_message,
     pairs_from,
 )
+from nodes.ros_nodes import EITHER_EXECUTOR
 import numpy as np
 import pytest
 from rclpy.node import Node
@@ -40,10 +42,10 @@ from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.heading_messages import IMU, imu_messages
 from heading_intercompare.messages.ledger_messages import encode_losses
 from heading_intercompare.messages.status_messages import encode_mark
-from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.health import Health
-from heading_intercompare.nodes.ros.message_types import PAIRS_TYPES
-from heading_intercompare.nodes.ros.steady_timer import every
+from heading_intercompare.nodes.interface import qos
+from heading_intercompare.nodes.interface.message_types import PAIRS_TYPES
+from heading_intercompare.nodes.presence.health import Health
+from heading_intercompare.nodes.spinning.clocks import every
 from heading_intercompare.nodes.synchronizer import Synchronizer
 from heading_intercompare.nodes.taking.intake import Intake
 
@@ -94,6 +96,7 @@ def finish(ros, node, sensors, ledgers):
     return ledger_from(ledgers[-1])[0]
 
 
+@EITHER_EXECUTOR
 def test_live_pairs_are_those_of_the_pure_pairer_to_the_bit(ros, rng):
     node, sensors, pairs, ledgers = graph(ros)
     ts, rs = stream(rng, 10.0, 20.0, 13_000_000), stream(rng, 4.0, 20.0)
@@ -125,9 +128,10 @@ def test_a_recorder_that_replaces_its_subscription_does_not_stand_for_compliance
     """It had two for a while. So the inputs were opened, and 189 readings never came."""
     node = ros.ours(Synchronizer, subscribers=2, startup_wait_s=600.0)
     recorder, other = ros.add(Node, 'recorder'), ros.add(Node, 'compliance')
+    outlet, = node._outlets.values()
     for one in (recorder, recorder):
         one.create_subscription(TwistStamped, 'pairs', lambda _: None, qos.PAIRS_TAKEN)
-    ros.spin_until(lambda: node._pairs.get_subscription_count() == 2)
+    ros.spin_until(lambda: outlet._pairs.get_subscription_count() == 2)
     for _ in range(20):
         ros.executor.spin_once(0.02)
     assert not node._opened
@@ -144,7 +148,7 @@ def test_a_burst_of_pairs_does_not_overrun_who_takes_them(ros, rng):
     ts, rs = stream(rng, 100.0, 25.0), stream(rng, 10.0, 25.1)
     for lo in range(0, len(ts), 500):
         send(sensors[0], ts[lo:lo + 500])
-        ros.spin_until(lambda lo=lo: node._pairer.ledger.total.received('ts') == lo + 500)
+        ros.spin_until(lambda lo=lo: pairer_of(node).ledger.total.received('ts') == lo + 500)
     send(sensors[1], rs)
     finish(ros, node, sensors, ledgers)
     ros.spin_until(lambda: intake.received == 2500)
@@ -157,6 +161,34 @@ def test_a_reading_without_a_partner_is_given_up_after_the_wait(ros, rng):
     # The last two of twenty are less than 0.2 s older than what came last.
     ros.spin_until(lambda: ledgers and ledger_from(ledgers[-1])[0].total.counts.get(
         'ts_unpaired') == 18)
+
+
+@pytest.mark.slow
+def test_a_driver_that_lags_costs_no_pair_and_is_named_as_overload(ros, rng):
+    """The RS goes on at half its pace."""
+    node, sensors, _, ledgers = graph(ros, pairing__method='interpolate',
+                                      pairing__max_wait_s=0.2)
+    both, sent = (stream(rng, 10.0, 4000.0, 13_000_000), stream(rng, 10.0, 4000.0)), [0, 0]
+
+    def go_on(rs=1):
+        ros.spin_until(lambda: ros.executor.spin_once(0.02) is None)
+        for at, n in ((0, 2), (1, rs)):
+            send(sensors[at], both[at][sent[at]:sent[at] + n])
+            sent[at] += n
+    while len(ledgers) < 8:
+        go_on(rs=2)
+    alarms = stream_alarms_of(node).panel
+    while not alarms['overload'].state.active:
+        go_on()
+        assert sent[0] < 40_000
+    assert alarms['overload'].words.startswith('overload: the readings of the RS lag')
+    assert not alarms['clock_step'].state.active
+    send(sensors[1], both[1][sent[1]:sent[0]])
+    expected, pure = pair(*(arrived(headings[:sent[0]]) for headings in both),
+                          Settings.from_mapping({'pairing.method': 'interpolate'}))
+    ros.spin_until(lambda: pairer_of(node).ledger.paired >= len(expected) - 3)
+    ledger = finish(ros, node, sensors, ledgers)
+    assert ledger.paired == len(expected) and ledger.total.counts == pure.total.counts
 
 
 def test_the_ledger_comes_every_second_and_its_last_one_is_final(ros, rng):
@@ -249,8 +281,8 @@ def test_a_stamp_an_hour_ahead_costs_only_its_reading(ros, rng, who, rows):
     for lo in range(0, 400, 20):
         for sensor, headings in zip(sensors, both):
             send(sensor, headings[lo:lo + 20])
-        ros.spin_until(lambda lo=lo: node._pairer.ledger.total.received('rs') == lo + 20
-                       == node._pairer.ledger.total.received('ts'))
+        ros.spin_until(lambda lo=lo: pairer_of(node).ledger.total.received('rs') == lo + 20
+                       == pairer_of(node).ledger.total.received('ts'))
     ledger = finish(ros, node, sensors, ledgers)
     expected, pure = pair(*map(arrived, both), Settings.from_mapping(
         {'pairing.method': 'interpolate'}))
@@ -364,7 +396,7 @@ def test_a_mark_that_cannot_be_read_is_counted_and_changes_nothing(ros):
     marker.publish(b'\0\7' + encode_mark('start', T0_NS)[2:])
     ros.spin_until(lambda: any(s.message.startswith('1 messages refused: diagnostic_msgs/msg/')
                                for m in states for s in m.status))
-    assert len(node._pairer.ledger.segments) == 1
+    assert len(pairer_of(node).ledger.segments) == 1
 
 
 def test_messages_lost_on_the_way_are_in_the_ledger_at_the_reading_after_them(
@@ -383,7 +415,7 @@ def test_messages_lost_on_the_way_are_in_the_ledger_at_the_reading_after_them(
     for lo, hi in ((0, 5), (5, 35), (35, 40)):
         send(sensor, headings[lo:hi])
         last = int(headings.stamp_ns[hi - 1])
-        ros.spin_until(lambda last=last: node._pairer.ledger.newest_ns == last)
+        ros.spin_until(lambda last=last: pairer_of(node).ledger.newest_ns == last)
     ledger = finish(ros, node, [sensor], ledgers)
     # The first one after the gap is number 25, before the mark.
     assert [s.lost('ts') for s in ledger.segments] == [{'on_the_way': 20}, {}]
@@ -399,13 +431,14 @@ def test_what_a_driver_lost_is_in_the_ledger(ros, rng):
     told.publish(deserialize_message(encode_losses({
         'lost.at_source': Losses.of([T0_NS], [0], [7]),
         'rejected.burst': Losses.of([T0_NS], [0], [3])}), DiagnosticArray))
-    ros.spin_until(lambda: node._pairer.ledger.total.lost('rs')
-                   and node._pairer.ledger.total.received('rs') == 13)
+    ros.spin_until(lambda: pairer_of(node).ledger.total.lost('rs')
+                   and pairer_of(node).ledger.total.received('rs') == 13)
     ledger = finish(ros, node, [*sensors, told], ledgers)
     assert fates(ledger) == {'rs_lost.at_source': 7, 'rs_rejected.burst': 3,
                                    'rs_unused': 10}
 
 
+@EITHER_EXECUTOR
 def test_what_was_sent_before_the_synchronizer_listened_has_a_row(ros, rng):
     sensors = [ros.plain.create_publisher(Imu, f'{role}/heading', QoSProfile(depth=5000))
                for role in ('ts', 'rs')]

@@ -22,7 +22,7 @@ from sensor_msgs.msg import Imu
 
 from heading_intercompare.core.records import Headings
 from heading_intercompare.messages.heading_messages import imu_messages
-from heading_intercompare.nodes.ros import qos
+from heading_intercompare.nodes.interface import qos
 from heading_intercompare.nodes.watcher import Watcher
 
 T0_NS = 1_700_000_000_000_000_000

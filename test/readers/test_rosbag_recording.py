@@ -19,7 +19,6 @@ from __future__ import annotations
 from functools import reduce
 import shutil
 import sqlite3
-import struct
 
 from command_line import analyze_json, NORMS
 import numpy as np
@@ -180,6 +179,7 @@ def test_topics_of_sentences_and_quaternions_are_read(tmp_path, capsys, ros1):
             writer.write(imu, int(ns), serialize(message, QUATERNION))
     reader = open_recording(path)
     chunks = list(reader.headings({'nmea': 'enu', '/imu': 'enu'}))
+    assert reader.oddities == ['nmea: headings of HEHDT; not taken: nothing']
     found = {name: Headings.concatenate([chunk[name] for chunk in chunks])
              for name in ('nmea', '/imu')}
     for name, expected, within in (('nmea', sentences, 5.1e-4), ('/imu', quaternions, 1e-9)):
@@ -295,12 +295,3 @@ def test_an_unreadable_sentence_is_an_invalid_reading_at_its_log_time(tmp_path, 
     assert found.stamp_ns.tolist() == [T0 + n * S for n in range(10)]
     assert np.flatnonzero(np.isnan(found.heading_deg)).tolist() == [0, 5]
     assert '2 messages cannot be read' in reader.oddities[0]
-
-
-def test_the_length_of_a_sentence_is_that_of_its_message():
-    """CDR: 4 bytes of head, stamp, frame with its zero, alignment, sentence with its zero."""
-    from heading_intercompare.readers.rosbag_recording import _sentence_line
-    for order, code in (('<', b'\0\1\0\0'), ('>', b'\0\0\0\0')):
-        data = code + struct.pack(f'{order}III4s', 7, 8, 4, b'abc\0') + struct.pack(
-            f'{order}I', 8) + b'$AB,1*2\0'
-        assert _sentence_line(data, False) == b'0000000007.000000008 $AB,1*2\r\n'

@@ -29,7 +29,8 @@ from heading_intercompare.app.sources.input_comparison import (
 )
 from heading_intercompare.core.offline import name_apart
 from heading_intercompare.core.sensor_table import describe_driver, read_sensors, Sensor
-from heading_intercompare.core.sensors.pair_settings import check_norms, list_sensors
+from heading_intercompare.core.sensors.compared_sensors import list_sensors
+from heading_intercompare.core.sensors.pair_settings import check_norms
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Input
 from heading_intercompare.drivers.refused_lines import describe_start

@@ -258,18 +258,19 @@ class _Judging:
 
     def _sift(self, jumps: JumpFilter[Pairs], pairs: Pairs) -> None:
         """Judge the pairs whose stamps are decided; open a segment where a clock was set back."""
-        decided = jumps.take(pairs)
-        self._decide(decided)
-        while decided.set_back is not None and decided.after is not None:
-            for stream in ('ts', 'rs'):
-                # A row has one stamp for both sensors.
-                self.ledger.note_set_back(replace(decided.set_back, stream=stream))
-            self._end_runs()
-            self.ledger.open_clock_segment()
-            self._segment += 1
-            jumps = self._jumps = self._make_filter()
-            decided = jumps.take(decided.after)
+        rows: Pairs | None = pairs
+        while rows is not None:
+            decided = jumps.take(rows)
             self._decide(decided)
+            rows = decided.after
+            if decided.set_back is not None:
+                for stream in ('ts', 'rs'):
+                    # A row has one stamp for both sensors.
+                    self.ledger.note_set_back(replace(decided.set_back, stream=stream))
+                self._end_runs()
+                self.ledger.open_clock_segment()
+                self._segment += 1
+                jumps = self._jumps = self._make_filter()
 
     @property
     def why_not_degrees(self) -> str:

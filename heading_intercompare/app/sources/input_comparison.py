@@ -26,7 +26,7 @@ from heading_intercompare.core.records import Headings, Losses, Motion, Pairs
 from heading_intercompare.core.runs.growing_columns import GrowingHeadings
 from heading_intercompare.core.sensor_table import find_reference, Sensor
 from heading_intercompare.core.sensors.comparison import SensorsComparison
-from heading_intercompare.core.sensors.pair_settings import Names
+from heading_intercompare.core.sensors.pair_names import Names
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.judge import RunResult
 from heading_intercompare.core.verdict.verdict_document import Input

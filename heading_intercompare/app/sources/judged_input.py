@@ -20,7 +20,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any, Mapping, Sequence
 
 from heading_intercompare.bags.csv.pairs_account import PairsAccount
-from heading_intercompare.core.sensors.pair_settings import Names
+from heading_intercompare.core.sensors.pair_names import Names
 from heading_intercompare.core.verdict.judge import RunResult
 from heading_intercompare.core.verdict.verdict_document import Input, RunVerdict
 from heading_intercompare.report import SegmentSketches

@@ -25,31 +25,35 @@ from collections import deque
 from contextlib import suppress
 import fcntl
 import hashlib
+import io
+from itertools import chain
+import json
 import os
 from pathlib import Path
 import re
 import struct
-from typing import Iterable, NamedTuple, TypeVar
+from typing import Any, BinaryIO, Iterable, Iterator, NamedTuple, TypeVar
 import zlib
 
 import numpy as np
 
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.core.records import Motion, Pairs
+from heading_intercompare.core.records import Headings, Motion, Pairs
 
 from .disk_sync import Syncing
 
-_MAGIC = b'heading_intercompare journal 1\n'
+_MAGIC = b'heading_intercompare journal 3\n'
 _KIND = _MAGIC[:-3]
 #: A journal, also one that was set aside.
 _NAMED = re.compile(r'.+\.journal(\.[0-9]+)?')
 _HEAD = struct.Struct('<IIc')
+_LENGTH = struct.Struct('<I')
 _SYNC_S = 1.0
 #: Records that wait for a disk that is full; older ones are given up.
 _MOST_WAITING = 16_000_000
 _RETRY_S = 1.0
 
-_Columns = TypeVar('_Columns', Pairs, Motion)
+_Columns = TypeVar('_Columns', Pairs, Motion, Headings)
 _TYPES = {'stamp_ns': '<i8', 'lag_ns': '<i8'}
 
 
@@ -81,8 +85,8 @@ class JournalContents(NamedTuple):
     sha256: str
 
 
-def encode_columns(rows: Pairs | Motion) -> bytes:
-    """Return pairs or motion as bytes; a column of one value throughout takes the place of one."""
+def encode_columns(rows: Pairs | Motion | Headings) -> bytes:
+    """Return rows as bytes; a column of one value throughout takes the place of one."""
     flags, parts = 0, []
     for at, name in enumerate(type(rows).__slots__):
         column = np.ascontiguousarray(getattr(rows, name), _TYPES.get(name, '<f8'))
@@ -95,7 +99,7 @@ def encode_columns(rows: Pairs | Motion) -> bytes:
 
 def decode_columns(data: bytes, kind: type[_Columns]) -> _Columns:
     """
-    Return the pairs or the motion in bytes of `encode_columns`, to the bit.
+    Return the rows in bytes of `encode_columns`, to the bit.
 
     Raises
     ------
@@ -114,6 +118,19 @@ def decode_columns(data: bytes, kind: type[_Columns]) -> _Columns:
         columns.append(column if count == n else np.full(n, column[0]))
         at += 8 * count
     return kind(*columns)
+
+
+def join_parts(plain: Any, data: bytes) -> bytes:
+    """Return the bytes of a record: a value that JSON can hold, and what follows it."""
+    text = json.dumps(plain, separators=(',', ':')).encode()
+    return _LENGTH.pack(len(text)) + text + data
+
+
+def split_parts(data: bytes) -> tuple[Any, bytes]:
+    """Return the two parts of `join_parts`; ValueError or struct.error for other bytes."""
+    size, = _LENGTH.unpack_from(data)
+    at = _LENGTH.size + size
+    return json.loads(data[_LENGTH.size:at]), data[at:]
 
 
 def _pack(record: Record) -> bytes:
@@ -169,17 +186,22 @@ def read_journal(path: Path, most_bytes: int = -1) -> JournalContents:
     if not data.startswith(_MAGIC):
         if data.startswith(_KIND):
             version = data[len(_KIND):].partition(b'\n')[0][:20].decode('ascii', 'replace').strip()
-            raise BagError(f'is a journal of version {version}, must be 1', path)
+            raise BagError(f'is a journal of version {version}, must be 3', path)
         raise BagError('is not a journal', path)
-    records, at = [], len(_MAGIC)
-    while at + _HEAD.size <= len(data):
-        size, checksum, kind = _HEAD.unpack_from(data, at)
-        body = data[at + _HEAD.size:at + _HEAD.size + size]
-        if len(body) < size or zlib.crc32(kind + body) != checksum:
-            break
-        records.append(Record(kind, body))
-        at += _HEAD.size + size
+    records = [*iterate_records(io.BytesIO(data))]
+    at = len(_MAGIC) + sum(_HEAD.size + len(record.data) for record in records)
     return JournalContents(records, at, len(data) - at, hashlib.sha256(data).hexdigest())
+
+
+def iterate_records(file: BinaryIO) -> Iterator[Record]:
+    """Yield the whole records of a journal from its beginning, up to one that was cut."""
+    file.seek(len(_MAGIC))
+    while len(head := file.read(_HEAD.size)) == _HEAD.size:
+        size, checksum, kind = _HEAD.unpack(head)
+        body = file.read(size)
+        if len(body) < size or zlib.crc32(kind + body) != checksum:
+            return
+        yield Record(kind, body)
 
 
 class Journal:
@@ -223,6 +245,11 @@ class Journal:
             self._add(_MAGIC + _pack(head))
         else:
             os.ftruncate(self._file, size)
+
+    @property
+    def size(self) -> int:
+        """Return the number of bytes that are written."""
+        return self._size
 
     @staticmethod
     def _open(path: Path) -> int:
@@ -304,13 +331,15 @@ class Journal:
             The caller's steady clock, seconds.
 
         """
-        data = _MAGIC + b''.join(map(_pack, records))
+        size = 0
         draft = self.path.with_name(f'{self.path.name}.part')
         descriptor = -1
         try:
             descriptor = self._open(draft)
             os.ftruncate(descriptor, 0)
-            _write_all(descriptor, data, 0)
+            for data in chain([_MAGIC], map(_pack, records)):
+                _write_all(descriptor, data, size)
+                size += len(data)
             os.fsync(descriptor)
             os.replace(draft, self.path)
         except OSError as error:
@@ -322,7 +351,7 @@ class Journal:
             return
         if self._file >= 0:
             os.close(self._file)
-        self._file, self._size = descriptor, len(data)
+        self._file, self._size = descriptor, size
         self._waiting.clear()
         self._n_waiting = 0
         self.fault = ''

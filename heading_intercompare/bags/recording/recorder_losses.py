@@ -96,14 +96,14 @@ class PublishedHeadings:
             by then; and those after the last one heard.
 
         """
-        taken = [span for spans in self._newest.values() for span in spans.get(stream, ())]
+        judged = [span for spans in self._newest.values() for span in spans.get(stream, ())]
         publishers = {span.publisher for span in heard}
         gone = [span for span in self._at_first.get(stream, ())
                 if span.publisher and span.publisher not in publishers]
         earlier = [Span(span.publisher, 1, span.first - 1) for span in heard] + gone
         to_the_last = [Span(span.publisher, 1, span.last) for span in heard]
-        return (count_unknown(taken, heard) - count_unknown(taken, [*heard, *earlier]),
-                count_unknown(taken, [*to_the_last, *gone]))
+        return (count_unknown(judged, heard) - count_unknown(judged, [*heard, *earlier]),
+                count_unknown(judged, [*to_the_last, *gone]))
 
 
 class BagLosses:

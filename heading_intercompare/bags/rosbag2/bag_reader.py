@@ -28,6 +28,7 @@ from typing import Callable, Iterable, Iterator, Mapping, NamedTuple, Sequence
 import weakref
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.mcap_file import NeverBegun, Part
@@ -62,16 +63,16 @@ from heading_intercompare.bags.parallel.reading_order import (
     read_by_time,
     rises_by_time,
 )
-from heading_intercompare.core.records import Headings, Losses
+from heading_intercompare.core.records import Headings, Integers, Losses
 from heading_intercompare.messages.fields import full_name
 from heading_intercompare.messages.heading_messages import HEADING_TYPES
 
 from .bag_files import find_files
 from .bag_yaml import Qos
 from .provenance import RECORD
-from .publisher_starts import make_finder, read_starts
+from .publisher_starts import KnownStarts, read_starts
 from .sequence_gaps import Numbering
-from .topic_names import clean_namespace, find_topic, list_topics, read_namespace
+from .topic_names import clean_namespace, find_topic, list_topics, locate_in, read_namespace
 
 #: Records of the programs that keep the numbers of the publishers. Others may number the messages
 #: of all topics together, or in any other way.
@@ -154,26 +155,30 @@ def _open_files(path: Path, oddities: list[str],
     return parts, absent
 
 
-class _Numbers(NamedTuple):
+class TopicNumbers(NamedTuple):
     """The numbers of a topic so far, and who is known to begin with a message."""
 
     numbering: Numbering
-    find_new: Callable[[int, int], str | None]
+    starts: KnownStarts
+
+    def find_gaps(self, sequence: ArrayLike, stamp_ns: Integers) -> Iterator[tuple[str, Losses]]:
+        """Take the next numbers and stamps; yield what they lack, each as one of `LOST_AS`."""
+        losses = self.starts.find_gaps(self.numbering, sequence, stamp_ns)
+        for lost_as, gaps in (('lost.before_start', self.numbering.take_before()),
+                              ('lost.on_the_way', losses)):
+            if len(gaps):
+                yield lost_as, gaps
 
 
 def _find_gaps(by_kind: Sequence[Found],
-               numbers: Sequence[_Numbers]) -> Iterator[tuple[int, str, Losses]]:
+               numbers: Sequence[TopicNumbers]) -> Iterator[tuple[int, str, Losses]]:
     """Yield what the numbers of a block lack: the index of the topic, one of `LOST_AS`, gaps."""
     for readings in by_kind:
         for place in np.flatnonzero(np.bincount(readings.place)).tolist():
             mine = np.flatnonzero(readings.place == place)
-            numbering, find_new = numbers[place]
-            losses = numbering.take(readings.sequence[mine], readings.headings.stamp_ns[mine],
-                                    find_new)
-            for lost_as, gaps in (('lost.before_start', numbering.take_before()),
-                                  ('lost.on_the_way', losses)):
-                if len(gaps):
-                    yield place, lost_as, gaps
+            for lost_as, gaps in numbers[place].find_gaps(
+                    readings.sequence[mine], readings.headings.stamp_ns[mine]):
+                yield place, lost_as, gaps
 
 
 class BagReader:
@@ -307,17 +312,22 @@ class BagReader:
 
         """
         for topic, convention in conventions.items():
-            self._check_heading(self.resolve(topic))
+            name = self.resolve(topic)
+            self.check_heading(name)
+            if part := locate_in(name, topic).part:
+                raise BagError(f'topic {name}: {part!r} of its messages cannot be read here; '
+                               'analyze reads it', self.path)
             if convention not in ('enu', 'ned'):
                 raise BagError(f"convention of topic {topic} = {convention!r}: use 'enu' or "
                                "'ned'", self.path)
         return self._headings(conventions, helpers, lost)
 
-    def _check_heading(self, topic: str) -> None:
+    def check_heading(self, topic: str, types: Sequence[str] = HEADING_TYPES) -> None:
+        """Raise BagError unless a topic of the bag has one of some types, with its layout."""
         kind = self.topics[topic].type_name
-        if kind not in HEADING_TYPES:
+        if kind not in types:
             raise BagError(f'topic {topic} is {kind or "without a schema"}; a heading is '
-                           f'{", ".join(HEADING_TYPES)}', self.path)
+                           f'{", ".join(types)}', self.path)
         problems = {(part.path, find_channel_problem(part, number, kind)) for part in self._parts
                     for number, channel in part.channels.items() if channel.topic == topic}
         # The messages of one odd channel among others are unreadable readings.
@@ -334,11 +344,7 @@ class BagReader:
         helpers = helpers if can_fork() else 0
         numbers = None
         if lost is not None and self.keeps_numbers():
-            starts = read_starts(self)
-            self._numberings = {topic: deepcopy(self._earlier.get(topic)) or Numbering()
-                                for topic in once}
-            numbers = [_Numbers(self._numberings[topic], make_finder(starts.get(topic[0], ())))
-                       for topic in once]
+            numbers = self.begin_numbers(once)
         minutes = self._minutes(once, helpers, numbers)
         # Without helpers, decode ahead in a prefetch thread.
         for minute, gaps in minutes if helpers else run_ahead(minutes):
@@ -349,6 +355,14 @@ class BagReader:
                                   if topic == once[place]):
                         lost(asked, lost_as, losses)
             yield {asked: by_topic[topic] for asked, topic in topics.items()}
+
+    def begin_numbers(self, topics: Sequence[tuple[str, str]]) -> list[TopicNumbers]:
+        """Return the numbers of topics, each given with how it is read, before the first one."""
+        starts = read_starts(self)
+        self._numberings = {topic: deepcopy(self._earlier.get(topic)) or Numbering()
+                            for topic in topics}
+        return [TopicNumbers(self._numberings[topic], KnownStarts(starts.get(topic[0], ())))
+                for topic in topics]
 
     def go_on_from(self, before: 'BagReader') -> None:
         """Count what is missing from the last numbers of an earlier part, which was read."""
@@ -363,7 +377,7 @@ class BagReader:
             return False
 
     def _minutes(self, topics: Sequence[tuple[str, str]], helpers: int,
-                 numbers: Sequence[_Numbers] | None,
+                 numbers: Sequence[TopicNumbers] | None,
                  ) -> Iterator[tuple[list[Headings], list[tuple[int, str, Losses]]]]:
         """Yield the headings minute by minute, with the gaps found among their numbers."""
         window = Window(len(topics))

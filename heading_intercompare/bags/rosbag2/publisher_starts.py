@@ -22,9 +22,14 @@ from __future__ import annotations
 
 from typing import Callable, Iterable, Mapping, NamedTuple
 
+import numpy as np
+from numpy.typing import ArrayLike
+
 from heading_intercompare.bags.errors import decimal
+from heading_intercompare.core.records import Losses
 
 from .readable import Readable
+from .sequence_gaps import Numbering
 
 _PUBLISHER = 'publisher.'
 #: More than this are restarts without an end; those that follow are told by their numbers alone.
@@ -84,7 +89,24 @@ def read_starts(bag: Readable) -> dict[str, list[PublisherStart]]:
     return starts
 
 
-def make_finder(starts: Iterable[PublisherStart]) -> Callable[[int, int], str | None]:
-    """Return who begins with the message of a number and a stamp, for `Numbering.take`."""
-    by_message = {(start.number % 2**32, start.stamp_ns): start.publisher for start in starts}
-    return lambda number, stamp_ns: by_message.get((number, stamp_ns))
+class KnownStarts:
+    """The starts of publishers on a topic, by the first message of each."""
+
+    def __init__(self, starts: Iterable[PublisherStart] = ()) -> None:
+        self._publishers: dict[tuple[int, int], str] = {}
+        self._stamps = np.empty(0, np.int64)
+        self.add(starts)
+
+    def add(self, starts: Iterable[PublisherStart]) -> None:
+        """Add further starts."""
+        self._publishers |= {(start.number % 2**32, start.stamp_ns): start.publisher
+                             for start in starts}
+        self._stamps = np.array([stamp_ns for _, stamp_ns in self._publishers], np.int64)
+
+    def find_gaps(self, numbering: Numbering, numbers: ArrayLike, stamp_ns: ArrayLike) -> Losses:
+        """Let a numbering take the next numbers and stamps; return the gaps."""
+        begins = np.flatnonzero(np.isin(np.asarray(stamp_ns), self._stamps)).tolist()
+        return numbering.take(numbers, stamp_ns, self._find_new, begins)
+
+    def _find_new(self, number: int, stamp_ns: int) -> str | None:
+        return self._publishers.get((number, stamp_ns))

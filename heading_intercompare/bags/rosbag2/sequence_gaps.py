@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass, field
-from typing import Callable, NamedTuple, TypeGuard
+from typing import Callable, Iterable, NamedTuple, Sequence, TypeGuard
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -108,10 +108,13 @@ class Numbering:
     _losses: list[tuple[int, int, int]] = field(default_factory=list)
 
     @classmethod
-    def go_on(cls, first: int, newest: int, missing: int, publisher: str = '') -> 'Numbering':
-        """Return a numbering of one publisher that goes on from an earlier `summary`."""
-        numbering = cls(numbered=True, missing=missing, restarts=0, first=first)
-        numbering._add(_Publisher(publisher, first, _Message(newest, 0)))
+    def go_on(cls, spans: Iterable[Span], missing: int = 0) -> 'Numbering':
+        """Return a numbering that goes on after these numbers, of which some are missing."""
+        numbering = cls(missing=missing)
+        for span in spans:
+            numbering.numbered = True
+            numbering.first = span.first if numbering.first is None else numbering.first
+            numbering._add(_Publisher(span.publisher, span.first, _Message(span.last, 0)))
         return numbering
 
     @property
@@ -137,7 +140,8 @@ class Numbering:
             self._newest[-1].name = publisher
 
     def take(self, numbers: ArrayLike, stamp_ns: ArrayLike | None = None,
-             find_new: Callable[[int, int], str | None] = _nobody) -> Losses:
+             find_new: Callable[[int, int], str | None] = _nobody,
+             begins: Sequence[int] = ()) -> Losses:
         """
         Take the numbers of the next messages; only their lowest 32 bits count.
 
@@ -151,6 +155,9 @@ class Numbering:
             Called with number and stamp of a message that does not follow the last one. Returns
             the publisher that it is the first message of, '' if that is unknown; None if it is not
             known to be the first of any.
+        begins
+            Which of the messages, counted from 0 and rising, may be the first of a publisher even
+            where their numbers follow the last one: `find_new` is asked about them, too.
 
         Returns
         -------
@@ -159,7 +166,7 @@ class Numbering:
             are the same however the messages are cut into chunks.
 
         """
-        if self._goes_on(numbers):
+        if not begins and self._goes_on(numbers):
             stamp = 0 if stamp_ns is None else int(np.asarray(stamp_ns)[-1])
             self._newest[-1].newest = _Message(numbers[-1], stamp)
             return _NOTHING
@@ -167,8 +174,9 @@ class Numbering:
         stamps = (np.zeros(len(numbers), np.int64) if stamp_ns is None
                   else np.asarray(stamp_ns, np.int64))
         if not self.numbered:
-            begin = int(np.argmax(numbers > 0)) if numbers.any() else len(numbers)
-            numbers, stamps = numbers[begin:], stamps[begin:]
+            zeros = int(np.argmax(numbers > 0)) if numbers.any() else len(numbers)
+            numbers, stamps = numbers[zeros:], stamps[zeros:]
+            begins = [at - zeros for at in begins]
         if not len(numbers):
             return _NOTHING
         if self.first is None:
@@ -177,11 +185,13 @@ class Numbering:
             self._begun_ns = first.stamp_ns
             self._add(_Publisher(find_new(*first) or '', first.number, first))
             numbers, stamps = numbers[1:], stamps[1:]
+            begins = [at - 1 for at in begins]
         # Numbers that follow each other are those of one publisher; only its first one decides.
         breaks = np.flatnonzero(np.diff(numbers).view(np.int32) != 1) + 1
-        for lo, hi in zip([0, *breaks.tolist()], [*breaks.tolist(), len(numbers)]):
+        cuts = sorted({0, *breaks.tolist(), *(at for at in begins if at > 0)})
+        for lo, hi in zip(cuts, [*cuts[1:], len(numbers)]):
             if lo < hi:
-                self._take(_Message(int(numbers[lo]), int(stamps[lo])), find_new)
+                self._take(_Message(int(numbers[lo]), int(stamps[lo])), find_new, lo in begins)
                 if hi - lo > 1:
                     self._extend(numbers[lo:hi], stamps[lo:hi], find_new)
         losses, self._losses = self._losses, []
@@ -221,12 +231,13 @@ class Numbering:
         after = self._newest[-1].newest.number + 1
         return numbers == [*range(after, after + len(numbers))]
 
-    def _take(self, message: _Message, find_new: Callable[[int, int], str | None]) -> None:
+    def _take(self, message: _Message, find_new: Callable[[int, int], str | None],
+              begins: bool = False) -> None:
         # Of several that it follows as closely, the one heard last.
         steps = [(step, -at) for at, publisher in enumerate(self._newest)
                  if (step := _beyond(message.number, publisher.newest.number)) > 0]
         at = -min(steps)[1] if steps else -1
-        if steps and min(steps)[0] == 1 and at == len(self._newest) - 1:
+        if steps and min(steps)[0] == 1 and at == len(self._newest) - 1 and not begins:
             self._hear(at, message)
             return
         name = find_new(*message)

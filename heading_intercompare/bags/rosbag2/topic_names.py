@@ -24,6 +24,8 @@ from __future__ import annotations
 
 from typing import Collection, Mapping, Protocol
 
+from heading_intercompare.messages.heading_places import HeadingPlace, locate_headings
+
 from .provenance import NAMESPACE, RECORD
 
 _MOST_NAMED = 20
@@ -64,7 +66,8 @@ def find_topic(present: Collection[str], topic: str, namespace: str = '') -> str
     present
         The topics of the recording, with or without a leading slash.
     topic
-        Its name in the settings: absolute with a leading slash, or within the namespace.
+        Its name in the settings: absolute with a leading slash, or within the namespace; what to
+        take from its messages may follow (`locate_headings`).
     namespace
         '' or a name with a leading slash.
 
@@ -76,8 +79,37 @@ def find_topic(present: Collection[str], topic: str, namespace: str = '') -> str
     '/gyro'
 
     """
-    full = topic if topic.startswith('/') else f'{namespace}/{topic}'
-    return next((name for name in (full, full.removeprefix('/')) if name in present), None)
+    for name in dict.fromkeys((topic, locate_headings(topic).topic)):
+        full = name if name.startswith('/') else f'{namespace}/{name}'
+        for in_bag in (full, full.removeprefix('/')):
+            if in_bag in present:
+                return in_bag
+    return None
+
+
+def locate_in(name: str, topic: str) -> HeadingPlace:
+    """
+    Return where the headings of a topic are in a recording.
+
+    Parameters
+    ----------
+    name
+        The name that the topic has there, from `find_topic`.
+    topic
+        Its name in the settings.
+
+    Examples
+    --------
+    >>> locate_in('/gps/attitude', 'gps/attitude.heading').part
+    'heading'
+    >>> locate_in('vessel.heading', 'vessel.heading').part
+    ''
+
+    """
+    place = locate_headings(topic)
+    # Other programs may give names with dots.
+    is_whole = f'/{name}'.endswith(f'/{topic.lstrip("/")}')
+    return HeadingPlace(name, '' if is_whole else place.part, place.unit)
 
 
 def find_elsewhere(present: Collection[str], topic: str, namespace: str = '') -> list[str]:

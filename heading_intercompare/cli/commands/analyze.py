@@ -43,11 +43,8 @@ from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.declared_settings import from_mapping
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.sensor_table import read_sensors
-from heading_intercompare.core.sensors.pair_settings import (
-    check_norms,
-    pair_with_reference,
-    settings_of_pair,
-)
+from heading_intercompare.core.sensors.compared_sensors import pair_with_reference
+from heading_intercompare.core.sensors.pair_settings import check_norms, settings_of_pair
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.validity.condition import is_doubtful

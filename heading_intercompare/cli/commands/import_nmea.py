@@ -35,7 +35,7 @@ from heading_intercompare.cli.terminal.console import say_lines
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.records import Headings, Integers, Motion
 from heading_intercompare.core.sensor_table import read_sensors, Sensor
-from heading_intercompare.core.sensors.pair_settings import list_sensors
+from heading_intercompare.core.sensors.compared_sensors import list_sensors
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.messages.heading_messages import encode_imu, IMU

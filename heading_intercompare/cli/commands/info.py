@@ -119,17 +119,23 @@ def _show_journal(arguments: argparse.Namespace) -> int:
         read_origin,
         Unjudged,
     )
+    from heading_intercompare.core.sensors.pair_names import list_names, TWO
     path = Path(arguments.bag)
     if arguments.extract is not None:
         raise ValueError(f'--extract {arguments.extract}: {path} is a journal, which has no '
                          'attachments; leave it out')
     contents = read_journal(path)
-    origin, reader = read_origin(contents, path), JournalReader(path)
-    state, trial = reader.read(contents, Unjudged()), reader.kept
+    origin = read_origin(contents, path)
+    reader = JournalReader(path, origin.names)
+    titles = {name: name.upper() if name in TWO else name for name in list_names(origin.names)}
+    judged, trial = reader.read(contents, [Unjudged() for _ in origin.names]), reader.kept
     lines = [f'journal: {path}', f'software: {RECORD} {origin.software}',
              f'begun: {utc(origin.began_ns)} UTC', f'bag: {origin.bag or "-"}',
              f'span: {utc(trial.start_ns)} to {utc(trial.newest_ns)} UTC, {trial.n_pairs} pairs',
-             f'runs judged before: {0 if state is None else state.n_judged}',
+             *(['readings after these pairs: ' + ', '.join(
+                 f'{trial.n_readings[name]} {title}' for name, title in titles.items())]
+               if origin.holds_readings else []),
+             f'runs judged before: {judged}',
              'marks:', *(f'  {utc(ns)} UTC  {kind}'
                          for kind, ns in sorted(trial.marks, key=lambda mark: mark[1])),
              'missing:', *(f'  {gap}' for gap in describe_gaps(trial, contents.torn)),

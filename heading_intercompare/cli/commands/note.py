@@ -61,7 +61,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Publish a note, and confirm it once a recorder has received it."""
     text = _check('TEXT', ' '.join(arguments.text).strip())
-    from heading_intercompare.nodes.runtime.note_publisher import publish_note
+    from heading_intercompare.nodes.sending.note_publisher import publish_note
 
     publish_note(text, arguments.namespace)
     say_lines([f'noted: {text}'])

@@ -28,7 +28,7 @@ from heading_intercompare.core.conditions.standstill import (
     find_coarse_resolution,
     find_frozen,
 )
-from heading_intercompare.core.decision.criteria import Limits
+from heading_intercompare.core.decision.criteria import require_norms
 from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.records import Pairs, Reals
 from heading_intercompare.core.runs.run_series import RunSeries
@@ -118,7 +118,7 @@ class ComparisonWatch:
 
     def __init__(self, settings: Settings) -> None:
         self._settings = settings
-        self._limits = Limits.of(settings.norms, settings.model)
+        self._ts_norm_deg, self._rs_norm_deg = require_norms(settings.norms, settings.model)
         # The window as a run: all of it, with no looks and nothing left out.
         self._as_run = replace(
             settings, exclusions=None, runs=replace(settings.runs, stabilization_s=0.0),
@@ -177,10 +177,8 @@ class ComparisonWatch:
             # In a short window a coarse sensor has changed too seldom to show its step.
             self._step_deg = max(find_coarse_resolution(h) or 0.0 for h in (ts, window.rs_deg))
         self._repeats = False
-        signs = {'ts_frozen': self._look_frozen('TS', ts, window.rs_deg,
-                                                self._limits.sigma_ref_max_deg),
-                 'rs_frozen': self._look_frozen('RS', window.rs_deg, ts,
-                                                self._limits.sigma_max_deg)}
+        signs = {'ts_frozen': self._look_frozen('TS', ts, window.rs_deg, self._rs_norm_deg),
+                 'rs_frozen': self._look_frozen('RS', window.rs_deg, ts, self._ts_norm_deg)}
         if self._remember(signs):
             signs |= {'rotated': Sign(False), 'mirrored': Sign(None)}
         else:

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections import deque
 from dataclasses import dataclass, field
-from typing import Collection, Mapping
+from typing import Mapping
 
 import numpy as np
 
@@ -62,7 +62,7 @@ class Beat:
     Attributes
     ----------
     name
-        The node, after the name of its sensor if it has one: ``gyro1/compliance``.
+        The node.
     priority
         Of the alarm when the node falls silent.
     within_s
@@ -83,11 +83,6 @@ class Beat:
     ending: bool = False
     troubles: Mapping[str, str] = field(default_factory=dict)
 
-    @property
-    def place(self) -> str:
-        """Return the sensor that the node belongs to; '' for nodes of the whole graph."""
-        return self.name.rpartition('/')[0]
-
 
 class GraphWatch:
     """
@@ -97,8 +92,6 @@ class GraphWatch:
     ----------
     name
         The node that watches; it is not watched.
-    places
-        Sensors whose nodes are watched; '' stands for the nodes of the whole graph.
     keepers_only
         Watch only the nodes that keep the alarms, and not their troubles.
 
@@ -109,15 +102,14 @@ class GraphWatch:
 
     """
 
-    def __init__(self, name: str, places: Collection[str] = ('',), *,
-                 keepers_only: bool = False) -> None:
-        self._name, self._places, self._keepers_only = name, places, keepers_only
+    def __init__(self, name: str, *, keepers_only: bool = False) -> None:
+        self._name, self._keepers_only = name, keepers_only
         self._beats: dict[str, tuple[Beat, float]] = {}
         self._intervals: deque[float] = deque(maxlen=_KEPT)
 
     def take(self, beat: Beat, now_s: float) -> Rule | None:
         """Take a heartbeat at a time of a steady clock; return the alarm of a node that is new."""
-        if beat.place not in self._places or self._keepers_only and not beat.keeper:
+        if self._keepers_only and not beat.keeper:
             return None
         newcomer = beat.name not in self._beats
         if newcomer and len(self._beats) >= _MOST:

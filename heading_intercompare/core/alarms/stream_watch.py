@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Whether both streams keep coming, and whether one clock steps against the other."""
+"""Whether both streams keep coming in time, and whether one clock steps against the other."""
 
 from __future__ import annotations
 
@@ -20,10 +20,11 @@ from collections import deque
 from statistics import median
 from typing import Sequence
 
-from .alarm import Rule, Sign
+from .alarm import Priority, Rule, Sign
 
 STREAM_RULES = (Rule('ts_silent', clear_s=2.0), Rule('rs_silent', clear_s=2.0),
-                Rule('clock_step', clear_s=3.0))
+                Rule('clock_step', clear_s=3.0),
+                Rule('overload', Priority.CAUTION, clear_s=3.0))
 """The alarms of the synchronizer."""
 
 # Looks kept for the usual offset, and the least number of them before a step can be seen.
@@ -45,7 +46,8 @@ class StreamWatch:
     stale_s
         A silence longer than this, and than three usual steps, is a condition, seconds.
     apart_s
-        Stamps further apart than this cannot be paired, seconds: `pairing.max_wait_s`.
+        From the start, stamps further apart than this are those of two clocks; later, of a sensor
+        that lags, seconds: `pairing.max_wait_s`.
 
     Notes
     -----
@@ -58,8 +60,12 @@ class StreamWatch:
     stamps go on in usual steps, though. So at least half of the change must show as a step of the
     stamps beyond the usual one of each reading.
 
-    Stamps far apart give no pairs, and a recording has no times of arrival. So no detector of the
-    verdict can do this.
+    If such readings keep coming and lag those of the other sensor by more than `apart_s`, their
+    driver or this computer is overloaded. A sensor that lags so from the start cannot be told from
+    one with another clock.
+
+    Stamps far apart give pairs late or never, and a recording has no times of arrival. So no
+    detector of the verdict can do this.
 
     """
 
@@ -109,10 +115,19 @@ class StreamWatch:
         ts_ns, rs_ns = heard_ns
         before_s, self._look_s = self._look_s, now_s
         if ts_ns is None or rs_ns is None or not min(come) or before_s is None:
-            signs['clock_step'] = Sign(None)
-            return signs
+            return signs | {'clock_step': Sign(None), 'overload': Sign(None)}
         signs['clock_step'] = self._judge_offset([ts_ns, rs_ns], come, max(now_s - before_s, 0.1))
+        signs['overload'] = self._judge_lag((ts_ns - rs_ns) / 1e9)
         return signs
+
+    def _judge_lag(self, offset_s: float) -> Sign:
+        """Tell whether one sensor lags, once it is clear that no clock has stepped."""
+        if self._stepped or 0 < self._odd < _TWICE or not self._speeds:
+            return Sign(None)
+        late, early = ('RS', 'TS') if offset_s > 0.0 else ('TS', 'RS')
+        return Sign(abs(offset_s) > self._apart_s * max(1.0, median(self._speeds)),
+                    f'overload: the readings of the {late} lag those of the {early} by '
+                    f'{abs(offset_s):.1f} s; these wait for them', {'lag_s': abs(offset_s)})
 
     def _judge_silence(self, name: str, at: int, now_s: float) -> Sign:
         heard_s = self._heard_s[at]

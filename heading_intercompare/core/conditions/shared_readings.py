@@ -27,8 +27,8 @@ from functools import lru_cache
 import zlib
 
 import numpy as np
-import scipy
 
+from heading_intercompare.core import lazy_scipy as scipy
 from heading_intercompare.core.angles import unwrap_deg
 from heading_intercompare.core.records import Integers, Reals
 

@@ -90,6 +90,20 @@ def _require(name: str, value: float | None) -> float:
     return value
 
 
+def require_norms(norms: Norms, model: str) -> tuple[float, float]:
+    """
+    Return the norms that every verdict needs; SettingsError if one is missing.
+
+    Returns
+    -------
+    sigma_max_deg, sigma_ref_max_deg : float
+        Of the TS and of the RS, degrees.
+
+    """
+    return (_require('sigma_max_deg', sigma_max_deg(norms, model)),
+            _require('sigma_ref_max_deg', norms.sigma_ref_max_deg))
+
+
 @dataclass(frozen=True, slots=True)
 class Limits:
     """
@@ -216,8 +230,7 @@ class Limits:
         GK (5), (5'), (*), (**).
 
         """
-        sigma_max = _require('sigma_max_deg', sigma_max_deg(norms, model))
-        sigma_ref_max = _require('sigma_ref_max_deg', norms.sigma_ref_max_deg)
+        sigma_max, sigma_ref_max = require_norms(norms, model)
         low, up = norms.m_low, norms.m_up
         if norms.sigma_ref_deg is not None and sigma_ref_max > 0.0:
             low = up = norms.sigma_ref_deg / sigma_ref_max

@@ -27,12 +27,12 @@ from typing import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike
-import scipy
 
+from heading_intercompare.core import lazy_scipy as scipy
 from heading_intercompare.core.records import Reals
+from heading_intercompare.core.statistics.quadrature import gauss_legendre
 
 _SQRT3 = math.sqrt(3.0)
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(40)
 _NEGLIGIBLE = 1e-150
 
 
@@ -92,7 +92,8 @@ def _mixed_tail(normal: float, uniform: float, k: Reals) -> Reals:
         return np.maximum(0.0, 1.0 - k / w)
     h, z = w / normal, k / normal
     if h < 2.0:
-        mean: Reals = scipy.special.ndtr(-(z[..., np.newaxis] + h * _NODES)) @ _WEIGHTS
+        nodes, weights = gauss_legendre(40)
+        mean: Reals = scipy.special.ndtr(-(z[..., np.newaxis] + h * nodes)) @ weights
         return mean
     return (_partial_expectation(z - h) - _partial_expectation(z + h)) / h
 

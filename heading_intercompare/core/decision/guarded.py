@@ -19,8 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 import math
 
-import scipy
-
+from heading_intercompare.core import lazy_scipy as scipy
 from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import Risk

@@ -28,8 +28,8 @@ import math
 from typing import Callable, Iterable, Sequence, TypeAlias, TypeVar
 
 import numpy as np
-import scipy
 
+from heading_intercompare.core import lazy_scipy as scipy
 from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.records import Reals

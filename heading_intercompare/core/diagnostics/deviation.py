@@ -22,8 +22,8 @@ from typing import Iterator
 
 import numpy as np
 from numpy.typing import ArrayLike
-import scipy
 
+from heading_intercompare.core import lazy_scipy as scipy
 from heading_intercompare.core.angles import unwrap_deg, wrap360
 from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.records import Reals

@@ -283,15 +283,20 @@ class RunColumns:
         return find_partings(self.stamp_ns, self.x_deg,
                              math.sqrt(self.limits.rejection_limit_deg2))
 
-    @cached_property
+    @property
     def at_one_time(self) -> 'RunColumns':
         """
         Return the pairs with clocks that lie apart set right; otherwise these columns.
 
         Read minutes apart, sound sensors seem to turn against each other, or to be frozen.
         """
+        return self._moved or self
+
+    @cached_property
+    def _moved(self) -> 'RunColumns | None':
+        # Columns that held themselves would stay until the collector of garbage comes.
         apart_s = self.skew.apart_s
         if apart_s is None:
-            return self
+            return None
         return RunColumns(*move_pairs(self.stamp_ns, self.x_deg, self.rs_deg, apart_s),
                           self.settings, self.limits, interpolates_ts=self.interpolates_ts)

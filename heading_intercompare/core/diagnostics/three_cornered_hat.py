@@ -22,8 +22,8 @@ from typing import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
-import scipy
 
+from heading_intercompare.core import lazy_scipy as scipy
 from heading_intercompare.core.angles import wrap180
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.statistics.blocking import block_size, student_95, sum_covariance

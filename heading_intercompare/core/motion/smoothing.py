@@ -20,9 +20,10 @@ from dataclasses import dataclass
 import math
 
 import numpy as np
-import scipy
 
+from heading_intercompare.core import lazy_scipy as scipy
 from heading_intercompare.core.records import Reals
+from heading_intercompare.core.statistics.quadrature import gauss_legendre
 
 _KNOTS_A_PERIOD = 8
 #: Pieces of the quintic B-spline over one knot interval: coefficients of 1, u, ... u^5.
@@ -231,7 +232,7 @@ def _weigh(t_s: Reals) -> Reals:
 def _find_penalty(angle_rad: float) -> float:
     """Return the penalty that halves an oscillation with this angle from knot to knot."""
     # Integrals of products of two B-splines, by quadrature that is exact for polynomials.
-    nodes, share = np.polynomial.legendre.leggauss(_BANDS)
+    nodes, share = gauss_legendre(_BANDS)
     values = ((nodes[:, np.newaxis] + 1.0) / 2.0) ** np.arange(_BANDS) @ _PIECES.T
     gram = sum(
         0.5 * float(np.sum(share * values[:, i] * values[:, j])) * math.cos((i - j) * angle_rad)

@@ -21,8 +21,8 @@ import math
 from typing import Any
 
 import numpy as np
-import scipy
 
+from heading_intercompare.core import lazy_scipy as scipy
 from heading_intercompare.core.angles import wrap180
 from heading_intercompare.core.decision.coverage import slowest_error_s
 from heading_intercompare.core.decision.norm_presets import sigma_max_deg, systematic_max_deg

@@ -241,10 +241,10 @@ class LedgerSegment:
         """Turn strings into keys."""
         object.__setattr__(self, 'counts', {LedgerKey(k): n for k, n in self.counts.items()})
 
-    def with_counts_of(self, other: LedgerSegment) -> LedgerSegment:
+    def with_counts_of(self, segment: LedgerSegment) -> LedgerSegment:
         """Return the counts of both, from the start of this one."""
-        return replace(self, counts=Counter(self.counts) + Counter(other.counts),
-                       set_backs=(*(self.set_backs or ()), *(other.set_backs or ())))
+        return replace(self, counts=Counter(self.counts) + Counter(segment.counts),
+                       set_backs=(*(self.set_backs or ()), *(segment.set_backs or ())))
 
     def received(self, stream: str) -> int:
         """Return how many readings of ``'ts'`` or ``'rs'`` came, whatever became of them."""
@@ -523,14 +523,18 @@ class Ledger:
     @property
     def total(self) -> LedgerSegment:
         """Return the counts of all segments together; no reading is divided among them."""
-        total: Counter[LedgerKey] = Counter()
-        for ledger in self.clock_segments:
-            total.update(ledger.clock_segment_total.counts)
-        return LedgerSegment(None, dict(sorted(total.items())))
+        total = self._count_own()
+        for earlier in self.closed:
+            total.update(earlier._count_own())
+        return LedgerSegment(None, {key: n for key, n in sorted(total.items()) if n})
 
     @property
     def clock_segment_total(self) -> LedgerSegment:
         """Return the counts of this clock segment, and the clocks that were set back in it."""
+        return LedgerSegment(None, {key: n for key, n in sorted(self._count_own().items()) if n},
+                             tuple(self.set_backs))
+
+    def _count_own(self) -> Counter[LedgerKey]:
         total = self._pending.copy()
         for counts in self._counts:
             total.update(counts)
@@ -538,8 +542,7 @@ class Ledger:
             total[key] += sum(map(len, chunks))
         for key, gaps in self._gaps.items():
             total[key] += sum(int(n.sum()) for _, n in gaps)
-        return LedgerSegment(None, {key: n for key, n in sorted(total.items()) if n},
-                             tuple(self.set_backs))
+        return total
 
     @property
     def troubles(self) -> list[str]:

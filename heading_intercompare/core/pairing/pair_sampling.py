@@ -59,11 +59,6 @@ class PairSampler:
         self._open = pairs[last:]
         return _choose(pairs[:last])
 
-    @staticmethod
-    def end_ns(stamp_ns: int) -> int:
-        """Return the stamp at which the half second of a pair is over."""
-        return (stamp_ns // _STEP_NS + 1) * _STEP_NS
-
 
 def _choose(pairs: Pairs) -> Pairs:
     """Return the pair of each half second that interpolation changed least."""

@@ -21,7 +21,6 @@ ahead. Only the waiting limit of a live clock can change that, and its effects a
 
 from __future__ import annotations
 
-from functools import partial
 from typing import Callable, Sequence
 
 import numpy as np
@@ -103,32 +102,31 @@ class Pairer:
     def __init__(self, settings: Settings) -> None:
         rule = settings.pairing
         self.ledger, self.segment = Ledger(), 0
-        self._rule, self._skew_s = rule, settings.alignment.skew_s
-        self._skew_range_s = settings.alignment.skew_range_s
+        self._settings = settings
         self._method = rule.method
         self._max_gap_ns = _NO_LIMIT if rule.max_gap_s == 'auto' else round(
             rule.longest_gap_s * 1e9)
         self._is_line = rule.kernel == 'line'
         self._silence_steps = settings.detectors.silence_steps
+        self._jump_ns = round(rule.jump_s * 1e9)
         self._tolerance_ns = round(rule.tolerance_s * 1e9)
         self._max_wait_s = rule.max_wait_s
-        self._silent_wait_s = rule.longest_wait_s
+        self._longest_wait_s = rule.longest_wait_s
         self._max_wait_ns = round(rule.max_wait_s * 1e9)
         self._run_gap_ns = round(settings.runs.gap_s * 1e9)
         self._clock = settings.runs.clock_cuts()
-        self._horizon_ns = partial(settings.runs.horizon_ns, spans=_SPANS_KEPT)
         self._begin()
 
     def _begin(self) -> None:
         """Begin a clock segment."""
-        rule = self._rule
+        rule, alignment = self._settings.pairing, self._settings.alignment
         silence_ns = max(self._run_gap_ns, round(rule.longest_gap_s * 1e9))
         self._ts, self._rs = (
             Stream(name, round(skew_s * 1e9), rule.jump_s, self.ledger,
                    UsualSteps(silence_ns, round(rule.auto_s * 1e9)))
-            for name, skew_s in (('ts', self._skew_s), ('rs', 0.0)))
+            for name, skew_s in (('ts', alignment.skew_s), ('rs', 0.0)))
         self._direction = Direction(rule, self._run_gap_ns) if rule.method == 'auto' else None
-        self._sequences = SequenceMatch(self._skew_range_s)
+        self._sequences = SequenceMatch(alignment.skew_range_s)
         self._at, self._of = self._ts, self._rs
         if rule.method == 'interpolate_ts':
             self._at, self._of = self._rs, self._ts
@@ -147,10 +145,10 @@ class Pairer:
         ts, rs
             New readings, in order of arrival; n >= 0 of each.
         now_s
-            A steady clock, seconds. With it a reading waits for its partner until
-            `pairing.max_wait_s` has passed both by this clock and by the stamps of newer readings;
-            then it counts as unpaired or unused. While the other sensor is silent, and as long
-            again when it is back, a reading waits for `pairing.silent_wait_s`. While nothing
+            A steady clock, seconds. With it a reading waits for its partner until the longer of
+            `pairing.silent_wait_s` and `pairing.max_wait_s` has passed by this clock, and the
+            latter by the stamps of newer readings; then it counts as unpaired or unused. So it
+            waits for a sensor that is silent, and for one that lags, equally long. While nothing
             arrives, as in a paused replay, it keeps waiting. Without a clock, no reading expires.
 
         Returns
@@ -164,7 +162,7 @@ class Pairer:
         if not any(map(self._may_step_back, streams, headings)):
             return self._update(headings, now_s)
         parts = divide_by_arrival(
-            headings[0], headings[1], round(self._rule.jump_s * 1e9),
+            headings[0], headings[1], self._jump_ns,
             together=all(stream.last_ns != NEVER for stream in streams))
         return Pairs.concatenate([self._update(part, now_s) for part in parts])
 
@@ -172,7 +170,7 @@ class Pairer:
         came_s = np.nan if now_s is None else now_s
         for stream, chunk in zip((self._ts, self._rs), headings):
             if len(chunk):
-                self._note(stream, stream.take(chunk, came_s, self._max_wait_s))
+                self._note(stream, stream.take(chunk, came_s))
         pairs = self._decide(now_s)
         while self._may_open_segment(now_s):
             pairs += self._open_segment(came_s) + self._decide(now_s)
@@ -189,7 +187,7 @@ class Pairer:
 
     def _may_step_back(self, stream: Stream, headings: Headings) -> bool:
         """Tell whether the stamps of a long chunk go back by more than the bound of a jump."""
-        stamps, jump_ns = headings.stamp_ns, round(self._rule.jump_s * 1e9)
+        stamps, jump_ns = headings.stamp_ns, self._jump_ns
         return len(stamps) > _FEW and bool(
             (stamps[1:] - stamps[:-1]).min() < -jump_ns
             or stamps[0] - stream.shift_ns < stream.last_ns - jump_ns)
@@ -204,7 +202,11 @@ class Pairer:
         if now_s is None:
             return False
         self._set_back_s = now_s if self._set_back_s is None else self._set_back_s
-        return now_s > self._set_back_s + self._max_wait_s + _STEP_WAIT_S
+        # A sensor that is heard lags, and has not come as far.
+        lags = any(stream.set_back is None and stream.is_heard(now_s - self._max_wait_s)
+                   for stream in (self._ts, self._rs))
+        wait_s = self._longest_wait_s if lags else self._max_wait_s
+        return now_s > self._set_back_s + wait_s + _STEP_WAIT_S
 
     def _list_passed(self) -> list[Stream]:
         """Return the streams whose clock was set back while the other one went on."""
@@ -468,10 +470,9 @@ class Pairer:
                           2 * self._rs.steps.newest_ns)
         max_wait_s = max_wait_ns / 1e9
         before_ns = max(self._ts.last_ns, self._rs.last_ns) - max_wait_ns
+        before_s = now_s - max(self._longest_wait_s, max_wait_s)
         is_open = self._direction is not None and self._direction.interpolates_ts is None
         for stream, partner in ((self._ts, self._rs), (self._rs, self._ts)):
-            behind = partner.is_behind(now_s, max_wait_s)
-            before_s = now_s - (max(self._silent_wait_s, max_wait_s) if behind else max_wait_s)
             late = (stream.came_s < before_s) & (stream.stamp_ns <= before_ns)
             if self._method != 'nearest' or stream is self._rs:
                 # Readings up to the newest one of the other sensor wait only for a choice or for
@@ -516,7 +517,8 @@ class Pairer:
 
     def forget_earlier(self) -> None:
         """Join the segments of the ledger that are too old for a verdict with the first one."""
-        if (horizon_ns := self._horizon_ns(self._last_pair_ns)) is not None:
+        if (horizon_ns := self._settings.runs.horizon_ns(
+                self._last_pair_ns, spans=_SPANS_KEPT)) is not None:
             self.ledger.forget_before(horizon_ns)
 
 

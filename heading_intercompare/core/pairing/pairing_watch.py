@@ -24,7 +24,7 @@ from heading_intercompare.core.statistics.recent_count import RecentCount
 from .ledger import Ledger, LedgerKey
 
 _WINDOW_S, _FEW = 60.0, 0.1
-# After max_wait_s nothing waits any more; the first second of a stream is held.
+# Pairs in time come within max_wait_s; the first second of a stream is held.
 _SETTLING_S = 2.0
 
 
@@ -57,7 +57,7 @@ class PairingWatch:
     Parameters
     ----------
     rule
-        Uses `max_wait_s`: readings whose stamps lie further apart do not wait for each other.
+        Uses `max_wait_s`: where stamps lie further apart, pairs come late or never.
 
     """
 

@@ -79,7 +79,7 @@ class Stream:
         self._changes = StepCount()
         self.turned_ns = np.empty(0, np.int64)
         self.accepted = Headings.empty()
-        self._heard_s = self._back_s = -np.inf
+        self._heard_s = -np.inf
         self.heard_ns: int | None = None
         self.set_back: SetBack | None = None
         self.after = Headings.empty()
@@ -88,7 +88,7 @@ class Stream:
     def __len__(self) -> int:
         return len(self.stamp_ns)
 
-    def take(self, headings: Headings, now_s: float, silence_s: float) -> np.ndarray:
+    def take(self, headings: Headings, now_s: float) -> np.ndarray:
         """Reject unusable readings, keep the rest and return their stamps."""
         stamp: np.ndarray = headings.stamp_ns
         heading = headings.heading_deg
@@ -97,8 +97,6 @@ class Stream:
         good = self._reject('no_stamp', stamp > 0, self._place_unstamped(stamp, heading))
         good = self._reject('invalid', np.isfinite(heading), stamp, good)
         good = self._reject('out_of_range', (heading >= 0.0) & (heading <= 360.0), stamp, good)
-        if now_s - self._heard_s > silence_s:
-            self._back_s = now_s
         self._heard_s = now_s
         if not good.all():
             stamp, heading = stamp[good], heading[good]
@@ -156,13 +154,13 @@ class Stream:
 
     def reach_ns(self, since_s: float) -> int:
         """Return the newest stamp, also of readings that wait, if the sensor was heard since."""
-        if self._heard_s < since_s:
+        if not self.is_heard(since_s):
             return self.last_ns
         return max(self.last_ns, self._jumps.held_ns, self._holds.waiting_ns)
 
-    def is_behind(self, now_s: float, silence_s: float) -> bool:
-        """Tell whether the sensor is silent, or is back and what it sent may still be coming."""
-        return now_s - self._heard_s > silence_s or now_s - self._back_s <= silence_s
+    def is_heard(self, since_s: float) -> bool:
+        """Tell whether the sensor was heard since a time of the steady clock."""
+        return self._heard_s >= since_s
 
     def _place_unstamped(self, stamp: np.ndarray, heading: np.ndarray) -> np.ndarray:
         """Return where to count readings: those without a stamp at the last accepted one."""
@@ -265,8 +263,7 @@ class Stream:
 
     def go_on_from(self, before: Stream) -> None:
         """Go on in the next segment, where the sensor was heard as before."""
-        self.heard_ns = before.heard_ns
-        self._heard_s, self._back_s = before._heard_s, before._back_s
+        self.heard_ns, self._heard_s = before.heard_ns, before._heard_s
 
     def _keep(self, which: slice | np.ndarray) -> None:
         self.stamp_ns = self.stamp_ns[which]

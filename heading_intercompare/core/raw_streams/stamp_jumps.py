@@ -245,14 +245,12 @@ class JumpFilter(Generic[_Rows]):
 
     def release_back(self) -> _Rows:
         """Give up the readings held far before the newest accepted one, and return them."""
-        back = np.zeros(len(self._held), bool)
-        if self._back is not None:
-            back[self._back.rows] = True
-            self._back = None
-        rows, place = self._held[back], np.cumsum(~back) - 1
-        for line in self._lines:
-            line.rows = place[line.rows].tolist()
-        self._held = self._held[~back]
+        if self._back is None:
+            return self._held[:0]
+        rows = self._held[np.array(self._back.rows)]
+        fate = np.full(len(self._held), _HELD, np.uint8)
+        fate[self._back.rows], self._back = _GONE, None
+        self._release(self._held, fate)
         return rows
 
     def end(self) -> Decided[_Rows]:

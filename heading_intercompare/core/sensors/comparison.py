@@ -16,21 +16,19 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Callable, Mapping, Sequence
 
 from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.pairing.pair_sampling import PairSampler
 from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Headings, Losses, Motion, Pairs
+from heading_intercompare.core.runs.growing_columns import Keep
 from heading_intercompare.core.settings import Settings
 
-from .pair_settings import (
-    list_sensors,
-    Names,
-    pair_with_reference,
-    settings_of_others,
-    settings_of_pair,
-)
+from .compared_sensors import list_sensors, pair_with_reference
+from .pair_names import Names
+from .pair_settings import settings_of_others, settings_of_pair
 
 
 class SensorsComparison:
@@ -41,10 +39,8 @@ class SensorsComparison:
     ----------
     settings
         Without `sensors` the two are the TS `ts` and the RS `rs`.
-    source, table, progress
+    source, table, keeper, progress
         As for `Intercomparison`.
-    only_others
-        Leave out the pairs with the reference, which other nodes judge: `tested` is empty.
 
     Attributes
     ----------
@@ -65,19 +61,17 @@ class SensorsComparison:
 
     def __init__(self, settings: Settings, *, source: str = '',
                  table: Sequence[tuple[int, int]] | None = None,
-                 progress: Callable[[str], None] = lambda text: None,
-                 only_others: bool = False) -> None:
+                 keeper: Callable[[], Keep | None] = lambda: None,
+                 progress: Callable[[str], None] = lambda text: None) -> None:
         self.sensors = list_sensors(settings)
-        self.others = {
-            names: Intercomparison(pair_settings, source=source, table=table,
-                                   sampler=PairSampler())
-            for names, pair_settings in settings_of_others(settings).items()}
-        tested = () if only_others else pair_with_reference(settings)
+        compare = partial(Intercomparison, source=source, table=table, keeper=keeper,
+                          progress=progress)
+        self.others = {names: compare(pair_settings, sampler=PairSampler())
+                       for names, pair_settings in settings_of_others(settings).items()}
+        tested = pair_with_reference(settings)
         self._reference = tested[0][1].name if tested else ''
-        self.tested = {
-            sensor.name: Intercomparison(settings_of_pair(settings, sensor, reference),
-                                         source=source, table=table, progress=progress)
-            for sensor, reference in tested}
+        self.tested = {sensor.name: compare(settings_of_pair(settings, sensor, reference))
+                       for sensor, reference in tested}
 
     def update(self, headings: Mapping[str, Headings],
                now_s: float | None = None) -> dict[str, Pairs]:
@@ -118,13 +112,6 @@ class SensorsComparison:
         for comparison in self.others.values():
             comparison.begin_again()
         return {name: comparison.begin_again() for name, comparison in self.tested.items()}
-
-    def forget_earlier(self) -> None:
-        """Forget runs too old for a verdict, and motion that is; join such segments of ledgers."""
-        for comparison in self.pairs.values():
-            comparison.pairer.forget_earlier()
-            comparison.compliance.take_earlier()
-            comparison.compliance.motion.forget(comparison.compliance.run_start_ns)
 
     def finish(self) -> dict[str, Pairs]:
         """End all streams; return the last pairs of each tested sensor."""

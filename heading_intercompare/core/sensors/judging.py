@@ -31,7 +31,8 @@ from heading_intercompare.core.verdict.judge import RunResult
 from heading_intercompare.core.verdict.verdict_document import Input, RunVerdict, Verdict
 
 from .pair_figures import describe_pair, PairFigures
-from .pair_settings import check_sensors, Names, risk_of, settings_of_pair
+from .pair_names import Names
+from .pair_settings import check_sensors, risk_of, settings_of_pair
 from .sensors_verdict import SensorResult, SensorsVerdict
 from .variance_split import PairVariance, SensorVariance, split_variances
 from .vote import find_wrong, Vote

@@ -20,20 +20,14 @@ from dataclasses import replace
 from itertools import combinations
 
 from heading_intercompare.core.decision.coverage import least_duration_s, slowest_error_s
-from heading_intercompare.core.decision.criteria import Limits
+from heading_intercompare.core.decision.criteria import require_norms
 from heading_intercompare.core.decision.norm_presets import sigma_max_deg
 from heading_intercompare.core.declared_settings import SettingsError
-from heading_intercompare.core.sensor_table import (
-    find_reference,
-    find_tested,
-    list_tested,
-    read_sensors,
-    Sensor,
-)
+from heading_intercompare.core.sensor_table import find_tested, read_sensors, Sensor
 from heading_intercompare.core.settings import Risk, Settings
 
-#: The names of the sensors of a pair; the reference is the second one.
-Names = tuple[str, str]
+from .compared_sensors import list_sensors
+from .pair_names import Names
 
 
 def settings_of_pair(settings: Settings, ts: Sensor, rs: Sensor) -> Settings:
@@ -84,7 +78,7 @@ def settings_of_pair(settings: Settings, ts: Sensor, rs: Sensor) -> Settings:
                                 for role, sensor in (('ts', ts), ('rs', rs))
                                 for name in ('maker', 'type', 'serial') if getattr(sensor, name)}))
     try:
-        Limits.of(of_pair.norms, of_pair.model)
+        require_norms(of_pair.norms, of_pair.model)
     except SettingsError as error:
         raise SettingsError(f'sensors, {ts.name} and {rs.name}: {error}; give sigma_max_deg in '
                             'the rows of both') from error
@@ -121,24 +115,6 @@ def _risk_of_pair(ts: Sensor, rs: Sensor, risk: Risk) -> Risk:
                    min_duration_s=least_duration_s(of_ts))
 
 
-def list_sensors(settings: Settings) -> tuple[Sensor, ...]:
-    """Return the sensors of `sensors`; without that setting the TS `ts` and the RS `rs`."""
-    if settings.sensors is not None:
-        return read_sensors(settings.sensors)
-    return (Sensor('ts', topic=settings.ts_topic, convention=settings.ts_convention,
-                   unit=settings.ts_unit),
-            Sensor('rs', 'rs', topic=settings.rs_topic, convention=settings.rs_convention,
-                   unit=settings.rs_unit))
-
-
-def pair_with_reference(settings: Settings) -> tuple[tuple[Sensor, Sensor], ...]:
-    """Return each tested sensor with the reference; empty if no sensor is the reference."""
-    sensors = list_sensors(settings)
-    reference = find_reference(sensors)
-    return () if reference is None else tuple(
-        (sensor, reference) for sensor in list_tested(sensors))
-
-
 def check_sensors(settings: Settings) -> tuple[Sensor, ...]:
     """Return the sensors; SettingsError if there is none, or if one has no norm."""
     sensors = read_sensors(settings.sensors)
@@ -152,7 +128,7 @@ def check_sensors(settings: Settings) -> tuple[Sensor, ...]:
 def check_norms(settings: Settings) -> None:
     """Raise SettingsError if two sensors, or one of several, have no norm."""
     if settings.sensors is None:
-        Limits.of(settings.norms, settings.model)
+        require_norms(settings.norms, settings.model)
     else:
         check_sensors(settings)
 

@@ -21,8 +21,8 @@ from typing import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike
-import scipy
 
+from heading_intercompare.core import lazy_scipy as scipy
 from heading_intercompare.core.records import Reals
 
 from .moments import sum_products

@@ -21,8 +21,8 @@ import math
 
 import numpy as np
 from numpy.typing import ArrayLike
-import scipy
 
+from heading_intercompare.core import lazy_scipy as scipy
 from heading_intercompare.core.records import Integers, Reals
 
 from .cells import CellValues

@@ -21,18 +21,17 @@ from typing import Callable
 
 import numpy as np
 from numpy.typing import ArrayLike
-import scipy
 
+from heading_intercompare.core import lazy_scipy as scipy
 from heading_intercompare.core.records import Reals
 
+from .quadrature import gauss_legendre
 from .variance_uncertainty import excess, lower_bound, Spread, upper_bound
 
 LEAST_RISK = 1e-6
 """Confidences are clipped to the range from this to one minus this."""
 
 _LONGEST = 1e12
-
-_NODES, _WEIGHTS = np.polynomial.legendre.leggauss(20)
 
 
 def confidence(spread: Spread, limit_deg2: float) -> float:
@@ -104,9 +103,9 @@ def mean_confidence(spread: Spread, sigma_deg: float, low_deg: float,
     middle, half = 0.5 * (up_deg + low_deg), 0.5 * (up_deg - low_deg)
     if half == 0.0:
         return confidence(spread, sigma_deg ** 2 + middle ** 2)
-    values = [confidence(spread, sigma_deg ** 2 + (middle + half * t) ** 2)
-              for t in _NODES]
-    return 0.5 * float(np.dot(_WEIGHTS, values))
+    nodes, weights = gauss_legendre(20)
+    values = [confidence(spread, sigma_deg ** 2 + (middle + half * t) ** 2) for t in nodes]
+    return 0.5 * float(np.dot(weights, values))
 
 
 def duration_factor(spread: Spread, accept_deg2: float, reject_deg2: float,

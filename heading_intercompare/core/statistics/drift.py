@@ -21,10 +21,9 @@ import math
 from typing import Iterator
 
 import numpy as np
-from numpy.polynomial.legendre import legvander
 from numpy.typing import ArrayLike
-import scipy
 
+from heading_intercompare.core import lazy_scipy as scipy
 from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.records import Reals
 
@@ -219,7 +218,7 @@ def select_order(stamp_ns: ArrayLike, x_deg: ArrayLike) -> Order | None:
     t, z, _ = average_blocks(stamps, x)
     z = z - z.mean()
     u = 2.0 * (t - t[0]) / (t[-1] - t[0]) - 1.0
-    basis = legvander(u, _HIGHEST_ORDER + 1)
+    basis = np.polynomial.legendre.legvander(u, _HIGHEST_ORDER + 1)
     floor = rounding_floor(x)
     values = []
     for p in range(_HIGHEST_ORDER + 2):

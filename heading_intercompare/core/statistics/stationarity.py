@@ -22,8 +22,8 @@ from typing import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
-import scipy
 
+from heading_intercompare.core import lazy_scipy as scipy
 from heading_intercompare.core.declared_figures import figure
 
 from .blocking import block_means, block_size

@@ -28,7 +28,8 @@ import math
 from typing import Sequence
 
 import numpy as np
-import scipy
+
+from heading_intercompare.core import lazy_scipy as scipy
 
 from .cells import Cells, CellValues
 

@@ -20,8 +20,8 @@ from dataclasses import dataclass
 import math
 
 import numpy as np
-import scipy
 
+from heading_intercompare.core import lazy_scipy as scipy
 from heading_intercompare.core.records import Reals
 
 from .heading_track import Track

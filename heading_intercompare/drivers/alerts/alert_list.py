@@ -49,7 +49,8 @@ _LETTERS = {AlarmState.UNACKNOWLEDGED: 'V', AlarmState.ACKNOWLEDGED: 'A',
 _NAMES = ('ts_frozen', 'rs_frozen', 'rotated', 'mirrored', 'jump', 'outliers', 'same_source',
           'clock_step', 'mean_difference', 'reference', 'resolution', 'repeated_readings',
           'motion', 'ts_silent', 'rs_silent', 'checksum', 'second_talker', 'burst', 'dropped',
-          'not_recorded', 'not_written', 'two_publishers', 'mismatch', 'lost_on_the_way')
+          'not_recorded', 'not_written', 'two_publishers', 'mismatch', 'lost_on_the_way',
+          'overload')
 _FIRST = 10001
 _IDENTIFIERS = {name: _FIRST + number for number, name in enumerate(_NAMES)}
 #: Those of other alarms are made from their names.
@@ -69,8 +70,7 @@ def identifier_of(name: str) -> int:
     (10001, 65503)
 
     """
-    other = _FIRST_OTHER + zlib.crc32(name.encode()) % _N_OTHERS
-    return _IDENTIFIERS.get(name, other)
+    return _IDENTIFIERS.get(name, _FIRST_OTHER + zlib.crc32(name.encode()) % _N_OTHERS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,7 +145,7 @@ class _Row:
     instance: int
     revision: int = 0
     escalation: int = 0
-    told: str = 'N'
+    sent_letter: str = 'N'
     changed_ns: int = 0
     silent_until_s: float = -math.inf
     repeat_at_s: float = math.inf
@@ -162,10 +162,10 @@ class _Row:
     def entry(self) -> AlertEntry:
         """Return what is told of it."""
         alert = self.alert
-        words = '' if self.told == 'N' else f'{alert.node}: {alert.words}'
+        words = '' if self.sent_letter == 'N' else f'{alert.node}: {alert.words}'
         return AlertEntry(
             self.identifier, self.instance, self.revision, self.escalation,
-            'C' if alert.priority is Priority.CAUTION else 'W', self.told, self.changed_ns,
+            'C' if alert.priority is Priority.CAUTION else 'W', self.sent_letter, self.changed_ns,
             alert.name.replace('_', ' ').upper(), words)
 
 
@@ -196,7 +196,7 @@ class AlertList:
     @property
     def active(self) -> int:
         """Return how many alerts are not normal."""
-        return sum(row.told != 'N' for row in self._rows.values())
+        return sum(row.sent_letter != 'N' for row in self._rows.values())
 
     def update(self, alerts: Iterable[ReportedAlert], now_s: float, now_ns: int,
                ) -> list[Message]:
@@ -220,10 +220,10 @@ class AlertList:
             was_raised = alert.state.active and alert.raised_ns != row.alert.raised_ns
             row.alert = alert
             letter = row.letter(now_s)
-            if was_raised or (letter not in 'VS' and row.told != letter):
+            if was_raised or (letter not in 'VS' and row.sent_letter != letter):
                 row.silent_until_s = -math.inf
                 letter = row.letter(now_s)
-            if letter != row.told or (was_raised and letter != 'N'):
+            if letter != row.sent_letter or (was_raised and letter != 'N'):
                 row.escalation = 0
                 row.repeat_at_s = now_s + self._settings.repeat_s if letter == 'V' else math.inf
                 changed_ns = now_ns if alert.changed_ns is None else alert.changed_ns
@@ -245,7 +245,7 @@ class AlertList:
         messages, settings = [], self._settings
         for row in self._rows.values():
             letter = row.letter(now_s)
-            if letter != row.told:
+            if letter != row.sent_letter:
                 row.repeat_at_s = now_s + settings.repeat_s
                 messages.append(self._tell(row, letter, now_ns))
             elif letter == 'V' and now_s >= row.repeat_at_s:
@@ -254,7 +254,7 @@ class AlertList:
                 messages.append(self._tell(row, letter, now_ns))
         if now_s >= self._list_at_s:
             self._list_at_s = now_s + settings.list_period_s
-            active = [row.entry() for row in self._rows.values() if row.told != 'N']
+            active = [row.entry() for row in self._rows.values() if row.sent_letter != 'N']
             messages.append(write_alc(settings.talker, self._manufacturer, self._alc, active))
             self._alc = (self._alc + 1) % 100
         if now_s >= self._beat_at_s:
@@ -283,13 +283,13 @@ class AlertList:
             if command.letter == 'Q':
                 self.counts['commands_done'] += 1
                 return Answer([self._write(row)])
-            if command.letter == 'A' and row.told in 'VSU':
+            if command.letter == 'A' and row.sent_letter in 'VSU':
                 self.counts['commands_done'] += 1
                 return Answer([], name)
-            if command.letter == 'S' and row.told in 'VS':
+            if command.letter == 'S' and row.sent_letter in 'VS':
                 self.counts['commands_done'] += 1
                 row.silent_until_s = now_s + _SILENCE_S
-                return Answer([self._tell(row, 'S', now_ns)] if row.told == 'V' else [])
+                return Answer([self._tell(row, 'S', now_ns)] if row.sent_letter == 'V' else [])
         return Answer([self.refuse(command, now_ns)])
 
     def refuse(self, command: AlertCommand, now_ns: int) -> Message:
@@ -302,7 +302,7 @@ class AlertList:
         if alert.state is AlarmState.NORMAL:
             return None
         if len(self._rows) >= _MOST:
-            normal = next((key for key, row in self._rows.items() if row.told == 'N'), None)
+            normal = next((key for key, row in self._rows.items() if row.sent_letter == 'N'), None)
             if normal is None:
                 self.counts['alerts_beyond'] += 1
                 return None
@@ -316,7 +316,7 @@ class AlertList:
 
     def _tell(self, row: _Row, letter: str, changed_ns: int) -> Message:
         """Note a change, and return the message that tells it."""
-        row.told, row.changed_ns = letter, changed_ns
+        row.sent_letter, row.changed_ns = letter, changed_ns
         row.revision = row.revision % 99 + 1
         return self._write(row)
 

@@ -79,7 +79,7 @@ class AlertPush:
         except httpx.InvalidURL as error:
             raise SettingsError(f'push_url: {error}') from None
         self._first_wait_s = first_wait_s
-        self._known: dict[str, ReportedAlert] = {}
+        self._reported: dict[str, ReportedAlert] = {}
         self._waiting: Queue[dict[str, Any]] = Queue(_MOST_WAITING)
         self._ending, self._over = threading.Event(), threading.Event()
         self.counts: Counter[str] = Counter()
@@ -89,12 +89,12 @@ class AlertPush:
 
     def update(self, alerts: Iterable[ReportedAlert]) -> None:
         """Take the alarms of a node; what has changed will be posted."""
-        for name, alert in name_alerts(alerts, self._known.values()).items():
-            former = self._known.get(name)
+        for name, alert in name_alerts(alerts, self._reported.values()).items():
+            former = self._reported.get(name)
             if former is None and (alert.state is AlarmState.NORMAL
-                                   or len(self._known) >= _MOST_KNOWN):
+                                   or len(self._reported) >= _MOST_KNOWN):
                 continue
-            self._known[name] = alert
+            self._reported[name] = alert
             if former is not None and (former.state, former.raised_ns) == (
                     alert.state, alert.raised_ns):
                 continue

@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from typing import Callable, Iterable, Mapping
+from typing import Iterable, Mapping
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
@@ -31,6 +31,7 @@ from heading_intercompare.core.alarms.alarm import (
     Sign,
 )
 from heading_intercompare.messages.status_messages import (
+    ALARMS_TOPIC,
     decode_text,
     encode_statuses,
     ERROR,
@@ -38,10 +39,10 @@ from heading_intercompare.messages.status_messages import (
     Status,
     WARN,
 )
-from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.health import Health
+from heading_intercompare.nodes.interface import qos
+from heading_intercompare.nodes.presence.health import Health
+from heading_intercompare.nodes.spinning.clocks import stamp_or_now
 from heading_intercompare.nodes.taking.raw_subscription import subscribe
-from heading_intercompare.nodes.taking.recorded_topics import ALARMS_TOPIC
 
 ACKNOWLEDGE_TOPIC = 'compliance/acknowledge'
 
@@ -75,20 +76,11 @@ class AlarmPanel:
     rules
         The alarms.
 
-    Attributes
-    ----------
-    tell
-        Called with a line for each change, instead of the log.
-    muted : bool
-        Take no more signs: at the end streams fall silent, as they should.
-
     """
 
     def __init__(self, node: Node, health: Health, rules: Iterable[Rule]) -> None:
         self._node, self._health = node, health
         self._table = AlarmTable(rules)
-        self.tell: Callable[[str], None] | None = None
-        self.muted = False
         self._now_ns: int | None = None
         self._publisher = node.create_publisher(
             DiagnosticArray, ALARMS_TOPIC, qos.STATE,
@@ -102,6 +94,11 @@ class AlarmPanel:
         self._table.add(rules)
         self._show(publish=True)
 
+    @property
+    def muted(self) -> bool:
+        """Whether signs have no effect: at the end streams fall silent, as they should."""
+        return self._health.ending
+
     def __getitem__(self, name: str) -> Alarm:
         return self._table[name]
 
@@ -113,10 +110,7 @@ class AlarmPanel:
 
     def acknowledge(self, name: str | None = None) -> int:
         """Acknowledge one alarm, or all; return how many there were."""
-        now_ns = self._now_ns
-        if now_ns is None:
-            now_ns = self._node.get_clock().now().nanoseconds
-        changed = self._table.acknowledge(name, now_ns)
+        changed = self._table.acknowledge(name, stamp_or_now(self._node, self._now_ns))
         self._note(changed)
         return len(changed)
 
@@ -133,26 +127,15 @@ class AlarmPanel:
         self._show(publish=bool(changed))
 
     def _say(self, alarm: Alarm) -> None:
-        line = f'{_SAID[alarm.state]}: {alarm.rule.name}: {alarm.words}'
-        if self.tell is not None:
-            self.tell(f'{self._health.name}: {line}')
-            return
-        logger = self._node.get_logger()
-        level = alarm_level(alarm)
-        if level == ERROR:
-            logger.error(line)
-        elif alarm.state is AlarmState.UNACKNOWLEDGED:
-            logger.warning(line)
-        else:
-            logger.info(line)
+        level = alarm_level(alarm) if alarm.state is AlarmState.UNACKNOWLEDGED else OK
+        self._health.say_alarm(
+            level, f'{_SAID[alarm.state]}: {alarm.rule.name}: {alarm.words}')
 
     def _show(self, publish: bool) -> None:
         statuses = [self._describe(alarm) for alarm in self._table.alarms]
-        if publish:
-            now_ns = self._now_ns
-            if now_ns is None:
-                now_ns = self._node.get_clock().now().nanoseconds
-            self._publisher.publish(encode_statuses(now_ns, statuses, self._health.owner))
+        if publish and statuses:
+            self._publisher.publish(encode_statuses(
+                stamp_or_now(self._node, self._now_ns), statuses, self._health.owner))
         raised = [a for a in self._table.alarms if a.state is not AlarmState.NORMAL]
         self._health.note(
             'alarms', max((status.level for status in statuses), default=OK),

@@ -17,23 +17,20 @@
 from __future__ import annotations
 
 from rclpy.node import Node
-from std_msgs.msg import String
 
 from heading_intercompare.core.alarms.comparison_watch import COMPARISON_RULES, ComparisonWatch
 from heading_intercompare.core.alarms.motion_watch import MOTION_RULES, MotionWatch
 from heading_intercompare.core.records import Motion, Pairs
 from heading_intercompare.core.settings import Settings
-from heading_intercompare.messages.status_messages import encode_text
-from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.health import Health
-from heading_intercompare.nodes.ros.parameters import follow
+from heading_intercompare.nodes.interface.parameters import follow
+from heading_intercompare.nodes.presence.health import Health
 
-from .alarm_panel import ACKNOWLEDGE_TOPIC, AlarmPanel, ALL
+from .alarm_panel import AlarmPanel
 
 
 class ComparisonAlarms:
     """
-    Watches the pairs of a compliance node, and the motion of the ship.
+    Watches the pairs of a tested sensor with the reference, and the motion of the ship.
 
     Parameters
     ----------
@@ -51,7 +48,6 @@ class ComparisonAlarms:
         self._watch, self._motion = ComparisonWatch(settings), MotionWatch(settings)
         follow(node, 'window_s', self._watch.resize)
         self.panel = AlarmPanel(node, health, (*COMPARISON_RULES, *MOTION_RULES))
-        self._acknowledged = node.create_publisher(String, ACKNOWLEDGE_TOPIC, qos.ACKNOWLEDGE)
 
     def take(self, pairs: Pairs) -> None:
         """Take pairs in stamp order."""
@@ -69,11 +65,6 @@ class ComparisonAlarms:
         if not self.panel.muted and self._watch.newest_ns is not None:
             self.panel.update({**self._watch.look(), **self._motion.look()},
                               self._watch.newest_ns)
-
-    def acknowledge_everywhere(self) -> int:
-        """Acknowledge the alarms of this node, and tell the other nodes to do the same."""
-        self._acknowledged.publish(encode_text(ALL))
-        return self.panel.acknowledge()
 
     def start_run(self) -> None:
         """Take the present level of the differences as the usual one."""

@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 from contextlib import suppress
-from typing import Collection
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
@@ -25,10 +24,10 @@ from rclpy.node import Node
 from heading_intercompare.core.alarms.graph_watch import GraphWatch, TROUBLE_RULES
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.heartbeat_messages import decode_beat, HEARTBEAT_TOPIC
-from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.batches import take_all, Unwatched
-from heading_intercompare.nodes.ros.health import Health
-from heading_intercompare.nodes.runtime.awake_clock import AwakeClock
+from heading_intercompare.nodes.interface import qos
+from heading_intercompare.nodes.presence.health import Health
+from heading_intercompare.nodes.spinning.batches import take_all, Unwatched
+from heading_intercompare.nodes.spinning.clocks import AwakeClock
 
 from .alarm_panel import AlarmPanel
 
@@ -41,15 +40,19 @@ class GraphAlarms:
     ----------
     panel
         Gets the alarms.
-    places, keepers_only
+    keepers_only
         As for `GraphWatch`.
+
+    Attributes
+    ----------
+    panel : AlarmPanel
 
     """
 
-    def __init__(self, node: Node, health: Health, panel: AlarmPanel,
-                 places: Collection[str] = ('',), *, keepers_only: bool = False) -> None:
-        self._watch = GraphWatch(health.name, places, keepers_only=keepers_only)
-        self._panel, self._awake, self._clock = panel, AwakeClock(), node.get_clock()
+    def __init__(self, node: Node, health: Health, panel: AlarmPanel, *,
+                 keepers_only: bool = False) -> None:
+        self._watch = GraphWatch(health.name, keepers_only=keepers_only)
+        self.panel, self._awake, self._clock = panel, AwakeClock(), node.get_clock()
         if not keepers_only:
             panel.add(TROUBLE_RULES)
         # Taken once a second: to wake for each one would cost more than all else here.
@@ -67,8 +70,8 @@ class GraphAlarms:
             with suppress(MessageError):
                 rules.append(self._watch.take(decode_beat(data), now_s))
         if newcomers := [rule for rule in rules if rule is not None]:
-            self._panel.add(newcomers)
+            self.panel.add(newcomers)
         signs = {name: sign for name, sign in self._watch.look(now_s).items()
-                 if sign.active or self._panel[name].state.active}
+                 if sign.active or self.panel[name].state.active}
         if signs:
-            self._panel.update(signs, self._clock.now().nanoseconds)
+            self.panel.update(signs, self._clock.now().nanoseconds)

@@ -22,7 +22,7 @@ from typing import Mapping
 from rclpy.node import Node
 
 from heading_intercompare.core.alarms.sentence_watch import SENTENCE_RULES, SentenceWatch
-from heading_intercompare.nodes.ros.health import Health
+from heading_intercompare.nodes.presence.health import Health
 
 from .alarm_panel import AlarmPanel
 

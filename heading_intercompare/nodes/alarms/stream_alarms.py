@@ -27,8 +27,8 @@ from heading_intercompare.core.pairing.pairing_watch import PairingWatch
 from heading_intercompare.core.settings import Pairing
 from heading_intercompare.core.statistics.recent_count import RecentCount
 from heading_intercompare.messages.status_messages import OK, WARN
-from heading_intercompare.nodes.ros.health import Health
-from heading_intercompare.nodes.ros.parameters import follow
+from heading_intercompare.nodes.interface.parameters import follow
+from heading_intercompare.nodes.presence.health import Health
 from heading_intercompare.nodes.settings import Taking
 from heading_intercompare.nodes.taking.intake import Intake
 

@@ -28,8 +28,8 @@ from std_srvs.srv import Trigger
 from heading_intercompare.bags.rosbag2.provenance import NOTE_TOPIC
 from heading_intercompare.messages.status_messages import encode_text
 from heading_intercompare.nodes.alarms.alarm_panel import ACKNOWLEDGE_TOPIC
-from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.steady_timer import every
+from heading_intercompare.nodes.interface import qos
+from heading_intercompare.nodes.spinning.clocks import every
 
 _PERIOD_S = 0.05
 

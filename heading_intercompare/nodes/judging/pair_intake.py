@@ -16,33 +16,27 @@
 
 from __future__ import annotations
 
-from collections import deque
 from dataclasses import replace
 from itertools import groupby
-import time
 from typing import Mapping, NamedTuple, Sequence
 
 import numpy as np
 from rclpy.node import Node
 
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
-from heading_intercompare.core.pairing.incarnations import IncarnationChoice
+from heading_intercompare.core.pairing.names import Span
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Pairing
 from heading_intercompare.messages.heading_messages import read_pairs
-from heading_intercompare.messages.ledger_messages import LedgerMessage
-from heading_intercompare.messages.stamps import header_frame, header_stamp_ns
-from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.batches import Unwatched
-from heading_intercompare.nodes.ros.health import Health
-from heading_intercompare.nodes.ros.message_types import PAIRS_TYPES
+from heading_intercompare.messages.stamps import header_frame
+from heading_intercompare.nodes.interface import qos
+from heading_intercompare.nodes.interface.message_types import PAIRS_TYPES
+from heading_intercompare.nodes.presence.health import Health
 from heading_intercompare.nodes.settings import Taking
+from heading_intercompare.nodes.spinning.batches import Unwatched
 from heading_intercompare.nodes.taking.intake import Intake
+from heading_intercompare.nodes.taking.reception import Message
 
-_Taken = list[tuple[bytes, Mapping[str, int]]]
-
-#: Pairs of another synchronizer that wait until it is known whether the followed one still lives.
-_MOST_HELD = 20_000
 #: Length and first characters of the frame, which name the start of the synchronizer.
 _NAME = slice(12, 40)
 
@@ -67,7 +61,7 @@ class PairIntake(Intake):
 
     Parameters
     ----------
-    node, health
+    node, topic, health
         As for `Intake`.
     taking
         Settings.
@@ -78,35 +72,35 @@ class PairIntake(Intake):
 
     Attributes
     ----------
+    started_ns : int or None
+        When the synchronizer that is followed was started, UTC ns; None before its first pair.
     left_out : int
         Pairs of other synchronizers that were not taken.
     missed : int
         Pairs that were published while this node was down.
+    first_segments : dict of int to int
+        Number of the first clock segment of each synchronizer, by its start.
 
     Notes
     -----
-    The frame of a pair names the start of its synchronizer. Pairs of another one than is followed
-    are held until the followed one has ended or is silent; see `IncarnationChoice`. So nothing is
-    lost when the synchronizer is started again, and nothing is mixed when there are two.
+    The frame of a pair names the start of its synchronizer. The one that was started last is
+    followed. Its pairs begin a clock segment: what the one before still held is not known to it.
 
     """
 
-    def __init__(self, node: Node, health: Health, taking: Taking, pairing: Pairing,
+    def __init__(self, node: Node, topic: str, health: Health, taking: Taking, pairing: Pairing,
                  arrivals: Unwatched | None = None) -> None:
         # The first pairs come, all at once, when the synchronizer has chosen the method.
         choice_s = pairing.auto_s if pairing.method == 'auto' else 0.0
-        super().__init__(node, 'pairs', PAIRS_TYPES, qos.PAIRS, health, stale_s=taking.stale_s,
+        super().__init__(node, topic, PAIRS_TYPES, qos.PAIRS, health, stale_s=taking.stale_s,
                          first_wait_s=taking.first_wait_s + choice_s,
                          lost_shown_s=taking.lost_shown_s, counted=False, arrivals=arrivals)
-        self._choice = IncarnationChoice()
-        self._held: dict[int, deque[tuple[bytes, Mapping[str, int]]]] = {}
-        self._ledgers: dict[int, LedgerMessage] = {}
         self._numbers: dict[str, Numbering] = {}
-        self._newest_ns = self._read_ns = 0
         self._resuming: dict[str, int] = {}
-        self._behind = False
-        self._taken: deque[bytes] = deque(maxlen=_MOST_HELD)
-        self._segment_of, self._first_segment = _Frame(0, 0), 0
+        self._newest = _Frame(0, 0)
+        self._read_ns = 0
+        self.started_ns: int | None = None
+        self.first_segments: dict[int, int] = {}
         self.left_out = self.missed = 0
 
     def read(self) -> Pairs:
@@ -131,42 +125,36 @@ class PairIntake(Intake):
         parts, problems = [Pairs.empty()], []
         for _, several in groupby(messages, key=lambda data: data[_NAME]):
             batch = [*several]
-            number = _read_frame(batch[0])
-            if number.started_ns != self._segment_of.started_ns:
-                # Another synchronizer counts from 0.
-                before = self._segment_of.segment
-                self._first_segment += before + 1 if before else 0
-            self._segment_of = number
+            frame = _read_frame(batch[0])
+            if frame.started_ns not in self.first_segments:
+                self.first_segments[frame.started_ns] = (
+                    self.first_segments[self._newest.started_ns] + self._newest.segment + 1
+                    if self.first_segments else 0)
+            self._newest = frame
             pairs, troubles = read_pairs(batch)
             problems += troubles
             parts.append(replace(pairs, segment=np.full(
-                len(pairs), self._first_segment + number.segment)))
+                len(pairs), self.first_segments[frame.started_ns] + frame.segment)))
         return Pairs.concatenate(parts), problems
 
-    def take(self) -> _Taken:
+    def take(self) -> list[Message]:
         """Return the pairs of the followed synchronizer since the last call."""
-        now_s, pairs = time.monotonic(), []
+        pairs: list[Message] = []
         followed = self.last_sequence
         messages = super().take()
-        # The numbers of pairs that are held say nothing of those of the followed synchronizer.
+        # The numbers of pairs that are left out say nothing of those of the followed one.
         self.last_sequence = followed
         for _, several in groupby(messages, key=lambda pair: pair[0][_NAME]):
-            batch = list(several)
+            batch = [*several]
             started_ns, _ = _read_frame(batch[0][0])
-            self._choice.hear(started_ns, now_s)
-            if started_ns == self._choice.current:
-                pairs += self._accept(str(started_ns), batch)
-            else:
-                self._hold(started_ns, batch)
-        before, current = self._choice.current, self._choice.look(now_s)
-        if current != before and current is not None:
-            # The successor pairs again what its ledger of the one before does not count.
-            self._behind = True
-            self.last_sequence = 0
-            pairs += self._accept(str(current), [*self._held.pop(current, deque())])
+            if self.started_ns is not None and started_ns < self.started_ns:
+                self.left_out += len(batch)
+                continue
+            self.started_ns = started_ns
+            pairs += self._accept(str(started_ns), batch)
         return pairs
 
-    def _accept(self, name: str, batch: _Taken) -> _Taken:
+    def _accept(self, name: str, batch: list[Message]) -> list[Message]:
         after = self._resuming.get(name)
         if after is not None:
             # A publisher sends its last messages again to a new subscription.
@@ -179,58 +167,43 @@ class PairIntake(Intake):
             if self._resuming.pop(name, None) is not None:
                 self.missed += numbering.missing - before
             self.last_sequence = numbers[-1]
-            if self._behind:
-                batch = self._leave_out(batch)
-        if batch:
-            self._newest_ns = header_stamp_ns(batch[-1][0])
-            self._taken += [data for data, _ in batch]
         return batch
 
-    def _leave_out(self, batch: _Taken) -> _Taken:
-        """Leave out the pairs that the synchronizer before has published."""
-        stamps = [header_stamp_ns(data) for data, _ in batch]
-        fresh = [pair for pair, stamp_ns in zip(batch, stamps) if stamp_ns > self._newest_ns]
-        if len(fresh) < len(batch):
-            taken_ns = {header_stamp_ns(data) for data in self._taken}
-            self.left_out += sum(stamp_ns <= self._newest_ns and stamp_ns not in taken_ns
-                                 for stamp_ns in stamps)
-        self._behind = not fresh
-        return fresh
-
     @property
-    def numbers_by_name(self) -> dict[str, tuple[int, int, int]]:
-        """First, newest and number of missing ones among the numbers, by synchronizer."""
-        return {name: numbering.summary for name, numbering in self._numbers.items()}
+    def numbers_by_name(self) -> dict[str, tuple[int, int, int, int]]:
+        """
+        Return what is known of the pairs of each synchronizer, by the name of its start.
 
-    def go_on(self, numbers: Mapping[str, tuple[int, int, int]], newest_ns: int | None) -> None:
-        """Go on after the pairs that an earlier process has taken, given its `numbers_by_name`."""
-        for name, summary in numbers.items():
-            self._numbers[name] = Numbering.go_on(*summary)
-            self._resuming[name] = self.last_sequence = summary[1]
-            self._choice.follow(int(name), time.monotonic())
-        self._newest_ns = self._read_ns = newest_ns or 0
+        First number, newest one, how many are missing, and the number of its first clock segment.
+        """
+        return {name: (*numbering.summary, self.first_segments.get(int(name), 0))
+                for name, numbering in self._numbers.items()}
+
+    def go_on(self, numbers: Mapping[str, tuple[int, int, int, int]], newest_ns: int | None,
+              segment: int) -> None:
+        """
+        Go on after the pairs that an earlier process has taken.
+
+        Parameters
+        ----------
+        numbers
+            Its `numbers_by_name`.
+        newest_ns
+            Stamp of its newest pair; None if it had none.
+        segment
+            Number of the clock segment of that pair.
+
+        """
+        for name, (first, last, missing, first_segment) in numbers.items():
+            started_ns = int(name)
+            self._numbers[name] = Numbering.go_on([Span('', first, last)], missing)
+            self._resuming[name] = last
+            self.first_segments[started_ns] = first_segment
+            if self.started_ns is None or started_ns > self.started_ns:
+                self.started_ns, self.last_sequence = started_ns, last
+                self._newest = _Frame(started_ns, segment - first_segment)
+        self._read_ns = newest_ns or 0
         self.look()
-
-    def _hold(self, started_ns: int, batch: _Taken) -> None:
-        held = self._held.setdefault(started_ns, deque(maxlen=_MOST_HELD))
-        self.left_out += max(0, len(held) + len(batch) - _MOST_HELD)
-        held += batch
-
-    def follow(self, newest: LedgerMessage) -> list[LedgerMessage]:
-        """Take a ledger; return those of the followed synchronizer that have come by now."""
-        self._choice.hear(newest.started_ns, time.monotonic(), newest.final)
-        self._ledgers[newest.started_ns] = newest
-        return self.ledgers()
-
-    def ledgers(self) -> list[LedgerMessage]:
-        """Return the newest ledger of the followed synchronizer if it has not been returned."""
-        current = self._choice.current
-        return [self._ledgers.pop(current)] if current in self._ledgers else []
-
-    @property
-    def waiting(self) -> bool:
-        """Whether another synchronizer was heard that may yet be followed."""
-        return bool(self._choice.list_others(time.monotonic()))
 
     @property
     def lost(self) -> int:

@@ -16,11 +16,8 @@
 
 from __future__ import annotations
 
-from collections import deque
 from dataclasses import replace
-from datetime import datetime, timezone
 import os
-from pathlib import Path
 import time
 from typing import Iterable, Iterator
 
@@ -28,19 +25,14 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.duration import Duration
 from rclpy.node import Node
 from std_msgs.msg import String
-from std_srvs.srv import Trigger
 
-from heading_intercompare.bags.recording.disk_sync import replace_file
 from heading_intercompare.core.alarms.graph_watch import NOT_WRITTEN
 from heading_intercompare.core.decision.sequential import LookVerdict
-from heading_intercompare.core.pairing.incarnations import Incarnations
-from heading_intercompare.core.pairing.ledger import Ledger
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 from heading_intercompare.logbook.logbook_file import Logbook, LogbookBusy, LogbookError
 from heading_intercompare.logbook.run_row import make_rows, RunKey, RunRow
-from heading_intercompare.messages.ledger_messages import encode_ledger, LedgerMessage
-from heading_intercompare.messages.status_messages import encode_text, ERROR, OK, WARN
+from heading_intercompare.messages.status_messages import encode_text, OK, WARN
 from heading_intercompare.messages.verdict_messages import (
     encode_no_verdict,
     encode_verdict,
@@ -48,13 +40,14 @@ from heading_intercompare.messages.verdict_messages import (
     OUTCOME_LEVELS,
     verdict_level,
 )
-from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.health import Health
+from heading_intercompare.nodes.interface import qos
+from heading_intercompare.nodes.presence.health import Health
 from heading_intercompare.nodes.settings import ComplianceNode
-from heading_intercompare.nodes.taking.predecessor import LEDGER_TAKEN_TOPIC
+from heading_intercompare.nodes.spinning.clocks import stamp_or_now
 from heading_intercompare.report.json import render
 
-from .pair_intake import PairIntake
+from .accounts import Account
+from .report_files import write_report
 from .trial_journal import TrialJournal
 
 # A callback may wait this long for another process that writes, the end of the node longer.
@@ -123,22 +116,22 @@ class RunLog:
 
 class Reporting:
     """
-    Publishes the verdicts and reports of a compliance node.
+    Publishes the verdicts and reports on a tested sensor.
 
     Parameters
     ----------
-    node
-        The node that publishes.
+    node, place
+        The node that publishes, and what its topics begin with.
     compliance
         Judges the runs.
     own
         Settings.
     health
         Shows alerts.
-    pairs
-        The pairs, whose numbers say what is missing.
+    account
+        The fate of every reading.
     journal
-        Keeps the ledgers, and may hold those of an earlier process.
+        Says what it lacks.
 
     Attributes
     ----------
@@ -147,81 +140,40 @@ class Reporting:
 
     """
 
-    def __init__(self, node: Node, compliance: Compliance, own: ComplianceNode,
-                 health: Health, pairs: PairIntake,
-                 journal: TrialJournal) -> None:
+    def __init__(self, node: Node, place: str, compliance: Compliance, own: ComplianceNode,
+                 health: Health, account: Account, journal: TrialJournal) -> None:
         self._node, self._compliance, self._own, self._health = node, compliance, own, health
-        self._pairs, self._ledgers, self._journal = pairs, Incarnations(), journal
-        self._taken = node.create_publisher(DiagnosticArray, LEDGER_TAKEN_TOPIC, qos.LEDGER_TAKEN)
-        newest = LedgerMessage(Ledger(), False, 0)
-        for message in journal.kept.ledgers.values():
-            self._ledgers.take(*message)
-            newest = max(newest, message, key=lambda ledger: ledger.started_ns)
-        self._taken.publish(encode_ledger(*newest))
-        self._uncovered: deque[LedgerMessage] = deque()
+        self._account, self._journal = account, journal
         self._verdict = node.create_publisher(
-            DiagnosticArray, 'compliance/verdict', qos.STATE,
-            event_callbacks=health.of_publisher('compliance/verdict'))
+            DiagnosticArray, f'{place}compliance/verdict', qos.STATE,
+            event_callbacks=health.of_publisher(f'{place}compliance/verdict'))
         if not compliance.finished_runs:
-            self._verdict.publish(encode_no_verdict(self._now_ns(), health.owner))
+            self._verdict.publish(encode_no_verdict(
+                stamp_or_now(node, compliance.newest_ns), health.owner))
             health.note('verdict', OK, NO_VERDICT)
-        self._report = node.create_publisher(String, 'compliance/report', qos.REPORT)
+        self._report, self._intermediate = (
+            node.create_publisher(String, f'{place}compliance/{what}', qos.REPORT)
+            for what in ('report', 'intermediate_report'))
         self._seen: tuple[int, LookVerdict | None] = (0, None)
         self._due: tuple[int, float] | None = None
         self.verdict: Verdict | None = None
         self._said = ''
-        self._intermediate = node.create_publisher(String, 'compliance/intermediate_report',
-                                                   qos.REPORT)
         self._next_ns: int | None = None
-        node.create_service(Trigger, '~/report', self._serve)
         self._run_log = RunLog(own, health)
         if own.report_dir is not None:
             os.makedirs(own.report_dir, exist_ok=True)
 
-    def book(self, newest: LedgerMessage) -> None:
-        """Take the newest ledger of a synchronizer."""
-        self._take(self._pairs.follow(newest))
-        self._tell_taken()
-
-    def _take(self, ledgers: Iterable[LedgerMessage]) -> None:
-        for ledger in ledgers:
-            self._ledgers.take(*ledger)
-            if self._uncovered and self._uncovered[-1].started_ns != ledger.started_ns:
-                self._uncovered.clear()
-            self._uncovered.append(ledger)
-
-    def _tell_taken(self) -> None:
-        """Tell the newest ledger whose pairs have all come: a successor goes on after it."""
-        newest = None
-        while self._uncovered and self._uncovered[0].ledger.paired <= self._pairs.last_sequence:
-            newest = self._uncovered.popleft()
-        if newest is not None:
-            self._journal.book(newest)
-            self._taken.publish(encode_ledger(*newest))
-
-    @property
-    def final(self) -> bool:
-        """Whether the ledger is the final one."""
-        return self._ledgers.final
-
-    @property
-    def paired(self) -> int:
-        """Return the number of pairs in the ledger of the synchronizer as last started."""
-        return self._ledgers.paired
-
-    def look(self, n_pairs: int) -> None:
-        """Publish changes; a report waits for a ledger that covers the `n_pairs` received."""
-        self._take(self._pairs.ledgers())
-        self._tell_taken()
+    def look(self) -> None:
+        """Publish changes; a report waits for a ledger that covers the pairs received."""
         seen = self._compliance.finished_runs, self._compliance.early
         if seen[0] != self._seen[0]:
-            self._due = n_pairs, time.monotonic() + self._own.ledger_wait_s
+            self._due = self._account.n_pairs, time.monotonic() + self._own.ledger_wait_s
         elif seen[1] != self._seen[1]:
-            self._announce(self._compliance.verdict(self._ledgers.total))
+            self._announce(self._compliance.verdict(self._account.ledger))
         self._seen = seen
         if self._due is not None:
             n_due, until_s = self._due
-            covered = self.paired >= n_due
+            covered = self._account.covers(n_due)
             if covered or time.monotonic() > until_s:
                 self._conclude(covered)
         self._run_log.retry()
@@ -232,19 +184,15 @@ class Reporting:
             if self._next_ns is None or newest_ns >= self._next_ns:
                 self._next_ns = newest_ns + round(every_h * 3600e9)
 
-    def _serve(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        response.success, response.message = self._compliance.newest_ns is not None, self.report()
-        return response
-
     def report(self) -> str:
-        """Publish and write what a stop now would give, and go on; return its headline."""
+        """Publish and write what a stop now would give; return its headline, '' without a pair."""
         if self._compliance.newest_ns is None:
-            return 'no pair has come yet'
-        verdict = replace(self._compliance.preview(self._ledgers.total),
+            return ''
+        verdict = replace(self._compliance.preview(self._account.ledger),
                           ledger_problems=tuple(self._problems(True)))
         text = render(verdict)
         self._intermediate.publish(encode_text(text))
-        self._node.get_logger().info(verdict.headline)
+        self._health.logger.info(verdict.headline)
         self._write(text, 'intermediate')
         return verdict.headline
 
@@ -254,13 +202,12 @@ class Reporting:
         self._run_log.retry(last=True)
         for publisher in (self._verdict, self._report):
             publisher.wait_for_all_acked(Duration(seconds=1.0))
-        self._journal.close()
 
     def _conclude(self, complete: bool) -> None:
         """Publish and write the report, unless it is unchanged."""
         self._due = None
         problems = tuple(self._problems(complete))
-        ledger = self._ledgers.total
+        ledger = self._account.ledger
         verdict = replace(self._compliance.verdict(ledger), ledger_problems=problems)
         earlier = [result.verdict for result in self._compliance.take_earlier(ledger)]
         self._run_log.take(verdict, earlier)
@@ -276,26 +223,11 @@ class Reporting:
         self._write(report)
 
     def _problems(self, complete: bool) -> Iterator[str]:
-        """Yield what the ledger does not count, in plain sentences."""
-        yield from self._ledgers.problems()
-        if self._pairs.before:
-            yield f'{self._pairs.before} pairs were published before this node started'
-        if self._pairs.lost:
-            yield f'{self._pairs.lost} pairs were lost on the way to this node'
-        if self._pairs.missed:
-            yield f'{self._pairs.missed} pairs were published while this node was down'
-        if self._journal.kept.dropped:
-            yield (f'{self._journal.kept.dropped} records of the run in progress could not be '
-                   'kept before this node was started again')
+        """Yield what the verdict does not count, in plain sentences."""
+        yield from self._account.find_problems(complete)
+        yield from self._journal.describe_dropped()
         if late := self._compliance.motion.late:
             yield f'{late} messages of the motion of the ship came after their run was judged'
-        if self._pairs.left_out:
-            yield f'{self._pairs.left_out} pairs of another synchronizer were left out'
-        missing = self.paired - self._pairs.last_sequence
-        if not complete and self.final and missing > 0:
-            yield f'the last {missing} pairs did not come to this node'
-        elif not complete:
-            yield 'the ledger that covers the last pairs did not come'
 
     def _announce(self, verdict: Verdict) -> None:
         """Publish the verdict."""
@@ -310,25 +242,11 @@ class Reporting:
         self._health.note('verdict', max(level for level, _ in findings),
                           '; '.join(words for _, words in findings), latch=True, log=False,
                           runs=len(verdict.runs))
-        self._node.get_logger().info(f'verdict on {findings[-1][1]}')
-        self._verdict.publish(encode_verdict(verdict, self._now_ns(), early, self._health.owner))
-
-    def _now_ns(self) -> int:
-        """Return the newest stamp; before the first one the time of the node."""
-        newest_ns = self._compliance.newest_ns
-        return self._node.get_clock().now().nanoseconds if newest_ns is None else newest_ns
+        self._health.logger.info(f'verdict on {findings[-1][1]}')
+        self._verdict.publish(encode_verdict(
+            verdict, stamp_or_now(self._node, self._compliance.newest_ns), early,
+            self._health.owner))
 
     def _write(self, text: str, kind: str = 'verdict') -> None:
-        if self._own.report_dir is None:
-            return
-        newest_ns = self._compliance.newest_ns
-        moment = datetime.fromtimestamp(time.time() if newest_ns is None else newest_ns / 1e9,
-                                        timezone.utc)
-        path = Path(self._own.report_dir, f'{kind}_{moment:%Y%m%dT%H%M%S}Z.json')
-        try:
-            replace_file(path, text)
-        except OSError as error:
-            self._health.note('report', ERROR, f'{path}: {error.strerror}', latch=True,
-                              alarm=NOT_WRITTEN)
-        else:
-            self._health.note('report', OK, f'written to {path}')
+        write_report(self._own.report_dir, kind, self._compliance.newest_ns, {'.json': text},
+                     self._health)

@@ -19,21 +19,25 @@ from __future__ import annotations
 import os
 from pathlib import Path
 import time
+from typing import Iterator, Mapping
 
 from rclpy.node import Node
 
-from heading_intercompare.bags.recording.journal import name_journal
 from heading_intercompare.bags.recording.journal_reading import Kept, Numbers
+from heading_intercompare.bags.recording.reading_batches import Batch
 from heading_intercompare.bags.recording.run_journal import RunJournal
 from heading_intercompare.bags.recording.spool import Spool
 from heading_intercompare.core.alarms.graph_watch import NOT_WRITTEN
+from heading_intercompare.core.pairing.pair_maker import PairMaker
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.records import Motion, Pairs
 from heading_intercompare.core.runs.growing_columns import Keep
+from heading_intercompare.core.sensors.pair_names import Names, TWO
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.ledger_messages import LedgerMessage
 from heading_intercompare.messages.status_messages import OK, WARN
-from heading_intercompare.nodes.ros.health import Health
-from heading_intercompare.nodes.settings import ComplianceNode, SensorsNode
+from heading_intercompare.nodes.presence.health import Health
+from heading_intercompare.nodes.settings import ComplianceNode
 
 _NONE = '-'
 
@@ -46,57 +50,71 @@ class TrialJournal:
     ----------
     node
         The node; its full name is that of the file.
-    compliance
-        Judges; it goes on from the journal.
+    settings
+        Of the trial.
+    judges : mapping of (str, str) to Compliance
+        Judges of the pairs of each two sensors, by their names; they go on from the journal.
     own
         Settings `journal`, `report_dir`, `resume_within_s` and `bag`.
     health
         Shows a journal that cannot be written, or was set aside.
-    what
-        What is judged, where a node judges more than one pair of sensors: ``gyro1.gyro2``.
+    makers
+        Make the pairs of each two, if this process does; they go on from the journal, too.
 
     Attributes
     ----------
+    began_ns : int
+        When the trial began, UTC ns.
     kept : Kept
         What the journal of an earlier process says besides the pairs.
+    resumed : bool
+        This node goes on with the trial of that process.
 
     """
 
-    def __init__(self, node: Node, compliance: Compliance, own: ComplianceNode | SensorsNode,
-                 health: Health, what: str = '') -> None:
-        self._health = health
-        self._part = f'journal {what}'.rstrip()
+    def __init__(self, node: Node, settings: Settings, judges: Mapping[Names, Compliance],
+                 own: ComplianceNode, health: Health,
+                 makers: list[PairMaker] | None = None) -> None:
+        self._health, self.began_ns = health, time.time_ns()
         self._journal: RunJournal | None = None
-        self.kept, self._fault = Kept(), ''
-        path = _find_path(own, node.get_fully_qualified_name(), what)
+        self.kept, self._fault, self.resumed = Kept(), '', False
+        path = _find_path(own, node.get_fully_qualified_name())
         if path is None:
             return
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            self._journal = RunJournal(path, compliance, within_s=own.resume_within_s,
-                                       now_ns=time.time_ns(), bag=own.bag)
+            self._journal = RunJournal(path, settings, judges, within_s=own.resume_within_s,
+                                       now_ns=self.began_ns, bag=own.bag, makers=makers)
         except BlockingIOError:
             self._warn(f'another process keeps its run in {path}')
             return
         except OSError as error:
             self._warn(f'{error.filename or path}: {error.strerror}')
             return
-        self.kept = self._journal.kept
+        self.kept, self.began_ns = self._journal.kept, self._journal.began_ns
         if self._journal.set_aside:
-            health.note(self._part, WARN, self._journal.set_aside, latch=True)
+            health.note('journal', WARN, self._journal.set_aside, latch=True)
         else:
-            health.note(self._part, OK, f'kept in {path}')
-        if self._journal.resumed:
-            node.get_logger().warning(f'{self._part}: {self._journal.resumed}')
+            health.note('journal', OK, f'kept in {path}')
+        self.resumed = bool(self._journal.resumed)
+        if self.resumed:
+            node.get_logger().warning(f'journal: {self._journal.resumed}')
 
     def _warn(self, why: str) -> None:
-        self._health.note(self._part, WARN, f'the run in progress is not kept: {why}', latch=True,
+        self._health.note('journal', WARN, f'the run in progress is not kept: {why}', latch=True,
                           alarm=NOT_WRITTEN)
 
-    def add(self, pairs: Pairs, numbers: Numbers) -> None:
-        """Keep pairs, before they are judged, and the numbers of their messages so far."""
+    def add(self, pairs: Pairs, numbers: Numbers | None = None, names: Names = TWO) -> None:
+        """Keep pairs, before they are judged; see `RunJournal.add`."""
         if self._journal is not None:
-            self._journal.add(pairs, numbers)
+            self._journal.add(pairs, numbers, names)
+
+    def add_batch(self, batch: Batch, clear: bool) -> None:
+        """Keep readings, before they are paired; `clear` as for `tick`."""
+        if self._journal is not None:
+            self._journal.add_batch(batch)
+            if clear:
+                self._journal.flush(time.monotonic())
 
     def take_motion(self, motion: Motion) -> None:
         """Keep motion of the ship, before it is judged."""
@@ -123,7 +141,13 @@ class TrialJournal:
             if self._fault:
                 self._warn(self._fault)
             else:
-                self._health.note(self._part, OK, 'kept again')
+                self._health.note('journal', OK, 'kept again')
+
+    def describe_dropped(self) -> Iterator[str]:
+        """Yield, in a plain sentence, how much an earlier process could not keep."""
+        if self.kept.dropped:
+            yield (f'{self.kept.dropped} records of the run in progress could not be kept before '
+                   'this node was started again')
 
     def close(self) -> None:
         """Remove the journal: the trial is over, and its report is out."""
@@ -138,10 +162,10 @@ def open_spool(health: Health) -> Keep:
         'run', WARN, f'the run in progress stays in memory: {why}', latch=True)).keep
 
 
-def _find_path(own: ComplianceNode | SensorsNode, name: str, what: str) -> Path | None:
+def _find_path(own: ComplianceNode, name: str) -> Path | None:
     """Return the file of the journal; None if none is wanted."""
     if own.journal == _NONE or (own.journal is None and own.report_dir is None):
         return None
     file = name.strip('/').replace('/', '.')
     path = own.journal or os.path.join(own.report_dir or '', f'{file}.journal')
-    return Path(os.path.abspath(name_journal(path, what) if what else path))
+    return Path(os.path.abspath(path))

@@ -16,10 +16,14 @@
 
 from __future__ import annotations
 
+import atexit
 import difflib
+import json
 import math
 import os
+from pathlib import Path
 import re
+import tempfile
 from typing import Any, Iterable, Mapping
 
 from heading_intercompare.bags.settings import BagSettings
@@ -32,7 +36,7 @@ from heading_intercompare.core.declared_settings import (
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.drivers.alerts.alert_settings import AlertSettings
 from heading_intercompare.drivers.settings import Address, DriverSettings
-from heading_intercompare.nodes.ros.parameters import OF_ROS
+from heading_intercompare.nodes.interface.parameters import OF_ROS
 from heading_intercompare.nodes.settings import (
     ComplianceNode,
     DashboardNode,
@@ -41,7 +45,6 @@ from heading_intercompare.nodes.settings import (
     RecorderNode,
     ReplayerNode,
     Sending,
-    SensorsNode,
     SynchronizerNode,
     Taking,
 )
@@ -52,13 +55,15 @@ OWN_SETTINGS: dict[str, tuple[type, ...]] = {
     'motion_driver': _DRIVER,
     'synchronizer': (Taking, HeadingTypes, SynchronizerNode),
     'compliance': (Taking, ComplianceNode),
-    'sensors_watch': (Taking, HeadingTypes, SensorsNode),
     'recorder': (Taking, HeadingTypes, BagSettings, RecorderNode),
     'replayer': (Sending, ReplayerNode),
     'dashboard': (Taking, DashboardNode),
     'alert_sender': (AlertSettings,),
 }
 """By executable, the settings that its nodes declare beside those of the analysis."""
+
+TOGETHER = ('synchronizer', 'compliance')
+"""The nodes of the executable `intercompare`."""
 
 
 def _need_source(driver: DriverSettings) -> Address:
@@ -280,3 +285,44 @@ def common_arguments(executable: str, log_level: str, use_sim_time: bool,
         words += ['--enclave', f'/heading_intercompare/{executable}']
     return ({'ros_arguments': words, 'sigterm_timeout': _END_S},
             {'use_sim_time': True} if use_sim_time else {})
+
+
+def join_nodes(place: str, config: str, sections: Mapping[str, Mapping[str, Any]],
+               own: Mapping[str, Mapping[str, Any]], log_level: str,
+               use_sim_time: bool) -> dict[str, Any]:
+    """
+    Return what the process gets that pairs and judges.
+
+    `launch_ros` gives what stands in a launch file to all nodes of a process, and each refuses
+    what belongs to another one. So they get a parameter file, which is removed when this process
+    ends.
+
+    Parameters
+    ----------
+    place
+        Namespace of its nodes.
+    config
+        The parameter file of the user.
+    sections
+        Its sections, by the name of the node.
+    own
+        What the launch file sets, by the name of the node.
+    log_level, use_sim_time
+        As for `common_arguments`.
+
+    Returns
+    -------
+    dict
+        Arguments of `launch_ros.actions.Node`.
+
+    """
+    common, shared = common_arguments('intercompare', log_level, use_sim_time)
+    descriptor, path = tempfile.mkstemp('.yaml', 'heading_intercompare_')
+    atexit.register(Path(path).unlink, missing_ok=True)
+    values = {name: {**sections.get(name, {}), **own[name], **shared} for name in TOGETHER}
+    with os.fdopen(descriptor, 'w', encoding='utf-8') as file:
+        # JSON is YAML, too.
+        json.dump({f'{place.rstrip("/")}/{name}': {'ros__parameters': parameters}
+                   for name, parameters in values.items() if parameters}, file)
+    return {'package': 'heading_intercompare', 'executable': 'intercompare', 'namespace': place,
+            'parameters': [config, path], 'output': 'screen', **common}

@@ -27,19 +27,23 @@ from rclpy.qos import QoSProfile
 from heading_intercompare.bags.recording.part_states import DIAGNOSTICS_TOPIC
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.heading_messages import read_pairs
+from heading_intercompare.messages.heading_places import locate_headings
 from heading_intercompare.messages.ledger_messages import decode_ledger, LedgerMessage
-from heading_intercompare.messages.status_messages import decode_statuses, Status
-from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.batches import Arrivals
-from heading_intercompare.nodes.ros.health import Health
-from heading_intercompare.nodes.ros.message_types import HEADING_TYPES, PAIRS_TYPES
+from heading_intercompare.messages.status_messages import (
+    ALARMS_TOPIC,
+    decode_statuses,
+    Status,
+)
+from heading_intercompare.nodes.interface import qos
+from heading_intercompare.nodes.interface.message_types import list_heading_types, PAIRS_TYPES
+from heading_intercompare.nodes.presence.health import Health
 from heading_intercompare.nodes.settings import Taking
+from heading_intercompare.nodes.spinning.batches import Arrivals
 from heading_intercompare.web.bridge.bridge_view import Bridge, BridgeView
 
-from .headings_intake import read_headings_as
 from .intake import Intake
 from .raw_subscription import subscribe
-from .recorded_topics import ALARMS_TOPIC
+from .topic_headings import TopicHeadings
 
 # With several sensors one node hears the headings, and says what to show of them.
 _OF_SENSORS = ('figures', 'vote', 'verdict')
@@ -91,11 +95,15 @@ class BridgeIntake:
     def _hear_pair(self, node: Node, health: Health, settings: Settings, taking: Taking) -> None:
         """Make what hears the headings of two sensors, and their pairs."""
         arrivals = Arrivals(node, self._drain, taking.drain_period_s)
+        places = {'ts': locate_headings(settings.ts_topic),
+                  'rs': locate_headings(settings.rs_topic)}
+        conventions = {'ts': settings.ts_convention, 'rs': settings.rs_convention}
         self._intakes = {stream: Intake(
-            node, topic, HEADING_TYPES, qos.HEADINGS_IN, health,
+            node, place.topic, list_heading_types(place), qos.HEADINGS_IN, health,
             unreliable=qos.HEADINGS_UNRELIABLE, needed=False, counted=False, arrivals=arrivals)
-            for stream, topic in (('ts', settings.ts_topic), ('rs', settings.rs_topic))}
-        self._conventions = {'ts': settings.ts_convention, 'rs': settings.rs_convention}
+            for stream, place in places.items()}
+        self._readers = {stream: TopicHeadings(place, conventions[stream])
+                         for stream, place in places.items()}
         self._pairs = Intake(node, 'pairs', PAIRS_TYPES, qos.PAIRS_TAKEN, health,
                              needed=False, counted=False, arrivals=arrivals)
         for intake in (*self._intakes.values(), self._pairs):
@@ -133,7 +141,7 @@ class BridgeIntake:
     def _drain(self) -> None:
         now_s = time.monotonic()
         for stream, intake in self._intakes.items():
-            headings = intake.read_rows(partial(read_headings_as, self._conventions[stream]))
+            headings = intake.read_rows(self._readers[stream].read)
             if intake.received_ns is not None:
                 self._bridge.take_headings(stream, headings, intake.received_ns, now_s)
         if self._pairs is not None:

@@ -17,23 +17,27 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Callable, Mapping, Sequence
+from typing import Callable, Mapping
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 
+from heading_intercompare.bags.recording.cut_bag import LastMessages
+from heading_intercompare.bags.recording.reading_batches import LastHeard
 from heading_intercompare.core.pairing.incarnations import StreamNumbers
 from heading_intercompare.core.records import Headings, Losses
-from heading_intercompare.messages.heading_messages import read_headings
+from heading_intercompare.messages.heading_places import locate_headings
 from heading_intercompare.messages.ledger_messages import decode_losses, lost_topic
-from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.batches import Unwatched
-from heading_intercompare.nodes.ros.health import Health
-from heading_intercompare.nodes.ros.message_types import HEADING_TYPES
+from heading_intercompare.messages.status_messages import OK
+from heading_intercompare.nodes.interface import qos
+from heading_intercompare.nodes.interface.message_types import list_heading_types
+from heading_intercompare.nodes.presence.health import Health
 from heading_intercompare.nodes.settings import Taking
+from heading_intercompare.nodes.spinning.batches import Unwatched
 
 from .intake import Intake
 from .raw_subscription import subscribe
+from .topic_headings import TopicHeadings
 
 
 class HeadingsIntake:
@@ -45,7 +49,7 @@ class HeadingsIntake:
     node, health, taking
         As for `Intake`.
     streams : mapping of str to (str, str, str or None)
-        Topic, convention and known type of each stream, by its name.
+        Place (`locate_headings`), convention and known type of each stream, by its name.
     lose
         Called with the name of a stream, the fate of some readings (`LOST_AS`), and how many there
         are: lost on the way, and those that a driver says it never published.
@@ -64,23 +68,35 @@ class HeadingsIntake:
                  lose: Callable[[str, str, Losses], None],
                  arrivals: Unwatched | None = None) -> None:
         self._lose_some = lose
-        self._conventions = {name: convention for name, (_, convention, _) in streams.items()}
+        places = {name: locate_headings(topic) for name, (topic, _, _) in streams.items()}
+        self._health = health
+        self._readers = {name: TopicHeadings(places[name], convention)
+                         for name, (_, convention, _) in streams.items()}
         self.intakes = {name: Intake(
-            node, topic, HEADING_TYPES, qos.HEADINGS_IN, health,
+            node, places[name].topic, list_heading_types(places[name]), qos.HEADINGS_IN, health,
             unreliable=qos.HEADINGS_UNRELIABLE, kept=qos.HEADINGS_KEPT, stale_s=taking.stale_s,
             first_wait_s=taking.first_wait_s, lost_shown_s=taking.lost_shown_s, stamped=True,
             known_type=kind, arrivals=arrivals)
-            for name, (topic, _, kind) in streams.items()}
+            for name, (_, _, kind) in streams.items()}
+        health.add_refresher(self._note)
         for name, intake in self.intakes.items():
             subscribe(node, DiagnosticArray, lost_topic(intake.full_name), qos.LOST, health,
                       decode_losses, partial(self._lose, name))
+
+    def hold(self) -> None:
+        """Take what has come, so that the subscriptions have room, and return it later."""
+        for intake in self.intakes.values():
+            intake.hold()
 
     def take(self, *, last: bool = False) -> dict[str, Headings]:
         """Return the readings since the last call, by stream; `last` says that none follow."""
         for intake in self.intakes.values() if last else ():
             intake.bring_back()
-        headings = {name: intake.read_rows(partial(read_headings_as, self._conventions[name]))
+        headings = {name: intake.read_rows(self._readers[name].read)
                     for name, intake in self.intakes.items()}
+        if last:
+            headings = {name: rows + self._readers[name].flush()
+                        for name, rows in headings.items()}
         for name, intake in self.intakes.items():
             self._lose(name, {'lost.on_the_way': intake.take_losses(),
                               'lost.before_start': intake.take_before()})
@@ -96,6 +112,22 @@ class HeadingsIntake:
         return {name: intake.received_ns for name, intake in self.intakes.items()
                 if intake.received_ns is not None}
 
+    def go_on(self, heard: Mapping[str, LastHeard], since_ns: int) -> None:
+        """Go on after the readings that an earlier process took, which began at a time, UTC ns."""
+        for name, intake in self.intakes.items():
+            last = heard.get(name)
+            if last is None or not last.numbers.last:
+                intake.go_on_after(LastMessages((), since_ns))
+            else:
+                intake.go_on_after(LastMessages(((last.numbers.last, last.sent_ns),), since_ns,
+                                                last.numbers.last_publisher), last.numbers.spans)
+
+    @property
+    def last_heard(self) -> dict[str, LastHeard]:
+        """Return the numbers of the readings so far, and when the newest was sent, by stream."""
+        return {name: LastHeard(intake.numbers, intake.sent_ns)
+                for name, intake in self.intakes.items()}
+
     @property
     def numbers(self) -> dict[str, StreamNumbers]:
         """Return the numbers of the readings taken so far, by stream."""
@@ -107,8 +139,9 @@ class HeadingsIntake:
             intake.look()
         return sum(intake.publishers for intake in self.intakes.values())
 
-
-def read_headings_as(convention: str, type_name: str,
-                     messages: Sequence[bytes]) -> tuple[Headings, list[str]]:
-    """Return the headings in messages, for `Intake.read_rows`."""
-    return read_headings(type_name, convention, messages)
+    def _note(self) -> None:
+        """Report the sentences that gave no heading of a stream; two may hear one topic."""
+        for name, reader in self._readers.items():
+            if reader.counts is not None:
+                self._health.note(f'{name} sentences', OK, reader.sentence or 'listening',
+                                  figures=reader.counts)

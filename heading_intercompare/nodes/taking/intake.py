@@ -40,15 +40,16 @@ from heading_intercompare.core.alarms.graph_watch import (
     TWO_PUBLISHERS,
 )
 from heading_intercompare.core.pairing.incarnations import StreamNumbers
+from heading_intercompare.core.pairing.names import Span
 from heading_intercompare.core.records import Losses
 from heading_intercompare.core.statistics.recent_count import RecentCount
 from heading_intercompare.messages.stamps import header_stamp_ns
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
-from heading_intercompare.nodes.ros.batches import Unwatched
-from heading_intercompare.nodes.ros.health import Health
-from heading_intercompare.nodes.ros.message_types import find_heading_type
-from heading_intercompare.nodes.ros.parameters import follow, resolve_topic
-from heading_intercompare.nodes.ros.transports import DISCOVERY_S
+from heading_intercompare.nodes.interface.message_types import explain_absence, find_heading_type
+from heading_intercompare.nodes.interface.parameters import follow, resolve_topic
+from heading_intercompare.nodes.presence.health import Health
+from heading_intercompare.nodes.presence.transports import DISCOVERY_S
+from heading_intercompare.nodes.spinning.batches import Unwatched
 
 from .publisher_names import PublisherNames
 from .reception import Message, number_of, Reception, Renewal
@@ -61,6 +62,8 @@ _LEASE_S = 30.0
 _GONE_S = 5.0
 #: How long messages lost on the way are an alarm.
 _LOSING_S = 10.0
+#: No process ends, and begins to publish again, in less.
+_RESTART_NS = 300_000_000
 #: All that publishers keep was sent after this time.
 _EVER_NS = 1
 
@@ -106,7 +109,7 @@ class Intake:
         The type, where it is known before a publisher is seen. Then the subscription is made at
         the start, as one that hears publishers of any quality of service.
     arrivals
-        Callback group of the subscription: what a `QuickExecutor` does when a message arrives.
+        Callback group of the subscription, for which the executor wakes; by default it does not.
 
     Attributes
     ----------
@@ -116,8 +119,8 @@ class Intake:
         Type of the subscription; None while there is none.
     received, last_sequence : int
         Number of messages taken; number that the publisher gave the newest.
-    received_ns
-        When the newest message arrived, UTC ns; None before the first.
+    received_ns, sent_ns
+        When the newest message arrived, None before the first, and when it was sent, UTC ns.
     refused : int
         Messages that could not be read.
     publishers : int
@@ -175,7 +178,7 @@ class Intake:
         self._waits = False
         self._there_before: set[str] = set()
         self.open = True
-        self.received = self.last_sequence = self.refused = self.publishers = 0
+        self.received = self.last_sequence = self.refused = self.publishers = self.sent_ns = 0
         self.resubscribed = 0
         self.received_ns: int | None = None
         self._why_refused = ''
@@ -188,7 +191,7 @@ class Intake:
         self._losing, self._alarm = RecentCount(_LOSING_S), ''
         self._rivals_since_s: float | None = None
         self._ghost = False
-        self._after, self._whole = ('', 0), whole
+        self._whole = whole
         self._opened_ns = self._since_ns = 0
         health.add_refresher(self._note)
         if stale_s is not None:
@@ -197,6 +200,10 @@ class Intake:
     def bring_back(self) -> None:
         """Take what a subscription held that was set aside; call it before the last `take`."""
         self._reception.bring_back()
+
+    def hold(self) -> None:
+        """Take what has come, so that the subscription has room, and return it later."""
+        self._reception.hold()
 
     def take(self) -> list[Message]:
         """Return the messages since the last call, each with its info."""
@@ -207,18 +214,27 @@ class Intake:
         if messages:
             numbers = [number_of(message) for message in messages]
             self._names.begin(self.received_ns)
+            begins = [0] * self._may_be_replaced(messages[0])
             if self._stamped:
                 stamps = [header_stamp_ns(message) for message, _ in messages]
-                self._losses.append(self._numbering.take(numbers, stamps, self._names.find_new))
+                self._losses.append(self._numbering.take(numbers, stamps, self._names.find_new,
+                                                         begins))
                 self._note_resumed(numbers[0], stamps[0])
             elif self.counted:
-                self._numbering.take(numbers, find_new=self._names.find_new)
+                self._numbering.take(numbers, find_new=self._names.find_new, begins=begins)
             self.last_sequence = numbers[-1]
             self.received += len(messages)
             info = messages[-1][1]
+            self.sent_ns = info['source_timestamp']
             self._newest_s, self.received_ns = time.monotonic(), info['received_timestamp']
             self._latency_s = (info['received_timestamp'] - info['source_timestamp']) / 1e9
         return messages
+
+    def _may_be_replaced(self, message: Message) -> bool:
+        """Tell whether a message is another publisher's, even if its number follows the last."""
+        return bool(self._numbering.publisher
+                    and message[1]['source_timestamp'] > self.sent_ns + _RESTART_NS
+                    and self._names.are_all_new())
 
     def read_rows(self, read: Callable[[str, Sequence[bytes]], tuple[_Chunk, Sequence[str]]]
                   ) -> _Chunk:
@@ -236,17 +252,30 @@ class Intake:
         self.refuse(problems)
         return rows
 
-    def go_on_after(self, recorded: LastMessages) -> None:
-        """Go on after the last messages that an earlier process recorded, if any are kept."""
+    def go_on_after(self, last: LastMessages, spans: Sequence[Span] = ()) -> None:
+        """
+        Go on after the last messages that an earlier process took, if any are kept.
+
+        Parameters
+        ----------
+        last
+            The last ones.
+        spans
+            From which number to which one each publisher was heard; by default, that of the last
+            messages from its first number on.
+
+        """
         profile = self._kept or self._reliable
         if profile.durability != DurabilityPolicy.TRANSIENT_LOCAL:
             return
         self._whole = True
-        self._reception.go_on(recorded)
-        self._resumed = recorded.publisher
-        if recorded.names:
-            self._numbering = Numbering.go_on(1, recorded.names[-1][0], 0, recorded.publisher)
-            self._names.go_on(recorded.publisher)
+        self._reception.go_on(last)
+        self._resumed = last.publisher
+        if last.names:
+            self.last_sequence, self.sent_ns = last.names[-1]
+            spans = spans or [Span(last.publisher, 1, self.last_sequence)]
+            self._numbering = Numbering.go_on(spans)
+            self._names.go_on([last.publisher, *(span.publisher for span in spans)])
 
     def _note_resumed(self, number: int, stamp_ns: int) -> None:
         """Note whose the first message is after those that an earlier process recorded."""
@@ -261,10 +290,6 @@ class Intake:
         starts, self._names.starts = self._names.starts, []
         return starts
 
-    def resume_after(self, publisher: str, number: int) -> None:
-        """Begin after a number that this publisher gave, if it keeps its newest messages."""
-        self._after = publisher, number
-
     def take_losses(self) -> Losses:
         """Return the gaps among the messages taken since the last call, at their stamps."""
         losses, self._losses = Losses.concatenate(self._losses), []
@@ -272,10 +297,7 @@ class Intake:
 
     def take_before(self) -> Losses:
         """Return, once, what the publisher sent before the first message that was taken."""
-        before = self._numbering.take_before()
-        # The predecessor took what came before the number to begin after.
-        resumed = self._after[0] == self._publishers[0] != ''
-        return Losses.empty() if resumed else before
+        return self._numbering.take_before()
 
     def refuse(self, problems: Sequence[str]) -> None:
         """Count messages that could not be read, given what is wrong with each."""
@@ -328,18 +350,20 @@ class Intake:
         self._there_s = now_s
         infos = self._node.get_publishers_info_by_topic(self.full_name)
         offered_types = {info.topic_type for info in infos}
-        good = [name for name in self._types if name in offered_types]
+        good = [name for name in (*self._types, *sorted(offered_types))
+                if name in offered_types and name in self._types]
         self._change_qos(infos, self._have_come(infos))
         suitable = [name for name in good if self.type_name in (None, name)]
         if self.open and suitable and not self._reception.there:
             self.type_name = suitable[0]
             self._opened_ns = self._opened_ns or time.time_ns()
             stored = self._qos is self._kept
-            self._reception.open(self._types[suitable[0]], self._qos, self._after[1] * stored,
-                                 self._since_ns * stored)
+            self._reception.open(self._types[suitable[0]], self._qos, self._since_ns * stored)
         strange = sorted(offered_types - {self.type_name} - set(() if self.type_name else good))
         if strange:
             self._alarm = MISMATCH
+            if absence := '' if self.type_name else explain_absence(strange, self._types):
+                return f'{self._topic}: {absence}'
             return (f'{self._topic} has the type {", ".join(strange)}; must be '
                     f'{self.type_name or " or ".join(self._types)}')
         return self._describe_mismatch(infos) or (
@@ -413,8 +437,7 @@ class Intake:
     @property
     def _may_look_back(self) -> bool:
         """Whether it is known with which number or time to begin."""
-        return bool(self._whole or self._reception.newest or self._since_ns
-                    or self._after[0] == self._publishers[1] != '')
+        return bool(self._whole or self._reception.newest or self._since_ns)
 
     def _change_qos(self, infos: Sequence[TopicEndpointInfo], came: bool) -> None:
         """Subscribe with what hears all publishers and loses least; `came`: all are new here."""

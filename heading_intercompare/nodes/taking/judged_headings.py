@@ -16,13 +16,13 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from typing import Mapping, Sequence
 
-from heading_intercompare.bags.rosbag2.publisher_starts import make_finder, PublisherStart
+from heading_intercompare.bags.rosbag2.publisher_starts import KnownStarts, PublisherStart
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
-from heading_intercompare.core.pairing.names import Span
 from heading_intercompare.messages.stamps import header_stamp_ns
-from heading_intercompare.nodes.ros.transports import DISCOVERY_S, is_alone
+from heading_intercompare.nodes.presence.transports import DISCOVERY_S, is_alone
 
 from .reception import Message, number_of
 from .recorded_topics import Recorded
@@ -67,8 +67,8 @@ class JudgedHeadings:
         self._begun = {topic for topic, recorded in topics.items() if not recorded.spans}
         self._resumed = resumed or {}
         self._held: dict[str, list[Message]] = {}
-        self._starts: dict[str, list[PublisherStart]] = {}
-        self.counts = {topic: (0, _go_on(recorded.intake.numbers.spans))
+        self._starts: dict[str, KnownStarts] = defaultdict(KnownStarts)
+        self.counts = {topic: (0, Numbering.go_on(recorded.intake.numbers.spans[-1:]))
                        for topic, recorded in topics.items() if recorded.is_heading}
 
     def take(self, topic: str, messages: Sequence[Message], now_s: float,
@@ -99,15 +99,17 @@ class JudgedHeadings:
 
     def note_starts(self, topic: str, starts: Sequence[PublisherStart]) -> None:
         """Note which of the next headings are the first ones of their publishers."""
-        self._starts.setdefault(topic, []).extend(starts)
+        self._starts[topic].add(starts)
 
     def _count(self, topic: str, headings: list[Message]) -> list[Message]:
         """Count headings that are to be recorded."""
+        if not headings:
+            return headings
         n, numbering = self.counts[topic]
         self.counts[topic] = n + len(headings), numbering
-        numbering.take([number_of(message) for message in headings],
-                       [header_stamp_ns(data) for data, _ in headings],
-                       make_finder(self._starts.get(topic, ())))
+        self._starts[topic].find_gaps(
+            numbering, [number_of(message) for message in headings],
+            [header_stamp_ns(data) for data, _ in headings])
         return headings
 
     def _choose(self, topic: str, messages: Sequence[Message], now_s: float,
@@ -156,9 +158,3 @@ class JudgedHeadings:
         """Tell whether a heading that was judged is still under way."""
         return any(recorded.intake.last_sequence < (recorded.last_judged or 0)
                    for recorded in self._topics.values())
-
-
-def _go_on(spans: Sequence[Span]) -> Numbering:
-    """Return the numbering of a topic, after the last number in a bag before if there is one."""
-    return (Numbering.go_on(spans[-1].first, spans[-1].last, 0, spans[-1].publisher) if spans
-            else Numbering())

@@ -20,7 +20,7 @@ from typing import Iterable
 
 from heading_intercompare.core.runs.run_cutter import CutterState
 from heading_intercompare.messages.status_messages import MARKS, WARN
-from heading_intercompare.nodes.ros.health import Health
+from heading_intercompare.nodes.presence.health import Health
 
 #: Marks that a node takes; a year of watches has 2200.
 _MOST = 10_000

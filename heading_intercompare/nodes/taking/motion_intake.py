@@ -27,9 +27,9 @@ from heading_intercompare.core.motion.motion_record import leave_out_known
 from heading_intercompare.core.records import Motion
 from heading_intercompare.core.settings import MotionRule
 from heading_intercompare.messages.motion.motion_messages import read_motion
-from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.health import Health
-from heading_intercompare.nodes.ros.message_types import MOTION_TYPES
+from heading_intercompare.nodes.interface import qos
+from heading_intercompare.nodes.interface.message_types import MOTION_TYPES
+from heading_intercompare.nodes.presence.health import Health
 from heading_intercompare.nodes.settings import Taking
 
 from .intake import Intake

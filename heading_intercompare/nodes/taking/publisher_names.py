@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 import time
-from typing import Callable, Collection, Sequence
+from typing import Callable, Collection, Iterable, Sequence
 
 from heading_intercompare.bags.rosbag2.publisher_starts import PublisherStart
 
@@ -31,8 +31,9 @@ class PublisherNames:
 
     A message does not name its publisher. A number that does not follow the last one belongs to
     a publisher that came to the list of the graph after the last message of the others, if there
-    is one. It is listed before its first message arrives, and a dead one stays for 20 s. A
-    publisher that is listed for longer and was never heard does not own the number.
+    is one. It is listed before its first message arrives. One that ends leaves the list at once; a
+    dead one stays for 20 s. A publisher that is listed for longer and was never heard does not own
+    the number.
 
     Parameters
     ----------
@@ -54,9 +55,9 @@ class PublisherNames:
         self._fresh, self._alone = False, ''
         self.starts: list[PublisherStart] = []
 
-    def go_on(self, publisher: str) -> None:
-        """Go on after messages of a publisher that an earlier process has heard."""
-        self._heard.add(publisher)
+    def go_on(self, publishers: Iterable[str]) -> None:
+        """Go on after messages of publishers that an earlier process has heard."""
+        self._heard.update(publishers)
         self._before_ns = 0
 
     def look(self, gids: Collection[str], now_ns: int | None = None) -> None:
@@ -70,14 +71,23 @@ class PublisherNames:
         if received_ns is not None:
             self._before_ns = received_ns
 
+    def are_all_new(self) -> bool:
+        """Tell whether all that are listed now came after the last message, none of them heard."""
+        self.look(self._list_gids())
+        self._fresh = True
+        return bool(self._heard and self._listed_ns) and all(map(self._is_new, self._listed_ns))
+
+    def _is_new(self, gid: str) -> bool:
+        return gid not in self._heard and (
+            self._before_ns is None or self._listed_ns[gid] > self._before_ns - _LATE_NS)
+
     def find_new(self, number: int, stamp_ns: int) -> str | None:
         """Return whose first message this is, '' if unknown, None if nobody's; note the start."""
         if not self._fresh:
             self.look(self._list_gids())
             self._fresh = True
         first = self._before_ns is None
-        fresh = [gid for gid, listed_ns in self._listed_ns.items() if gid not in self._heard
-                 and (self._before_ns is None or listed_ns > self._before_ns - _LATE_NS)]
+        fresh = [*filter(self._is_new, self._listed_ns)]
         if not fresh and not first:
             return None
         name = fresh[0] if len(fresh) == 1 else ''

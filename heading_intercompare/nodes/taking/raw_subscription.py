@@ -23,7 +23,7 @@ from rclpy.qos import QoSProfile
 
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.status_messages import WARN
-from heading_intercompare.nodes.ros.health import Health
+from heading_intercompare.nodes.presence.health import Health
 
 _Read = TypeVar('_Read')
 

@@ -25,7 +25,7 @@ from rclpy.qos import QoSProfile
 from rclpy.subscription import Subscription
 
 from heading_intercompare.bags.recording.cut_bag import LastMessages
-from heading_intercompare.nodes.ros.batches import take_all, Unwatched
+from heading_intercompare.nodes.spinning.batches import take_all, Unwatched
 
 #: The state of a subscription is looked at once a second; a node that was stopped looks later.
 _STOPPED_S = 3.0
@@ -177,7 +177,7 @@ class Reception:
         self._since_ns = self._kept_until_ns = 0
         self._known: dict[tuple[int, int], None] = {}
         self._recorded = LastMessages()
-        self._skip_until = self.newest = 0
+        self.newest = 0
         self._seamless, self._joint = False, 0
         self._first = 0, 0
 
@@ -191,7 +191,7 @@ class Reception:
         self._whole, self._recorded = True, recorded
         self._known = dict.fromkeys(recorded.names)
 
-    def open(self, kind: type, profile: QoSProfile, after: int = 0, since_ns: int = 0) -> None:
+    def open(self, kind: type, profile: QoSProfile, since_ns: int = 0) -> None:
         """
         Subscribe.
 
@@ -201,15 +201,13 @@ class Reception:
             Message type.
         profile
             Quality of service.
-        after
-            Leave out the first messages up to this number.
         since_ns
             Leave out what publishers keep from before this time. They usually keep what the
             subscription that was set aside held, too.
 
         """
         self._kind = kind
-        self._current, self._skip_until = self._subscribe(kind, profile), after
+        self._current = self._subscribe(kind, profile)
         self._since_ns, self._kept_until_ns = since_ns, time.time_ns() + _KEPT_NS
         if not since_ns:
             self.bring_back()
@@ -275,9 +273,13 @@ class Reception:
         aside, self._aside = self._aside, []
         return [message for message in aside if message[1]['source_timestamp'] < sent_ns]
 
+    def hold(self) -> None:
+        """Take what has come, so that the subscription has room, and return it later."""
+        self._left = self.take()
+
     def close(self) -> None:
         """Give up the subscription, but not what it holds."""
-        self._left = self.take()
+        self.hold()
         for subscription in (self._current, self._successor):
             if subscription is not None:
                 self._node.destroy_subscription(subscription)
@@ -292,10 +294,6 @@ class Reception:
         fresh = []
         for message in messages:
             number = number_of(message)
-            if self._skip_until:
-                if number <= self._skip_until:
-                    continue
-                self._skip_until = 0
             if self._is_earlier(message):
                 continue
             name = number, message[1]['source_timestamp']

@@ -36,29 +36,34 @@ from heading_intercompare.bags.rosbag2.provenance import (
 )
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
 from heading_intercompare.core.pairing.names import Span
-from heading_intercompare.core.sensor_table import find_reference, list_tested, read_sensors
+from heading_intercompare.core.sensors.compared_sensors import list_sensors
+from heading_intercompare.core.sensors.pair_names import TWO
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.errors import MessageError
+from heading_intercompare.messages.heading_places import HeadingPlace, locate_headings
 from heading_intercompare.messages.ledger_messages import lost_topic
-from heading_intercompare.messages.status_messages import decode_text, MARKER_TOPIC
-from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.health import Health
-from heading_intercompare.nodes.ros.message_types import (
-    HEADING_TYPES,
+from heading_intercompare.messages.status_messages import (
+    ALARMS_TOPIC,
+    decode_text,
+    MARKER_TOPIC,
+)
+from heading_intercompare.nodes.interface import qos
+from heading_intercompare.nodes.interface.message_types import (
+    list_heading_types,
     PAIRS_TYPES,
     STATUS_TYPES,
     TEXT_TYPES,
     TRUTH_TYPES,
 )
-from heading_intercompare.nodes.ros.parameters import resolve_topic
-from heading_intercompare.nodes.ros.transports import DISCOVERY_S, is_alone
+from heading_intercompare.nodes.interface.parameters import resolve_topic
+from heading_intercompare.nodes.interface.places import heading_places, label_tested, name_place
+from heading_intercompare.nodes.presence.health import Health
+from heading_intercompare.nodes.presence.transports import DISCOVERY_S, is_alone
 from heading_intercompare.nodes.settings import HeadingTypes, Taking
 
 from .intake import Intake
 from .motion_intake import make_motion_intake
 from .reception import Message
-
-ALARMS_TOPIC = 'compliance/alarms'
 
 #: A publisher knows a new subscription within this time, unless the computer is very busy.
 _KNOWN_S = 1.0
@@ -216,10 +221,11 @@ class _Row(NamedTuple):
     expected: bool
 
 
-def _list_rows(node: Node, reports: Sequence[str], headings: Sequence[str]) -> list[_Row]:
+def _list_rows(node: Node, reports: Sequence[str],
+               headings: Mapping[str, HeadingPlace]) -> list[_Row]:
     """Return the topics whose messages are recorded as they come, in the order to subscribe."""
-    rows = [*(_Row(topic, HEADING_TYPES, qos.HEADINGS_IN, qos.HEADINGS_OUT, True)
-              for topic in headings),
+    rows = [*(_Row(topic, list_heading_types(place), qos.HEADINGS_IN, qos.HEADINGS_OUT, True)
+              for topic, place in headings.items()),
             _Row(MARKER_TOPIC, STATUS_TYPES, qos.MARKER, qos.MARKER, True),
             _Row(NOTE_TOPIC, TEXT_TYPES, qos.NOTE, qos.NOTE, False),
             *(_Row(topic, TEXT_TYPES, qos.REPORT, qos.REPORT, True) for topic in reports)]
@@ -237,19 +243,18 @@ def make_intakes(node: Node, settings: Settings, taking: Taking, types: HeadingT
 
     The topics of the graph, the true heading if any, notes, and the diagnostics if wanted.
     """
-    sensors = read_sensors(settings.sensors)
-    headings = [sensor.heading_topic for sensor in sensors] or [settings.ts_topic,
-                                                                settings.rs_topic]
-    tested, reference = list_tested(sensors), find_reference(sensors)
-    # The place of the nodes of two sensors, or the places of those of each tested sensor.
-    places = [f'{sensor.name}/' for sensor in tested] if sensors else ['']
-    known_types = {**dict.fromkeys(headings, types.ts_message_type), (
-        reference.heading_topic if reference else settings.rs_topic): types.rs_message_type}
+    sensors = {sensor.name: sensor for sensor in list_sensors(settings)}
+    headings = heading_places(settings)
+    places = {names: name_place(label) for names, label in label_tested(settings).items()}
+    known_types = dict.fromkeys(headings, types.ts_message_type)
+    known_types |= {locate_headings(sensor.heading_topic).topic: types.rs_message_type
+                    for sensor in sensors.values() if sensor.is_reference}
     topics = {topic: Recorded(_offer(qos.HEADINGS_OUT), make_motion_intake(
         node, health, what, topic, taking), False)
         for what, topic in motion_topics(settings.motion).items() if settings.motion.compare}
-    reports = [f'{place}{REPORT_TOPIC}' for place in places] + [SENSORS_REPORT_TOPIC] * bool(
-        sensors)
+    reports = [f'{place}{REPORT_TOPIC}' for place in places.values()]
+    if settings.sensors is not None:
+        reports.append(SENSORS_REPORT_TOPIC)
     for report in reports:
         verdict = report.removesuffix('report') + 'verdict'
         topics[verdict] = Recorded(_offer(qos.STATE), _State(
@@ -264,15 +269,14 @@ def make_intakes(node: Node, settings: Settings, taking: Taking, types: HeadingT
             known_type=known_types.get(row.topic)),
             row.expected, is_heading=row.topic in headings)
     heard = [topics[topic].intake for topic in headings]
-    for at, place in enumerate(places):
+    for names, place in places.items():
         topics[f'{place}pairs'] = Recorded(_offer(qos.PAIRS_TAKEN), _Pairs(
             node, f'{place}pairs', health, taking.first_wait_s, heard), True)
         ledgers = _Ledgers(node, health, taking.first_wait_s, f'{place}pairs/ledger')
         topics[f'{place}pairs/ledger'] = Recorded(_offer(qos.LEDGER), ledgers, True,
                                                   is_ledger=True)
-        counted = ([tested[at].heading_topic, reference.heading_topic]
-                   if reference is not None else headings)
-        for stream, topic in zip(('ts', 'rs'), counted):
+        for stream, name in zip(TWO, names):
+            topic = locate_headings(sensors[name].heading_topic).topic
             topics[topic] = topics[topic]._replace(
                 published=(*topics[topic].published,
                            partial(ledgers.headings.count_missing, stream)),

@@ -288,12 +288,12 @@ class Bridge:
     def _view_several(self, panel: SensorsPanel, now_s: float) -> BridgeView:
         """Return what to show of a graph of several sensors."""
         sensors, alarms = panel.view(now_s), self._view_alarms()
-        judged = not self._is_silent('sensors_watch', now_s)
+        judged = not self._is_silent('compliance', now_s)
         grave = [alarm.name for alarm in alarms if alarm.active and alarm.priority == 'warning']
         if grave:
             validity = ValidityView(f'not all sensors are sound now: {", ".join(grave)}', Tone.BAD)
         elif not judged:
-            validity = ValidityView('not known: the node sensors_watch is not heard', Tone.DOUBT)
+            validity = ValidityView('not known: the compliance node is not heard', Tone.DOUBT)
         else:
             validity = ValidityView('nothing speaks against a sensor now', Tone.NONE)
         lamp = panel.lamp

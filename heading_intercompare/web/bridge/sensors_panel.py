@@ -91,7 +91,7 @@ class SensorsView:
 
 class SensorsPanel:
     """
-    Takes what `sensors_watch` publishes; memory is bounded.
+    Takes what is published of all sensors; memory is bounded.
 
     Parameters
     ----------

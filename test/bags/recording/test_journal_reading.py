@@ -47,10 +47,10 @@ def test_what_a_journal_holds_is_read_without_judging(tmp_path):
     write_journal(path, some_pairs(3000, gap_at=1500), [(500, 'start')])
     contents = read_journal(path)
     origin, reader = read_origin(contents, path), JournalReader(path)
-    state = reader.read(contents, Unjudged())
+    n_judged = reader.read(contents, [Unjudged()])
     assert (origin.began_ns, origin.bag, origin.settings['norms.sigma_max_deg']) == (
         T0, 'trial_1', 0.3)
-    assert state.n_judged == 1 and reader.kept.marks == {('start', T0 + 499 * S)}
+    assert n_judged == 1 and reader.kept.marks == {('start', T0 + 499 * S)}
     assert (reader.kept.n_pairs, reader.kept.start_ns, reader.kept.newest_ns) == (
         1500, T0 + 2100 * S, T0 + 3599 * S)
 
@@ -71,13 +71,13 @@ def test_settings_that_differ_are_named():
 
 def test_what_is_missing_is_said_in_sentences():
     pairs = some_pairs(50)
-    kept = Kept(numbers={'1000': (1, 50, 0)}, newest_ns=T0)
+    kept = Kept(numbers={'1000': (1, 50, 0, 0)}, newest_ns=T0)
     said = [*describe_gaps(kept, 0)]
     assert said[0].startswith('it holds no ledger') and len(said) == 2
     kept.ledgers = {1000: ledger_of(pairs, 40, [])}
     assert [*describe_gaps(kept, 0)][0] == (
         'its last ledger counts 40 of the 50 pairs published so far')
-    kept.numbers = {'1000': (1, 30, 0)}
+    kept.numbers = {'1000': (1, 30, 0, 0)}
     kept.dropped = 3
     assert [*describe_gaps(kept, 12)][:3] == [
         'its last 12 bytes are of a record that was cut, or is being written: its pairs, mark '

@@ -20,6 +20,7 @@ import json
 import os
 import time
 
+from journals import ledger_of
 import numpy as np
 import pytest
 
@@ -32,6 +33,7 @@ from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
 from heading_intercompare.core.records import Motion, Pairs
+from heading_intercompare.core.sensors.pair_names import TWO
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.ledger_messages import LedgerMessage
 
@@ -63,12 +65,12 @@ class Node:
 
     def __init__(self, path, rule, within_s=3600.0, now_ns=None):
         self.compliance = Compliance(rule, source='live')
-        self.journal = RunJournal(path, self.compliance, within_s=within_s,
+        self.journal = RunJournal(path, rule, {TWO: self.compliance}, within_s=within_s,
                                   now_ns=time.time_ns() if now_ns is None else now_ns)
         self.now_s = 0.0
 
     def take(self, pairs, marks=(), n=0):
-        self.journal.add(pairs, {'1000': (1, n, 0)})
+        self.journal.add(pairs, {'1000': (1, n, 0, 0)})
         self.compliance.update(pairs)
         for kind, stamp_ns in marks:
             self.journal.mark(kind, stamp_ns)
@@ -105,7 +107,7 @@ def test_after_any_kills_the_verdict_is_that_of_a_trial_without(tmp_path, rng, r
             node.kill()
             node = Node(tmp_path / 'j', rule)
             assert node.journal.resumed and not node.journal.set_aside
-            assert node.journal.kept.numbers == {'1000': (1, lo + 100, 0)}
+            assert node.journal.kept.numbers == {'1000': (1, lo + 100, 0, 0)}
             assert ('start' in {kind for kind, _ in node.journal.kept.marks}) is (
                 marks and lo >= 500)
     whole.finish()
@@ -170,27 +172,6 @@ def test_ledgers_of_all_synchronizers_come_back(tmp_path):
             ledger.newest_ns, [SetBack('ts', T0, 7 * S)])
 
 
-@pytest.mark.parametrize('replaced', [False, True])
-def test_the_ledger_before_the_newest_comes_back(tmp_path, rng, replaced):
-    """Also when the journal was replaced, because a run has ended."""
-    node = Node(tmp_path / 'j', settings())
-    pairs = some_pairs(rng, 20)
-    node.take(pairs[:10])
-    for k in range(3):
-        segments = [LedgerSegment(None, {'paired': 3}), LedgerSegment(T0, {'ts_unpaired': k})]
-        node.journal.book(LedgerMessage(Ledger.from_segments(segments, T0 + k), False, 5,
-                                        {'ts': StreamNumbers('ab', 1, 'ab', k)}))
-        node.take(Pairs.empty())
-    if replaced:
-        node.take(pairs[10:], [('stop', int(pairs.stamp_ns[15]))])
-        assert node.compliance.finished_runs == 1
-    node.kill()
-    kept = Node(tmp_path / 'j', settings()).journal.kept
-    assert kept.newest.numbers['ts'].last == 2 and kept.before.numbers['ts'].last == 1
-    assert kept.newest.ledger.segments[1].counts == {'ts_unpaired': 2}
-    assert kept.before.ledger.segments[1].counts == {'ts_unpaired': 1}
-
-
 @pytest.mark.parametrize('cut', [1, 7, 300])
 def test_a_torn_tail_is_left_out_and_named_and_the_trial_goes_on(tmp_path, rng, cut):
     pairs, path = some_pairs(rng, 200), tmp_path / 'j'
@@ -221,7 +202,7 @@ def test_damage_within_ends_what_can_be_used(tmp_path, rng):
 
 
 @pytest.mark.parametrize('change, why', [
-    (lambda p: p.write_bytes(b'heading_intercompare journal 7\n'), 'version 7, must be 1'),
+    (lambda p: p.write_bytes(b'heading_intercompare journal 7\n'), 'version 7, must be 3'),
     (lambda p: p.write_bytes(b'something else entirely'), 'is not a journal'),
     (lambda p: p.write_bytes(b''), 'is not a journal'),
     (lambda p: os.utime(p, (0, 0)), 'h ago, more than 3600 s')])
@@ -291,7 +272,8 @@ def test_the_newest_bag_of_a_trial_is_found(tmp_path, rng):
     assert found() is None
     for bag in ('trial', 'trial_2', 'trial_3'):
         compliance = Compliance(rule)
-        journal = RunJournal(path, compliance, within_s=3600.0, now_ns=time.time_ns(), bag=bag)
+        journal = RunJournal(path, rule, {TWO: compliance}, within_s=3600.0,
+                             now_ns=time.time_ns(), bag=bag)
         journal.add(some_pairs(rng, 5), {})
         journal.tick(1.0)
         assert found() is None, 'a live process keeps its run there'
@@ -362,14 +344,22 @@ def test_a_disk_that_stays_full_costs_bounded_memory_and_the_hole_is_counted(
 
 
 @pytest.mark.slow
-def test_the_journal_holds_one_run_only(tmp_path, rng):
-    """50 runs of 15 minutes: the file does not grow from run to run."""
+@pytest.mark.parametrize('booked', [False, True])
+def test_the_journal_holds_one_run_only(tmp_path, rng, booked):
+    """50 runs of 15 minutes: the file does not grow from run to run; `booked` with ledgers."""
     rule, sizes = settings(runs__every_h=0.25, runs__keep=3), []
     node = Node(tmp_path / 'j', rule)
     pairs = some_pairs(rng, 45_000)
     for lo in range(0, 45_000, 300):
+        if booked:
+            moved = Motion.of_rates(
+                pairs.stamp_ns[lo] + np.arange(1500) * S // 5, rng.random(1500))
+            node.journal.add_motion(moved)
+            node.compliance.take_motion(moved)
+            node.journal.book(ledger_of(pairs, lo + 300, [], False))
         node.take(pairs[lo:lo + 300])
+        node.compliance.motion.forget(node.compliance.run_start_ns)
         node.compliance.results()
         node.compliance.take_earlier()
         sizes.append((tmp_path / 'j').stat().st_size)
-    assert max(sizes[-30:]) < 1.3 * max(sizes[15:45]) and max(sizes) < 200_000
+    assert max(sizes[-30:]) < 1.3 * max(sizes[15:45]) and max(sizes) < 800_000

@@ -19,11 +19,14 @@ from __future__ import annotations
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.publisher_starts import (
-    make_finder,
+    KnownStarts,
     PublisherRecords,
     PublisherStart,
     read_starts,
 )
+from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
+from heading_intercompare.core.pairing.names import Span
+from heading_intercompare.core.records import Losses
 
 STAMP_NS = 1_700_000_000_123_456_789
 STARTS = [PublisherStart('aa', n, STAMP_NS + n) for n in range(1, 12)]
@@ -59,5 +62,8 @@ def test_a_bag_holds_no_more_than_a_thousand(tmp_path):
 
 
 def test_who_begins_with_a_message_is_found_by_its_number_and_its_stamp():
-    find_new = make_finder([PublisherStart('aa', 5, 70), PublisherStart('', 2, 90)])
-    assert [find_new(5, 70), find_new(2, 90), find_new(5, 90)] == ['aa', '', None]
+    starts = KnownStarts([PublisherStart('aa', 5, 70), PublisherStart('', 2, 90)])
+    numbering = Numbering()
+    assert starts.find_gaps(numbering, [4, 5, 6, 3, 4], [60, 70, 80, 90, 100]) == Losses.of(
+        [70, 90], [60, 80], [4, 2])
+    assert numbering.spans == (Span('', 4, 4), Span('aa', 5, 6), Span('', 3, 4))

@@ -19,7 +19,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from heading_intercompare.bags.rosbag2.publisher_starts import KnownStarts, PublisherStart
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
+from heading_intercompare.core.pairing.names import Span
 from heading_intercompare.core.records import Losses
 
 
@@ -124,9 +126,22 @@ def test_a_publisher_that_is_known_to_begin_owns_a_number_that_rises(size):
     assert rows_in_order(numbers, size)[0] == Losses.of([4, 6], [3, 5], [20, 1])
 
 
+@pytest.mark.parametrize('size', [1, 2, 3, 100])
+def test_a_publisher_that_is_known_to_begin_owns_a_number_that_follows(size):
+    """The first one ended with 9, and the second one was first heard at 10: 9 are missing."""
+    numbers, starts = [0, 7, 8, 9, 10, 11, 13], KnownStarts([
+        PublisherStart('a', 7, 2), PublisherStart('b', 10, 5)])
+    numbering, losses = Numbering(), []
+    for lo in range(0, len(numbers), size):
+        part, stamps = numbers[lo:lo + size], [*range(1, len(numbers) + 1)][lo:lo + size]
+        losses.append(starts.find_gaps(numbering, part, stamps))
+    assert Losses.concatenate(losses) == Losses.of([5, 7], [4, 6], [9, 1])
+    assert numbering.spans == (('a', 7, 9), ('b', 10, 13))
+
+
 def test_a_publisher_that_is_known_goes_on_after_its_last_number():
     """As in a bag that goes on with another one."""
-    found = Numbering.go_on(1, 40, 0, 'a')
+    found = Numbering.go_on([Span('a', 1, 40)])
     losses = found.take([43, 44], [7, 8], lambda number, stamp_ns: 'a')
     assert losses == Losses.of([7], [0], [2]) and found.spans == (('a', 1, 44),)
 

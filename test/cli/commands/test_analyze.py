@@ -91,10 +91,10 @@ def test_a_journal_beside_a_csv_needs_settings(tmp_path, capsys, journal):
 
 
 @pytest.mark.parametrize('name, data, words', [
-    ('x.journal', b'heading_intercompare journal 7\nrest', 'is a journal of version 7, must be 1'),
-    ('x.bin', b'heading_intercompare journal 12\n', 'is a journal of version 12, must be 1'),
+    ('x.journal', b'heading_intercompare journal 7\nrest', 'is a journal of version 7, must be 3'),
+    ('x.bin', b'heading_intercompare journal 12\n', 'is a journal of version 12, must be 3'),
     ('x.journal', b'something else', 'is not a journal'), ('x.journal.3', b'', 'is not a journal'),
-    ('x.journal', b'heading_intercompare journal 1\n', 'its first record was cut'),
+    ('x.journal', b'heading_intercompare journal 3\n', 'its first record was cut'),
     ('x.journal', None, 'No such file or directory')])
 @pytest.mark.parametrize('command', ['analyze', 'info'])
 def test_a_wrong_file_is_refused_in_one_line(tmp_path, capsys, command, name, data, words):

@@ -125,12 +125,6 @@ def test_who_watches_the_keepers_leaves_the_rest_to_them():
     assert active(watch, 100.0) == ['compliance_silent']
 
 
-def test_a_node_of_another_sensor_is_watched_by_the_keeper_of_that_sensor():
-    beats = [RECORDER, Beat('gyro1/synchronizer'), Beat('gyro2/synchronizer')]
-    assert active(watch_of(*beats), 100.0) == ['recorder_silent']
-    assert active(watch_of(*beats, places=['gyro1']), 100.0) == ['gyro1/synchronizer_silent']
-
-
 def test_names_without_end_do_not_fill_the_memory():
     watch = GraphWatch('compliance')
     assert sum(watch.take(Beat(f'n{n}'), 0.0) is not None for n in range(1000)) == 50

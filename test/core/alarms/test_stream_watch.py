@@ -29,7 +29,7 @@ class Streams:
     def __init__(self, rate_hz=10.0, speed=1.0, lag_s=0.0):
         self.watch, self.rate_hz, self.speed = StreamWatch(3.0, 5.0), rate_hz, speed
         self.now_s, self.received, self.heard = 100.0, [0, 0], [None, None]
-        self.off_s, self.silent, self.lag_s = lag_s, False, lag_s
+        self.off_s, self.silent = lag_s, False
 
     def run(self, seconds):
         """Let time pass; return the signs of each second."""
@@ -60,6 +60,7 @@ def test_a_step_of_a_clock_is_seen_within_two_looks_and_its_end_at_once(rate_hz,
     assert actives(found, 'clock_step')[:3] == [None, True, True]
     assert actives(found, 'clock_step')[-1] is True
     assert f'stepped by {step_s:+.1f} s' in found[-1]['clock_step'].words
+    assert not any(actives(found, 'overload'))
     streams.off_s = 0.0
     assert actives(streams.run(3), 'clock_step') == [False] * 3
 
@@ -68,6 +69,7 @@ def test_clocks_that_lie_apart_from_the_start_are_seen():
     found = Streams(lag_s=-3600.0).run(10)
     assert actives(found, 'clock_step')[-1] is True
     assert '3600.0 s apart' in found[-1]['clock_step'].words
+    assert not any(actives(found, 'overload'))
 
 
 @pytest.mark.parametrize('speed', [0.5, 10.0, 400.0])
@@ -110,6 +112,47 @@ def test_readings_that_come_late_are_no_step_of_a_clock(rate_hz, late_s, drops):
         heard = [round((1000.0 + sent / rate_hz) * S_NS), round((900.0 + now_s) * S_NS)]
         found.append(watch.look(received, heard, now_s))
     assert not any(actives(found, 'clock_step'))
+
+
+@pytest.mark.parametrize('pace', [0.0, 0.5, 0.99])
+@pytest.mark.parametrize('late', [0, 1])
+def test_a_sensor_that_lags_is_named_as_overload_and_not_as_a_step(late, pace):
+    """One driver works at half its pace, or at 99 %, or hangs, until it is 12 s behind."""
+    watch, received, lag_s, signs = StreamWatch(3.0, 5.0), [0, 0], 0.0, {}
+    for second in range(1, 4000):
+        if second > 20:
+            lag_s = min(lag_s + 1.0 - pace, 12.0) if second < 2000 else max(lag_s - 1.0, 0.0)
+        lags_s = [lag_s * (at == late) for at in range(2)]
+        received = [round(10.0 * (second - behind_s)) for behind_s in lags_s]
+        heard = [round((1000.0 + second - behind_s) * S_NS) for behind_s in lags_s]
+        before, signs = signs, watch.look(received, heard, float(second))
+        assert signs['clock_step'].active is not True
+        if lag_s <= 5.0:
+            assert not signs['overload'].active
+        if before and lag_s == 12.0 and second in (1500, 1999):
+            assert signs['overload'].active is True
+            slow, other = ('TS', 'RS')[late], ('RS', 'TS')[late]
+            assert signs['overload'].words.startswith(
+                f'overload: the readings of the {slow} lag those of the {other} by 12.0 s')
+    assert signs['overload'].active is False
+
+
+def test_what_a_cut_connection_kept_comes_at_once_and_is_no_overload():
+    watch = StreamWatch(3.0, 5.0)
+    for second in range(1, 80):
+        came = second if not 20 <= second < 55 else 19
+        if second == 55:
+            came = 40
+        signs = watch.look([10 * second, 10 * came], [second * S_NS, came * S_NS], float(second))
+        assert not signs['overload'].active and not signs['clock_step'].active
+
+
+@pytest.mark.parametrize('speed', [20.0, 400.0])
+def test_a_fast_replay_that_is_uneven_is_no_overload(rng, speed):
+    streams = Streams(speed=speed)
+    for _ in range(200):
+        streams.off_s = speed * rng.uniform(-0.4, 0.4)
+        assert not any(actives(streams.run(1), 'overload'))
 
 
 def test_a_sensor_slower_than_the_limit_is_not_silent_between_its_readings():

@@ -29,6 +29,7 @@ from heading_intercompare.core.decision.criteria import (
     apply_variance_criterion,
     estimate_total_error,
     Limits,
+    require_norms,
     variance_limits,
 )
 from heading_intercompare.core.declared_settings import SettingsError
@@ -58,6 +59,17 @@ def test_a_missing_norm_is_named(name):
     norms = {'sigma_max_deg': 0.3, 'sigma_ref_max_deg': 0.4, name: None}
     with pytest.raises(SettingsError, match=f'norms.{name} is missing'):
         Limits.of(Norms(**norms))
+    with pytest.raises(SettingsError, match=f'norms.{name} is missing'):
+        require_norms(Norms(**norms), 'NN')
+
+
+@pytest.mark.parametrize('model', ['NN', 'UN'])
+@pytest.mark.parametrize('norms', [{'sigma_max_deg': 0.3}, {'limiting_error_max_deg': 0.6},
+                                   {'preset': 'imo_a821', 'latitude_deg': 60.0}])
+def test_the_norms_that_are_required_are_those_of_the_limits(norms, model):
+    norms = Norms(**norms, sigma_ref_max_deg=0.2)
+    at = Limits.of(norms, model)
+    assert require_norms(norms, model) == (at.sigma_max_deg, at.sigma_ref_max_deg)
 
 
 def test_both_equalities_are_on_the_side_of_not_exceeded():

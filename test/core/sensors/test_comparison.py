@@ -21,12 +21,11 @@ import pytest
 from ship_of_sensors import make_sensor
 
 from heading_intercompare.core.pairing.ledger import LedgerKey
-from heading_intercompare.core.pairing.pair_sampling import PairSampler
 from heading_intercompare.core.pipeline import Intercomparison
-from heading_intercompare.core.records import Headings, Losses, Pairs
+from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.core.sensor_table import read_sensors
 from heading_intercompare.core.sensors.comparison import SensorsComparison
-from heading_intercompare.core.sensors.pair_settings import settings_of_others, settings_of_pair
+from heading_intercompare.core.sensors.pair_settings import settings_of_pair
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.compare_verdicts import find_differences
 
@@ -132,28 +131,3 @@ def test_the_pairs_go_on_after_a_restart():
     comparison.finish()
     for one in (*comparison.tested.values(), *comparison.others.values()):
         assert len(one.results()) == 1
-
-
-@pytest.mark.parametrize('again_s', [0.0, 5.0])
-def test_a_pair_goes_on_after_another_process_as_if_there_were_one(again_s):
-    """The second one takes readings again that made pairs already; each pair counts once."""
-    settings = settings_of_others(Settings.of(sensors=TABLE))['gyro1', 'gyro2']
-    whole, first, second = (Intercomparison(settings, sampler=PairSampler()) for _ in range(3))
-    ts, rs = HEADINGS['gyro1'], HEADINGS['gyro2']
-    at_ns = int(ts.stamp_ns[len(ts) // 2])
-    kept = []
-    first.keep_with(kept.append)
-    whole.update(ts, rs)
-    whole.finish()
-    first.update(ts[ts.stamp_ns < at_ns], rs[rs.stamp_ns < at_ns])
-    # What it was given is all that the second one knows of it.
-    second.compliance.update(Pairs.concatenate(kept))
-    later = []
-    second.keep_with(later.append)
-    since_ns = second.compliance.newest_ns - round((again_s + 3.0) * 1e9)
-    second.update(ts[ts.stamp_ns >= since_ns], rs[rs.stamp_ns >= since_ns])
-    second.finish()
-    assert Pairs.concatenate([*kept, *later]).stamp_ns.tolist() == sorted(
-        {*Pairs.concatenate([*kept, *later]).stamp_ns.tolist()})
-    found, expected = (one.compliance.verdict() for one in (second, whole))
-    assert [*find_differences(found, expected)] == []

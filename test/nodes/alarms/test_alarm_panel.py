@@ -26,8 +26,8 @@ from std_msgs.msg import String
 from heading_intercompare.core.alarms.alarm import Priority, Rule, Sign
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 from heading_intercompare.nodes.alarms.alarm_panel import AlarmPanel
-from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.health import Health
+from heading_intercompare.nodes.interface import qos
+from heading_intercompare.nodes.presence.health import Health
 
 S_NS = 10 ** 9
 RULES = Rule('jump', clear_s=0.0), Rule('burst', Priority.CAUTION, 0.0)
@@ -39,7 +39,8 @@ class Shown:
     def __init__(self, ros):
         self.ros = ros
         node = ros.add(Node, 'watcher')
-        self.panel = AlarmPanel(node, Health(node), RULES)
+        self.health = Health(node)
+        self.panel = AlarmPanel(node, self.health, RULES)
         # A late subscriber, too, hears how the alarms stand.
         self.heard = ros.listen(DiagnosticArray, 'compliance/alarms', qos.STATE_IN)
         ros.spin_until(lambda: self.heard)
@@ -126,7 +127,7 @@ def test_a_change_is_logged_once_or_told_instead(shown, capfd):
         shown.see(at_s, jump=True)
     assert capfd.readouterr().err.count('alarm raised: jump: TS - RS jumped') == 1
     told = []
-    shown.panel.tell = told.append
+    shown.health.tell = told.append
     shown.see(6, jump=False)
     shown.see(7, jump=False)
     assert told == ['watcher: alarm cleared, not acknowledged: jump: TS - RS jumped']
@@ -134,7 +135,7 @@ def test_a_change_is_logged_once_or_told_instead(shown, capfd):
 
 
 def test_a_muted_panel_raises_nothing(shown):
-    shown.panel.muted = True
+    shown.health.mute()
     shown.see(1, jump=True)
     assert not shown.panel['jump'].state.active
 

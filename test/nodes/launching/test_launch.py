@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from ast import literal_eval
+from functools import partial
 from importlib import import_module
 from pathlib import Path
 import re
@@ -32,9 +33,11 @@ from heading_intercompare.app.config import load_config
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.cli.commands.graph import demo
 from heading_intercompare.core.declared_settings import SettingsError
+from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.launching.arguments import OWN_SETTINGS
 from heading_intercompare.nodes.launching.node_end import NodeFailure
-from heading_intercompare.nodes.runtime import source_thread
+from heading_intercompare.nodes.sending import source_thread
+from heading_intercompare.nodes.synchronizer import Synchronizer
 
 FILES = ('intercompare.launch.py', 'replay.launch.py')
 DEMO = 'demo.launch.py'
@@ -54,20 +57,19 @@ def config(tmp_path):
 
 def by_name(name, **given):
     """Return the nodes of a launch file by name."""
-    return {node.name: node for node in nodes(name, **given)}
+    return {node.label: node for node in nodes(name, **given)}
 
 
-def own(node):
-    """Return the parameters that the launch file itself sets."""
-    return {key: value for given in node.parameters if isinstance(given, dict)
-            for key, value in given.items()}
+def own(node, of=''):
+    """Return the parameters that the launch file itself sets; `of` one of several nodes."""
+    return node.own(of)
 
 
 def test_the_live_graph_has_two_drivers_and_the_others(config):
     made = by_name(FILES[0], config=config)
     assert {name: node.executable for name, node in made.items()} == {
-        'ts_driver': 'nmea_driver', 'rs_driver': 'nmea_driver', 'synchronizer': 'synchronizer',
-        'compliance': 'compliance', 'recorder': 'recorder'}
+        'ts_driver': 'nmea_driver', 'rs_driver': 'nmea_driver', 'intercompare': 'intercompare',
+        'recorder': 'recorder'}
     assert (own(made['ts_driver'])['topic'], own(made['rs_driver'])['topic']) == (
         'ts/heading', 'rs/heading')
 
@@ -82,9 +84,10 @@ def test_a_live_graph_uses_udp_unless_the_user_chooses(config, monkeypatch):
 def test_the_recorder_can_be_left_out_and_is_then_not_waited_for(config):
     made = by_name(FILES[0], config=config, record='false')
     assert 'recorder' not in made
-    assert {own(made[n])['subscribers'] for n in ('ts_driver', 'synchronizer')} == {1}
     recorded = by_name(FILES[0], config=config)
-    assert {own(recorded[n])['subscribers'] for n in ('ts_driver', 'synchronizer')} == {2}
+    assert [(own(graph['ts_driver'])['subscribers'],
+             own(graph['intercompare'], 'synchronizer')['subscribers'])
+            for graph in (made, recorded)] == [(1, 0), (2, 1)]
 
 
 def test_topics_of_the_parameter_file_are_kept(config):
@@ -95,6 +98,11 @@ def test_topics_of_the_parameter_file_are_kept(config):
     made = by_name(FILES[0], config=config)
     assert (own(made['ts_driver'])['topic'], own(made['rs_driver'])['topic']) == (
         'gyro', 'seapath')
+
+
+def nodes_of(node):
+    """Return the names of the nodes of a process that a launch file starts."""
+    return [node.name] if node.name else ['compliance', 'synchronizer']
 
 
 def follow(node, *codes, is_shutdown=False):
@@ -110,13 +118,12 @@ def follow(node, *codes, is_shutdown=False):
     return followed
 
 
-def test_the_end_of_synchronizer_or_compliance_ends_all_unless_it_was_killed(config):
-    made = by_name(FILES[0], config=config)
-    for name in ('synchronizer', 'compliance'):
-        killed, failed, refused, over = follow(made[name], -9, 1, 2, 0)
-        assert killed is failed is None and made[name].respawn
-        assert refused == f'/{name} was refused; its line above says why'
-        assert isinstance(over, Shutdown)
+def test_the_end_of_the_comparison_ends_all_unless_it_was_killed(config):
+    node = by_name(FILES[0], config=config)['intercompare']
+    killed, failed, refused, over = follow(node, -9, 1, 2, 0)
+    assert killed is failed is None and node.respawn
+    assert refused == '/intercompare was refused; its line above says why'
+    assert isinstance(over, Shutdown)
 
 
 def test_a_node_that_is_refused_at_its_start_is_a_failure_of_the_launch(config):
@@ -140,7 +147,7 @@ def test_what_ends_after_ctrl_c_is_no_failure(config):
 
 def test_a_needed_node_that_does_not_start_again_is_a_failure_when_it_dies(config):
     made = by_name(FILES[0], config=config, respawn='false')
-    assert follow(made['compliance'], -9) == ['/compliance died with exit code -9']
+    assert follow(made['intercompare'], -9) == ['/intercompare died with exit code -9']
     assert follow(made['ts_driver'], -9) == [None]
 
 
@@ -149,13 +156,14 @@ def test_a_needed_node_that_does_not_start_again_is_a_failure_when_it_dies(confi
     ({'output': 'trial', 'namespace': '/a/b'}, 'trial.a.b.journal'),
     ({'report_dir': 'reports'}, None)])
 def test_the_run_in_progress_is_kept_beside_the_bag_or_the_reports(config, given, journal):
-    assert own(by_name(FILES[0], config=config, **given)['compliance']).get('journal') == journal
+    node = by_name(FILES[0], config=config, **given)['intercompare']
+    assert own(node, 'compliance').get('journal') == journal
 
 
 def test_drivers_of_live_sources_and_the_recorder_start_again(config):
     made = by_name(FILES[0], config=config)
     assert {n for n, node in made.items() if node.respawn} == {
-        'ts_driver', 'rs_driver', 'recorder', 'synchronizer', 'compliance'}
+        'ts_driver', 'rs_driver', 'recorder', 'intercompare'}
     named = by_name(FILES[0], config=config, output='trial')['recorder']
     assert named.respawn and own(named)['go_on'], 'the bag is there: it goes on in another one'
     given = yaml.safe_load(Path(config).read_text())
@@ -195,7 +203,7 @@ def test_a_sensor_without_a_driver_section_is_heard_on_its_topic(config):
     del given['rs_driver']
     Path(config).write_text(yaml.dump(given))
     assert set(by_name(FILES[0], config=config)) == {
-        'ts_driver', 'synchronizer', 'compliance', 'recorder'}
+        'ts_driver', 'intercompare', 'recorder'}
 
 
 @pytest.mark.parametrize('name', FILES)
@@ -207,14 +215,14 @@ def test_a_graph_in_a_namespace_takes_the_sections_of_its_file(config, name):
     made = by_name(name, config=config, namespace='/ship1',
                    **({'bag': config} if name == FILES[1] else {}))
     assert {node.namespace for node in made.values()} == {'/ship1'}
-    assert own(made['synchronizer'])['startup_wait_s'] == 33.0
+    assert own(made['intercompare'], 'synchronizer')['startup_wait_s'] == 33.0
     if name == FILES[0]:
         assert own(made['ts_driver'])['source'] == 'udp://127.0.0.1:20110'
 
 
 def test_all_end_when_the_bag_does(config):
     made = by_name(FILES[1], config=config, bag=config)
-    assert set(made) == {'replayer', 'synchronizer', 'compliance'}
+    assert set(made) == {'replayer', 'intercompare'}
     for name, node in made.items():
         over, refused, killed = follow(node, 0, 2, -9)
         assert isinstance(over, Shutdown) and name in refused and name in killed
@@ -236,7 +244,7 @@ def test_a_word_for_true_or_false_may_have_any_case(config):
 
 def test_without_drivers_all_headings_come_from_other_nodes(config):
     assert set(by_name(FILES[0], config=config, drivers='false')) == {
-        'synchronizer', 'compliance', 'recorder'}
+        'intercompare', 'recorder'}
 
 
 def test_nothing_starts_again_if_the_user_does_not_want_it(config):
@@ -248,8 +256,9 @@ def test_all_nodes_get_the_level_of_the_log_and_the_clock(name, config):
     bag = {'bag': config} if name == FILES[1] else {}
     for node in nodes(name, config=config, log_level='DEBUG', use_sim_time='true', **bag):
         assert node.ros_arguments[:2] == ['--log-level', 'debug']
-        assert own(node)['use_sim_time'] is True
-    assert all('use_sim_time' not in own(node) for node in nodes(name, config=config, **bag))
+        assert all(own(node, of)['use_sim_time'] is True for of in nodes_of(node))
+    assert not any('use_sim_time' in own(node, of) for node in nodes(name, config=config, **bag)
+                   for of in nodes_of(node))
 
 
 @pytest.mark.parametrize('name', FILES)
@@ -373,12 +382,12 @@ def test_the_sections_of_a_node_are_checked_by_what_it_declares(executable, ros,
 def test_the_demo_judges_simulated_sensors_by_the_norms_of_the_command_demo():
     made = by_name(DEMO)
     assert {name: node.executable for name, node in made.items()} == {
-        'sensor_simulator': 'sensor_simulator', 'synchronizer': 'synchronizer',
-        'compliance': 'compliance', 'recorder': 'recorder'}
+        'sensor_simulator': 'sensor_simulator', 'intercompare': 'intercompare',
+        'recorder': 'recorder'}
     assert own(made['sensor_simulator'])['subscribers'] == 2
     assert isinstance(follow(made['sensor_simulator'], 0)[0], Shutdown)
     assert follow(made['sensor_simulator'], 2)[0].startswith('sensor_simulator was refused')
-    config = load_config(made['compliance'].parameters[0])
+    config = load_config(made['intercompare'].parameters[0])
     assert config.shared == demo.NORMS and not config.sections
 
 
@@ -405,17 +414,11 @@ FOUR = str(TEMPLATE.with_name('four_sensors.yaml'))
 
 
 @pytest.mark.parametrize('name', FILES)
-def test_each_tested_sensor_has_two_nodes_in_its_namespace_and_one_node_joins_them(name):
+def test_one_process_pairs_and_judges_all_sensors(name):
     bag = {'bag': FOUR} if name == FILES[1] else {}
     made = nodes(name, config=FOUR, namespace='/ship1', **bag)
-    found = {(node.namespace, node.name) for node in made}
-    judging = {(f'/ship1/{sensor}', each) for sensor in ('gyro1', 'gyro2', 'ins')
-               for each in ('synchronizer', 'compliance')}
-    assert judging | {('/ship1', 'sensors_watch')} <= found
-    for node in made:
-        if node.namespace != '/ship1':
-            assert own(node)['sensor'] == node.namespace.rpartition('/')[2]
-            assert ('rostopic://gnss/heading', '/ship1/gnss/heading') in node.remappings
+    assert {node.namespace for node in made} == {'/ship1'}
+    assert [node.label for node in made].count('intercompare') == 1
 
 
 def test_each_of_several_sensors_has_a_driver_that_waits_for_all_that_hear_it():
@@ -423,30 +426,35 @@ def test_each_of_several_sensors_has_a_driver_that_waits_for_all_that_hear_it():
     drivers = {name: own(node) for name, node in made.items() if name.endswith('_driver')}
     assert {name: (given['topic'], given['subscribers'], given.get('talker'))
             for name, given in drivers.items()} == {
-        'gyro1_driver': ('gyro1/heading', 3, 'HE'), 'gyro2_driver': ('gyro2/heading', 3, 'HE'),
-        'ins_driver': ('ins/heading', 3, None), 'gnss_driver': ('gnss/heading', 5, None)}
-    assert own(made['sensors_watch'])['report_dir'] == 'reports'
+        'gyro1_driver': ('gyro1/heading', 2, 'HE'), 'gyro2_driver': ('gyro2/heading', 2, 'HE'),
+        'ins_driver': ('ins/heading', 2, None), 'gnss_driver': ('gnss/heading', 2, None)}
 
 
-def test_without_a_reference_one_node_judges_all_pairs(tmp_path):
+def test_without_a_reference_the_nodes_are_the_same(tmp_path):
     path = tmp_path / 'free.yaml'
     path.write_text(Path(FOUR).read_text().replace('gnss_compass  rs', 'gnss_compass'))
     assert {node.executable for node in nodes(FILES[0], config=str(path))} == {
-        'nmea_driver', 'sensors_watch', 'recorder'}
+        'nmea_driver', 'intercompare', 'recorder'}
+
+
+def run(ros, node, folder):
+    """Return the running nodes of a process that a launch file starts."""
+    words = node.arguments(folder)
+    if not node.name:
+        judge = ros.add(partial(Compliance, True), cli_args=words)
+        return [judge, ros.add(partial(Synchronizer, judge), cli_args=words)]
+    module = import_module(f'heading_intercompare.nodes.{node.executable}')
+    return [ros.add(getattr(module, node.executable.title().replace('_', '')), cli_args=words)]
 
 
 def test_the_nodes_of_several_sensors_take_their_parameters(ros, tmp_path):
     made = nodes(FILES[0], config=FOUR, record='false', report_dir=str(tmp_path / 'reports'))
-    running = []
     for node in made:
         if node.executable != 'nmea_driver':
-            module = import_module(f'heading_intercompare.nodes.{node.executable}')
-            make = getattr(module, node.executable.title().replace('_', ''))
-            running.append(ros.add(make, cli_args=node.arguments(tmp_path)))
+            run(ros, node, tmp_path)
     heard = {topic for topic, _ in ros.plain.get_topic_names_and_types()}
     assert {'/gyro1/compliance/verdict', '/ins/pairs', '/sensors/vote'} <= heard
-    assert '/gyro1/compliance/marker' not in heard
-    assert ros.plain.count_subscribers('/compliance/marker') == 7
+    assert ros.plain.count_subscribers('/compliance/marker') == 1
     assert (tmp_path / 'reports' / 'gyro2').is_dir()
 
 
@@ -466,12 +474,12 @@ def test_every_node_takes_its_parameters_from_the_template_too(ros, config, tmp_
     made += nodes(FILES[1], config=str(template), bag=bag, rate='20.0')
     made += nodes(DEMO, config=str(template), record='false')
     for node in made:
-        module = import_module(f'heading_intercompare.nodes.{node.executable}')
-        make = getattr(module, node.executable.title().replace('_', ''))
-        running = ros.add(make, cli_args=node.arguments(tmp_path))
-        assert running.get_name() == node.name
-        for key, value in own(node).items():
-            assert running.get_parameter(key).value == value, (node.name, key)
-        ros.nodes.remove(running)
-        ros.executor.remove_node(running)
-        running.destroy_node()
+        running = run(ros, node, tmp_path)
+        assert [one.get_name() for one in running] == nodes_of(node)
+        for one in running:
+            for key, value in own(node, one.get_name()).items():
+                assert one.get_parameter(key).value == value, (one.get_name(), key)
+            ros.nodes.remove(one)
+            ros.executor.remove_node(one)
+        for one in reversed(running):
+            one.destroy_node()

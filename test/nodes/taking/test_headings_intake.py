@@ -26,8 +26,8 @@ from sensor_msgs.msg import Imu
 
 from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.messages.ledger_messages import encode_losses, lost_topic
-from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.health import Health
+from heading_intercompare.nodes.interface import qos
+from heading_intercompare.nodes.presence.health import Health
 from heading_intercompare.nodes.settings import Taking
 from heading_intercompare.nodes.taking.headings_intake import HeadingsIntake
 

@@ -21,6 +21,7 @@ import time
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import QuaternionStamped
 from nodes.rclpy_objects import heading_messages
+from nodes.ros_nodes import EITHER_EXECUTOR
 import pytest
 from rclpy.node import Node
 from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
@@ -31,10 +32,10 @@ from heading_intercompare.bags.recording.cut_bag import LastMessages
 from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.messages.heading_messages import IMU, imu_messages, read_headings
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
-from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.batches import take_all
-from heading_intercompare.nodes.ros.health import Health
-from heading_intercompare.nodes.ros.message_types import HEADING_TYPES
+from heading_intercompare.nodes.interface import qos
+from heading_intercompare.nodes.interface.message_types import HEADING_TYPES
+from heading_intercompare.nodes.presence.health import Health
+from heading_intercompare.nodes.spinning.batches import take_all
 from heading_intercompare.nodes.taking import intake as intake_module, reception
 from heading_intercompare.nodes.taking.intake import Intake
 
@@ -111,6 +112,7 @@ def test_messages_that_were_overwritten_are_counted_as_lost(ros):
     ros.spin_until(lambda: state(heard, '90 messages lost on the way'))
 
 
+@EITHER_EXECUTOR
 def test_the_executor_does_not_wake_for_a_message(ros):
     intake, _ = intake_of(ros)
     publisher = publisher_to(ros, intake)
@@ -349,22 +351,6 @@ def test_an_intake_cut_off_hears_a_publisher_whose_clock_is_slow(ros, monkeypatc
     ros.spin_until(lambda: intake.take() == [] and publisher.get_subscription_count() == 1)
     publisher.publish(headings(7, 8)[0])
     assert seconds(take(ros, intake, 1)) == [7]
-
-
-@pytest.mark.parametrize('own, first', [(True, 31), (False, 51)])
-def test_an_intake_resumes_after_a_number_of_the_publisher_that_gave_it(ros, own, first):
-    intake, _ = intake_of(ros, kept=qos.HEADINGS_KEPT)
-    publisher = ros.plain.create_publisher(Imu, 'h', qos.HEADINGS_OUT)
-    for message in headings(1, 51):
-        publisher.publish(message)
-    ros.spin_until(lambda: ros.plain.count_publishers('h') == 1)
-    info, = ros.plain.get_publishers_info_by_topic('h')
-    intake.resume_after(bytes(info.endpoint_gid).hex() if own else 'another', 30)
-    ros.spin_until(lambda: intake.look() == '' and publisher.get_subscription_count() == 1)
-    for message in headings(51, 61):
-        publisher.publish(message)
-    assert seconds(take(ros, intake, 61 - first)) == [*range(first, 61)]
-    assert intake.numbers.first == first and intake.lost == 0
 
 
 @pytest.mark.parametrize('last, first, lost', [(30, 31, 0), (0, 1, 0)],

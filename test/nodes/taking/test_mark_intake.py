@@ -20,7 +20,7 @@ import numpy as np
 
 from heading_intercompare.core.runs.run_cutter import RunCutter
 from heading_intercompare.core.settings import RunCutting
-from heading_intercompare.nodes.ros.health import Health
+from heading_intercompare.nodes.presence.health import Health
 from heading_intercompare.nodes.taking.mark_intake import explain_mark, MarkIntake
 
 

@@ -24,8 +24,8 @@ from sensor_msgs.msg import Imu, NavSatFix
 from heading_intercompare.core.records import Motion
 from heading_intercompare.core.settings import MotionRule
 from heading_intercompare.messages.motion.motion_messages import split_motion
-from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.health import Health
+from heading_intercompare.nodes.interface import qos
+from heading_intercompare.nodes.presence.health import Health
 from heading_intercompare.nodes.settings import Taking
 from heading_intercompare.nodes.taking.motion_intake import MotionIntake
 

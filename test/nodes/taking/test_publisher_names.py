@@ -87,3 +87,25 @@ def test_a_publisher_that_an_earlier_process_heard_is_not_new():
     graph.gids = ['a', 'b']
     begin(names, 5.0)
     assert names.find_new(3, 70) == 'b'
+
+
+def test_where_only_a_new_publisher_is_left_a_number_that_follows_is_its_first():
+    names, graph = make_names('a')
+    begin(names, None)
+    names.find_new(1, 1)
+    begin(names, 19.5)
+    assert not names.are_all_new()
+    graph.gids = ['a', 'b']
+    assert not names.are_all_new()
+    graph.gids = ['b']
+    assert names.are_all_new() and names.find_new(2, 50) == 'b'
+    assert not names.are_all_new()
+
+
+def test_where_nobody_knows_who_was_heard_nobody_is_new():
+    names, graph = make_names('a', 'b')
+    begin(names, None)
+    names.find_new(7, 70)
+    graph.gids = ['c']
+    begin(names, 19.5)
+    assert not names.are_all_new()

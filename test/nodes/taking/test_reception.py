@@ -23,8 +23,8 @@ from std_msgs.msg import String
 
 from heading_intercompare.bags.recording.cut_bag import LastMessages
 from heading_intercompare.messages.status_messages import decode_text, encode_text
-from heading_intercompare.nodes.ros import qos
-from heading_intercompare.nodes.ros.batches import take_all, Unwatched
+from heading_intercompare.nodes.interface import qos
+from heading_intercompare.nodes.spinning.batches import take_all, Unwatched
 from heading_intercompare.nodes.taking.reception import Reception
 
 
@@ -50,9 +50,9 @@ class Line:
         """Take what comes until a condition holds."""
         self.ros.spin_until(lambda: (self.take(), condition())[1])
 
-    def open(self, profile=qos.HEADINGS_IN, after=0):
+    def open(self, profile=qos.HEADINGS_IN):
         """Subscribe, and wait for the publisher."""
-        self.reception.open(String, profile, after)
+        self.reception.open(String, profile)
         self.ros.spin_until(lambda: self.publisher.get_subscription_count() == 1)
 
 
@@ -130,15 +130,6 @@ def test_a_later_publisher_is_heard_from_its_first_message(line):
     line.send(60)
     line.take_until(lambda: len(line.taken) == 110)
     assert line.taken == [*range(1, 111)]
-
-
-def test_it_begins_after_a_number(line):
-    line.send(100)
-    line.open(qos.HEADINGS_KEPT, after=70)
-    line.take_until(lambda: len(line.taken) == 30)
-    line.send(5)
-    line.take_until(lambda: len(line.taken) == 35)
-    assert line.taken == [*range(71, 106)]
 
 
 def test_what_a_closed_one_held_is_not_lost(line):

@@ -21,7 +21,7 @@ from rclpy.node import Node
 
 from heading_intercompare.bags.recording.part_states import PartStates
 from heading_intercompare.core.settings import Settings
-from heading_intercompare.nodes.ros.health import Health
+from heading_intercompare.nodes.presence.health import Health
 from heading_intercompare.nodes.settings import HeadingTypes, Taking
 from heading_intercompare.nodes.taking.recorded_topics import make_intakes, report_files
 from heading_intercompare.report.json import render
@@ -38,7 +38,7 @@ def test_the_run_table_of_a_report_cuts_the_same_runs(verdict_of_two_runs):
 
 
 @pytest.mark.parametrize('rows, judged', [
-    ('', ['compliance/verdict']),
+    (None, ['compliance/verdict']),
     ('gyro1\ngyro2\ngnss rs', ['gyro1/compliance/verdict', 'gyro2/compliance/verdict',
                                'sensors/verdict']),
     ('gyro1\ngyro2\ngnss', ['sensors/verdict']),

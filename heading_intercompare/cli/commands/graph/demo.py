@@ -88,8 +88,7 @@ def run(arguments: argparse.Namespace) -> int:
 
     addresses: list[str] = []
     expected = '' if several else f' of {round(scenario.duration_s * scenario.ts.rate_hz):,}'
-    nodes = 'synchronizer -> compliance' + (' of each, sensors_watch' if several else '')
-    tell(f'1. live: simulator -> {nodes} -> recorder, '
+    tell('1. live: simulator -> synchronizer -> compliance -> recorder, '
          f'{scenario.duration_s:g} s at {arguments.speed:g} times real time')
     with Progress('live', arguments.quiet) as progress:
         live = intercompare(
@@ -98,7 +97,7 @@ def run(arguments: argparse.Namespace) -> int:
             parameters, output=bag, report_dir=str(out / 'live'), private=True, page=page,
             served=addresses.append,
             progress=lambda n: progress.show(f'{n:,}{expected} pairs'))
-    tell(f'2. replayed: {bag} -> {nodes}')
+    tell(f'2. replayed: {bag} -> synchronizer -> compliance')
     with Progress('replayed', arguments.quiet) as progress:
         replayed = intercompare(
             [Source(Replayer, 'replayer', {'bag': bag, 'rate': 1.0})],

@@ -23,7 +23,6 @@ import time
 from typing import Any, Mapping, Sequence
 
 from heading_intercompare.app.config import choose_pair, load_config, settings_for
-from heading_intercompare.bags.recording.journal import name_journal
 from heading_intercompare.bags.recording.run_journal import find_bag
 from heading_intercompare.bags.rosbag2.trial_parts import name_first, name_next
 from heading_intercompare.cli.commands.analyze import (
@@ -37,12 +36,8 @@ from heading_intercompare.cli.terminal.console import tell
 from heading_intercompare.cli.terminal.live_view import LiveView
 from heading_intercompare.core.decision.coverage import least_duration_words
 from heading_intercompare.core.declared_settings import from_mapping, SettingsError
-from heading_intercompare.core.sensor_table import describe_driver, list_tested, read_sensors
-from heading_intercompare.core.sensors.pair_settings import (
-    check_norms,
-    settings_of_others,
-    settings_of_tested,
-)
+from heading_intercompare.core.sensor_table import describe_driver, read_sensors
+from heading_intercompare.core.sensors.pair_settings import check_norms
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.nodes.settings import ComplianceNode
 
@@ -80,7 +75,8 @@ def run(arguments: argparse.Namespace) -> int:
     compliance.setdefault('journal', f'{output or "heading"}.journal')
     rule = from_mapping(ComplianceNode, {
         name: value for name, value in compliance.items() if name == 'resume_within_s'})
-    before = _find_former(compliance['journal'], settings, rule.resume_within_s)
+    before = find_bag(Path(compliance['journal']), settings, within_s=rule.resume_within_s,
+                      now_ns=time.time_ns())
     if before is not None:
         recorder['continues'] = os.path.basename(before)
     if output is None:
@@ -150,17 +146,3 @@ def _describe_drivers(settings: Settings) -> dict[str, dict[str, Any]]:
                 'rs_driver': {'topic': settings.rs_topic}}
     return {f'{sensor.name}_driver': {'topic': sensor.heading_topic, **describe_driver(sensor)}
             for sensor in sensors}
-
-
-def _find_former(journal: str, settings: Settings, within_s: float) -> str | None:
-    """Return the newest recording of the trial that the journals go on with, if there is one."""
-    sensors = read_sensors(settings.sensors)
-    trials = [(journal, settings)]
-    if sensors:
-        trials = [(name_journal(journal, sensor.name), settings_of_tested(settings, sensor.name))
-                  for sensor in list_tested(sensors)]
-        trials += [(name_journal(journal, '.'.join(names)), pair_settings)
-                   for names, pair_settings in settings_of_others(settings).items()]
-    bags = (find_bag(Path(path), trial_settings, within_s=within_s, now_ns=time.time_ns())
-            for path, trial_settings in trials)
-    return next((bag for bag in bags if bag is not None), None)

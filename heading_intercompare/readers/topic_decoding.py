@@ -1,0 +1,227 @@
+# Copyright 2026 The heading_intercompare authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The messages of a topic in a recording to headings, where they are read one by one."""
+
+from __future__ import annotations
+
+from functools import partial
+from itertools import islice
+from typing import Callable, Iterator, Mapping, NamedTuple, Sequence
+
+import numpy as np
+
+from heading_intercompare.bags.rosbag2.topic_names import locate_in
+from heading_intercompare.core.records import Headings, Integers
+from heading_intercompare.drivers.sentence_topic import choose_by_name, SentenceTopic
+from heading_intercompare.messages.angle_fields import decode_angles, find_angle
+from heading_intercompare.messages.byte_columns import (
+    BytesLike,
+    decode_readable,
+    FieldColumn,
+    join_messages,
+)
+from heading_intercompare.messages.fields import Definitions
+from heading_intercompare.messages.heading_messages import decode_headings
+from heading_intercompare.messages.heading_places import HeadingPlace
+from heading_intercompare.messages.sentence_messages import decode_sentences, SENTENCE
+
+#: Messages decoded at once.
+_MESSAGES = 4_000
+
+_Decode = Callable[[BytesLike, Integers, Integers], FieldColumn]
+
+
+class Logged(NamedTuple):
+    """A message as it is stored: log time in ns, number, data."""
+
+    log_time_ns: int
+    sequence: int
+    data: bytes
+
+
+def _as_column(decode: Callable[[BytesLike, Integers, Integers], Headings], data: BytesLike,
+               start: Integers, stop: Integers) -> FieldColumn:
+    headings = decode(data, start, stop)
+    return FieldColumn(headings.stamp_ns, headings.heading_deg)
+
+
+class TopicDecoder:
+    """
+    Turns the messages of a topic into headings.
+
+    An unreadable message is an invalid reading at its log time, which is all that is known of it.
+
+    Parameters
+    ----------
+    type_name
+        The type of the messages.
+    place
+        What to take from them.
+    convention
+        World axes of orientations.
+    definitions
+        The fields of the type, where the place names one.
+
+    Attributes
+    ----------
+    stamp_ns
+        Stamps of the messages decoded last; the log time of an unreadable one.
+
+    Raises
+    ------
+    MessageError
+        If the messages have no such field.
+    SettingsError
+        If there is no such sentence.
+
+    """
+
+    def __init__(self, type_name: str, place: HeadingPlace, convention: str,
+                 definitions: Definitions | None = None) -> None:
+        self._sentences: SentenceTopic | None = None
+        self._decode: _Decode
+        if type_name == SENTENCE:
+            self._sentences = SentenceTopic(choose_by_name(place.part))
+            self._decode = decode_sentences
+        elif place.part:
+            field = find_angle(type_name, definitions or {}, place.part)
+            self._decode = partial(_as_column, partial(decode_angles, field, place.unit))
+        else:
+            self._decode = partial(_as_column, partial(decode_headings, type_name, convention))
+        self.stamp_ns: Integers = np.empty(0, np.int64)
+        self._unreadable, self._problem = 0, ''
+
+    def decode(self, messages: Sequence[Logged], *, last: bool = False) -> Headings:
+        """Return the headings of messages; `last` says that none follow."""
+        if not messages:
+            return self._sentences.flush() if last and self._sentences else Headings.empty()
+        log_time_ns = np.array([message.log_time_ns for message in messages], np.int64)
+        data, starts, stops = join_messages([message.data for message in messages])
+        column, readable, problem = decode_readable(partial(self._decode, data), starts, stops)
+        self._unreadable += int((~readable).sum())
+        self._problem = self._problem or problem
+        self.stamp_ns = log_time_ns
+        self.stamp_ns[readable] = column.stamp_ns
+        if self._sentences is None:
+            heading_deg = np.full(len(messages), np.nan)
+            heading_deg[readable] = column.values
+            return Headings(self.stamp_ns, heading_deg)
+        headings = self._take_sentences(self._sentences, column, readable)
+        return headings + self._sentences.flush() if last else headings
+
+    def _take_sentences(self, sentences: SentenceTopic, column: FieldColumn,
+                        readable: np.ndarray) -> Headings:
+        """Return the headings in sentences, with the unreadable messages between them."""
+        chunks, at = [], 0
+        ends = np.cumsum(readable)
+        for row in np.flatnonzero(~readable).tolist():
+            until = int(ends[row])
+            chunks.append(sentences.take(column.stamp_ns[at:until], column.values[at:until]))
+            chunks.append(Headings(self.stamp_ns[row:row + 1], np.array([np.nan])))
+            at = until
+        chunks.append(sentences.take(column.stamp_ns[at:], column.values[at:]))
+        return Headings.concatenate(chunks)
+
+    @property
+    def unreadable(self) -> tuple[int, str]:
+        """Return the number of unreadable messages, and what is wrong with the first one."""
+        return self._unreadable, self._problem
+
+    @property
+    def remark(self) -> str:
+        """Return which sentence was taken and what was not, in words; '' for other messages."""
+        if self._sentences is None:
+            return ''
+        not_taken = ', '.join(f'{n} {reason}' for reason, n in self._sentences.counts.items() if n)
+        return (f'headings of {self._sentences.sentence or "no sentence"}; not taken: '
+                f'{not_taken or "nothing"}')
+
+
+class TopicKey(NamedTuple):
+    """How a topic is read: its name in the recording, part and unit, and convention."""
+
+    name: str
+    part: str
+    unit: str
+    convention: str
+
+    @property
+    def place(self) -> HeadingPlace:
+        """Return where its headings are."""
+        return HeadingPlace(self.name, self.part, self.unit)
+
+
+def list_keys(resolve: Callable[[str], str], conventions: Mapping[str, str]
+              ) -> dict[str, TopicKey]:
+    """
+    Return how each topic is read, by its name as requested.
+
+    Parameters
+    ----------
+    resolve
+        Returns the name in the recording of a topic as requested.
+    conventions
+        World axes of the orientations, by topic.
+
+    """
+    keys = {}
+    for asked, convention in conventions.items():
+        name, part, unit = locate_in(resolve(asked), asked)
+        keys[asked] = TopicKey(name, part, unit, convention)
+    return keys
+
+
+def read_topics(messages: Iterator[tuple[str, Logged]], keys: Mapping[str, TopicKey],
+                decoders: Mapping[TopicKey, TopicDecoder], oddities: list[str],
+                note: Callable[[TopicKey, Sequence[Logged]], None] = lambda key, messages: None,
+                ) -> Iterator[dict[str, Headings]]:
+    """
+    Yield the headings in messages, chunk by chunk, by topic as requested.
+
+    Parameters
+    ----------
+    messages
+        Names of topics and their messages.
+    keys
+        How each requested topic is read.
+    decoders
+        What decodes the messages of each; the recording of a topic is decoded once.
+    oddities
+        Gets, at the end, what could not be read and which sentences were taken.
+    note
+        Called with the messages that a topic was decoded from.
+
+    """
+    waiting: dict[str, list[Logged]] = {key.name: [] for key in decoders}
+    more = True
+    while more:
+        batch = list(islice(messages, _MESSAGES))
+        more = len(batch) == _MESSAGES
+        for name, message in batch:
+            waiting[name].append(message)
+        headings = {}
+        for key, decoder in decoders.items():
+            headings[key] = decoder.decode(waiting[key.name], last=not more)
+            note(key, waiting[key.name])
+        for logged in waiting.values():
+            logged.clear()
+        yield {asked: headings[key] for asked, key in keys.items()}
+    unreadable = [decoder.unreadable for decoder in decoders.values()]
+    if count := sum(n for n, _ in unreadable):
+        problem = next(problem for _, problem in unreadable if problem)
+        oddities.append(f'{count} messages cannot be read and count as invalid readings; '
+                        f'the first: {problem}')
+    oddities += [f'{asked}: {decoders[key].remark}' for asked, key in keys.items()
+                 if decoders[key].remark]

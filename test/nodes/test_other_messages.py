@@ -1,0 +1,277 @@
+# Copyright 2026 The heading_intercompare authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""Headings from sentences, and from a field of any messages, live and from the bag of the same."""
+
+from __future__ import annotations
+
+from importlib import import_module
+import os
+import sys
+
+from checksums import with_checksum
+from diagnostic_msgs.msg import DiagnosticArray
+from nodes.graph_checks import assert_same
+from nodes.message_packages import make_package, SENTENCE as SENTENCE_FIELDS
+from nodes.rclpy_objects import heading_messages
+from nodes.ros_nodes import NORMS
+import numpy as np
+import pytest
+from rclpy.node import Node
+from rclpy.serialization import serialize_message
+from sensor_msgs.msg import Imu
+
+from heading_intercompare.app.analysis import judge_bags
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.core.records import Headings
+from heading_intercompare.core.settings import Settings
+from heading_intercompare.messages.sentence_messages import SENTENCE
+from heading_intercompare.nodes.compliance import Compliance
+from heading_intercompare.nodes.graph import intercompare, Source
+from heading_intercompare.nodes.interface import message_types, qos
+from heading_intercompare.nodes.presence.health import Health
+from heading_intercompare.nodes.recorder import Recorder
+from heading_intercompare.nodes.replayer import Replayer
+from heading_intercompare.nodes.settings import Taking
+from heading_intercompare.nodes.synchronizer import Synchronizer
+from heading_intercompare.nodes.taking.headings_intake import HeadingsIntake
+
+T0 = 1_700_000_000
+S = 10 ** 9
+N = 900
+GYRO_FIELDS = """\
+std_msgs/Header header
+string maker
+int16[] raw
+float64[3] rates
+float32 yaw_rad
+float64 heading
+string word
+"""
+
+
+@pytest.fixture(scope='module')
+def packages(tmp_path_factory):
+    """Build the package of sentences, and one of no other use; return where they are."""
+    definitions = {'nmea_msgs': {'Sentence': SENTENCE_FIELDS},
+                   'gyro_test_msgs': {'Gyro': GYRO_FIELDS}}
+    return [make_package(tmp_path_factory.mktemp(package), package, fields)
+            for package, fields in definitions.items()]
+
+
+@pytest.fixture
+def types(packages, monkeypatch):
+    """Return the types of the packages, installed for this test."""
+    for folder in packages:
+        monkeypatch.syspath_prepend(str(folder))
+    monkeypatch.setenv('AMENT_PREFIX_PATH', os.pathsep.join(
+        [*(str(folder.parent) for folder in packages),
+         os.environ.get('AMENT_PREFIX_PATH', sys.prefix)]))
+    sentence = import_module('nmea_msgs.msg').Sentence
+    monkeypatch.setitem(message_types.HEADING_TYPES, SENTENCE, sentence)
+    return sentence, import_module('gyro_test_msgs.msg').Gyro
+
+
+def set_stamp(message, stamp_ns):
+    """Set the stamp of a message."""
+    message.header.stamp.sec, message.header.stamp.nanosec = divmod(int(stamp_ns), S)
+    return message
+
+
+def of_sentence(make, stamp_ns, body, frame='gps'):
+    """Return a sentence as a message; a body with a star has its checksum."""
+    message = make(sentence=f'${body}' if '*' in body else with_checksum(body))
+    message.header.frame_id = frame
+    return set_stamp(message, stamp_ns)
+
+
+def sensors():
+    """Return 90 s of two sensors at 10 Hz, half a period apart, in hundredths of a degree."""
+    rng = np.random.default_rng(7)
+    stamps = T0 * S + np.arange(N) * (S // 10)
+    ship = 90.0 + 20.0 * np.sin(np.arange(N) / 300.0)
+    return [Headings.of(stamps + late, np.round(ship + sigma * rng.standard_normal(N), 2))
+            for sigma, late in ((0.1, 0), (0.02, S // 20))]
+
+
+def make_intake(ros, **streams):
+    """Return an intake of streams, each given by its place."""
+    node = ros.add(Node, 'taker')
+    return HeadingsIntake(node, Health(node), Taking(), {
+        name: (place, 'enu', None) for name, place in streams.items()},
+        lambda name, lost_as, losses: None)
+
+
+def take_all(ros, intake, publisher, messages, n):
+    """Publish messages; return the n headings of each stream that they give."""
+    ros.spin_until(lambda: not any(map(len, intake.take().values()))
+                   and publisher.get_subscription_count() == len(intake.intakes))
+    for message in messages:
+        publisher.publish(message)
+    taken = {name: [] for name in intake.intakes}
+
+    def took():
+        for name, headings in intake.take().items():
+            taken[name].append(headings)
+        return all(sum(map(len, chunks)) >= n for chunks in taken.values())
+    ros.spin_until(took)
+    last = intake.take(last=True)
+    return {name: Headings.concatenate([*chunks, last[name]]) for name, chunks in taken.items()}
+
+
+def test_the_sentences_of_one_topic_are_two_sensors(ros, types):
+    """Each sentence is a message; others, damaged ones and those of the other talker give none."""
+    sentence, _ = types
+    ts, rs = sensors()
+    intake = make_intake(ros, ts='nmea.HEHDT', rs='nmea.GPHDT')
+    publisher = ros.plain.create_publisher(sentence, 'nmea', qos.HEADINGS_OUT)
+    messages = []
+    for at in range(40):
+        messages += [of_sentence(sentence, ts.stamp_ns[at], f'HEHDT,{ts.heading_deg[at]:.2f},T'),
+                     of_sentence(sentence, ts.stamp_ns[at] + 1, 'HEHDT,1.0,T*00'),
+                     of_sentence(sentence, ts.stamp_ns[at] + 2, 'GPVTG,1.0,T,,M,2.0,N,3.7,K'),
+                     of_sentence(sentence, rs.stamp_ns[at], f'GPHDT,{rs.heading_deg[at]:.2f},T',
+                                 'x' * (at % 5))]
+    taken = take_all(ros, intake, publisher, messages, 40)
+    assert taken == {'ts': ts[:40], 'rs': rs[:40]}
+    shown = intake._health
+
+    def count(part):
+        return {value.key: value.value for message in heard for status in message.status
+                if status.name == f'taker: {part}' for value in status.values}
+    heard = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+    ros.spin_until(lambda: shown.publish() or count('rs sentences'))
+    assert count('ts sentences') == {
+        'bad_checksum': '40', 'not_heading': '40', 'other_talker.GP': '40'}
+    assert count('rs sentences') == {
+        'bad_checksum': '40', 'not_heading': '40', 'other_talker.HE': '40'}
+
+
+def test_a_sentence_is_chosen_from_the_first_seconds_of_the_stamps(ros, types):
+    """THS is better than HDT, and is heard a second later."""
+    sentence, _ = types
+    intake = make_intake(ros, ts='nmea')
+    publisher = ros.plain.create_publisher(sentence, 'nmea', qos.HEADINGS_OUT)
+    messages = [of_sentence(sentence, (T0 + at) * S, body) for at in range(10)
+                for body in ([f'HEHDT,{at}.0,T'] + [f'GPTHS,{at}.5,A'] * (at > 0))]
+    taken = take_all(ros, intake, publisher, messages, 9)['ts']
+    assert taken.heading_deg.tolist() == [at + 0.5 for at in range(1, 10)]
+    assert taken.stamp_ns.tolist() == [(T0 + at) * S for at in range(1, 10)]
+
+
+def test_sentences_held_for_the_choice_are_taken_at_the_end(ros, types):
+    sentence, _ = types
+    intake = make_intake(ros, ts='nmea')
+    publisher = ros.plain.create_publisher(sentence, 'nmea', qos.HEADINGS_OUT)
+    ros.spin_until(lambda: not len(intake.take()['ts']) and publisher.get_subscription_count())
+    for at in range(3):
+        publisher.publish(of_sentence(sentence, T0 * S + at, f'HEHDT,{at}.0,T'))
+    ros.spin_until(lambda: not len(intake.take()['ts']) and intake.intakes['ts'].received == 3)
+    assert intake.take(last=True)['ts'].heading_deg.tolist() == [0.0, 1.0, 2.0]
+
+
+def test_without_the_package_one_line_says_what_to_install(ros, types, monkeypatch):
+    sentence, _ = types
+    monkeypatch.delitem(message_types.HEADING_TYPES, SENTENCE)
+    intake = make_intake(ros, ts='nmea')
+    ros.plain.create_publisher(sentence, 'nmea', qos.HEADINGS_OUT)
+    ros.spin_until(lambda: intake.count_publishers() == 1)
+    assert intake.intakes['ts'].look() == (
+        'nmea: messages of the type nmea_msgs/msg/Sentence need the package nmea_msgs: install '
+        'it, for instance ros-jazzy-nmea-msgs')
+
+
+def test_a_field_of_messages_of_any_type_is_a_heading(ros, types):
+    """Before it lie texts and lists of every length; one heading is no number, one beyond 360."""
+    _, gyro = types
+    intake = make_intake(ros, deg='gyro.heading', rad='gyro.yaw_rad', rev='gyro.heading@rev')
+    publisher = ros.plain.create_publisher(gyro, 'gyro', qos.HEADINGS_OUT)
+    headings = [float('nan'), 511.0, *(0.9 * at for at in range(28))]
+    messages = [set_stamp(gyro(maker='m' * (at % 7), raw=[1] * (at % 4), heading=heading,
+                               yaw_rad=float(np.radians(at))), (T0 + at) * S)
+                for at, heading in enumerate(headings)]
+    taken = take_all(ros, intake, publisher, messages, 30)
+    assert np.flatnonzero(np.isnan(taken['deg'].heading_deg)).tolist() == [0, 1]
+    assert taken['deg'].heading_deg[2:].tolist() == headings[2:]
+    assert taken['rad'].heading_deg == pytest.approx(np.arange(30.0), abs=1e-5)
+    assert taken['rev'].heading_deg[3] == pytest.approx(0.9 * 360.0)
+    assert taken['deg'].stamp_ns.tolist() == [(T0 + at) * S for at in range(30)]
+
+
+@pytest.mark.parametrize('place, wrong', [
+    ('gyro.course', "course: gyro_test_msgs/Gyro has no field 'course'; it has header, maker"),
+    ('gyro.word', 'word: is no number'), ('gyro.raw', 'raw: raw is a list'),
+    ('gyro.header', 'header: header is a message; choose one of its fields')])
+def test_a_field_that_is_no_heading_is_refused_with_the_reason(ros, types, place, wrong):
+    _, gyro = types
+    intake = make_intake(ros, ts=place)
+    publisher = ros.plain.create_publisher(gyro, 'gyro', qos.HEADINGS_OUT)
+    ros.spin_until(lambda: not len(intake.take()['ts']) and publisher.get_subscription_count())
+    publisher.publish(set_stamp(gyro(), T0 * S))
+    ros.spin_until(lambda: not len(intake.take()['ts']) and intake.intakes['ts'].refused)
+    assert wrong in intake.intakes['ts']._why_refused
+
+
+def run_trial(ros, publisher, messages, reference, tmp_path, ts_topic):
+    """Judge and record messages of the TS and readings of the RS; return verdict and bag."""
+    recorder = ros.ours(Recorder, output=str(tmp_path / 'bag'), diagnostics_period_s=0.0,
+                        ts_topic=ts_topic)
+    synchronizer = ros.ours(Synchronizer, subscribers=2, startup_wait_s=600.0, ts_topic=ts_topic)
+    compliance = ros.ours(Compliance, journal='-', ts_topic=ts_topic)
+    rs = ros.plain.create_publisher(Imu, 'rs/heading', qos.HEADINGS_OUT)
+    ros.spin_until(lambda: publisher.get_subscription_count() == 2 == rs.get_subscription_count())
+    for message in messages:
+        publisher.publish(message)
+    for message in heading_messages(reference, 'x'):
+        rs.publish(message)
+    ros.spin_until(lambda: compliance.n_pairs >= N - 30)
+    for sensor in (publisher, rs):
+        ros.plain.destroy_publisher(sensor)
+    ros.end(synchronizer, compliance, recorder)
+    return compliance.verdict.to_dict(), recorder.path
+
+
+def judge_again(bag, ts_topic):
+    """Return the verdict on a bag."""
+    settings = Settings.from_mapping({**NORMS, 'ts_topic': ts_topic})
+    return judge_bags([bag], settings).verdicts['ts'].to_dict()
+
+
+def test_the_verdict_on_the_bag_of_a_trial_with_sentences_is_the_live_one(ros, types, tmp_path):
+    """The bag has every sentence as it came, and its replay gives the verdict too."""
+    sentence, _ = types
+    ts, rs = sensors()
+    publisher = ros.plain.create_publisher(sentence, 'nmea', qos.HEADINGS_OUT)
+    messages = [of_sentence(sentence, ns, body) for ns, heading in zip(ts.stamp_ns, ts.heading_deg)
+                for body in (f'HEHDT,{heading:.2f},T', 'HEROT,1.0,A')]
+    live, bag = run_trial(ros, publisher, messages, rs, tmp_path, 'nmea.HEHDT')
+    recorded = list(BagReader(bag).messages(['/nmea']))
+    assert [message.data for message in recorded] == [serialize_message(m) for m in messages]
+    assert {message.type_name for message in recorded} == {SENTENCE}
+    assert live['runs'][0]['pairing']['ts_received'] == N
+    assert_same(live, judge_again(bag, 'nmea.HEHDT'))
+    replayed = intercompare([Source(Replayer, 'replayer', {'bag': str(bag), 'rate': 0.0})],
+                            {**NORMS, 'ts_topic': 'nmea.HEHDT'}, private=True)
+    assert_same(live, replayed.to_dict())
+
+
+def test_the_verdict_on_the_bag_of_a_trial_with_a_field_is_the_live_one(ros, types, tmp_path):
+    _, gyro = types
+    ts, rs = sensors()
+    publisher = ros.plain.create_publisher(gyro, 'gyro', qos.HEADINGS_OUT)
+    messages = [set_stamp(gyro(heading=float(heading), raw=[1] * (at % 3)), ns)
+                for at, (ns, heading) in enumerate(zip(ts.stamp_ns, ts.heading_deg))]
+    live, bag = run_trial(ros, publisher, messages, rs, tmp_path, 'gyro.heading')
+    assert live['runs'][0]['pairing']['ts_received'] == N
+    assert_same(live, judge_again(bag, 'gyro.heading'))
