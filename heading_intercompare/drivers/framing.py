@@ -24,6 +24,8 @@ their way.
 from __future__ import annotations
 
 from collections import Counter
+from functools import reduce
+from operator import xor
 import re
 from typing import NamedTuple, Optional, Tuple
 
@@ -75,8 +77,14 @@ class Received(NamedTuple):
 Frame = Tuple[Optional[int], bytes, bytes, bool, bytes]
 
 
+#: Of fewer texts, as in a datagram, the checksums are faster without numpy.
+_FEW_TEXTS = 8
+
+
 def _checksums(texts: list[bytes]) -> list[int]:
     """Return the exclusive or of the bytes of each text."""
+    if len(texts) < _FEW_TEXTS:
+        return [reduce(xor, text, 0) for text in texts]
     joined = np.frombuffer(b'\0'.join(texts) + b'\0', np.uint8)
     starts = np.zeros(len(texts), np.intp)
     np.cumsum([len(text) + 1 for text in texts[:-1]], out=starts[1:])

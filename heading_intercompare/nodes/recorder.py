@@ -60,7 +60,7 @@ from heading_intercompare.nodes.taking.recorded_topics import (
 from .settings import HeadingTypes, RecorderNode, Taking
 
 # Nobody waits for what is recorded, and its subscriptions hold more than a second at 1 kHz.
-_QUIET_S, _DRAIN_S = 0.3, 0.2
+_QUIET_S, _DRAIN_S = 0.3, 0.4
 # A full disk may be written for a moment now and then.
 _FAULT_S = 10.0
 

@@ -46,7 +46,8 @@ class Taking(Checked):
     """How a node takes messages that arrive at the rate of the sensors."""
 
     drain_period_s: float = setting(
-        0.012, 'how long messages are gathered into a batch after the first one [s]', 0.001, 1.0)
+        0.012, 'how long messages are gathered into a batch after the first one [s]; where few '
+        'come, up to 0.2 s', 0.001, 1.0)
     stale_s: float = setting(
         3.0, 'silence of an input after which the diagnostics warn [s]', 0.1, 3600.0)
     first_wait_s: float = setting(

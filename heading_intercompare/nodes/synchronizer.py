@@ -113,15 +113,18 @@ class Synchronizer(GraphNode):
         self._open_at_s = time.monotonic() + self._own.startup_wait_s
         every(self, 1.0, self._beat)
 
-    def _drain(self) -> None:
+    def _drain(self) -> int:
+        """Take and pair what has come, and publish; return the number of readings taken."""
+        headings: Mapping[str, Headings] = {}
         if not self._opened:
             self._open_when_wanted()
         if not self._flushed:
-            self._pair(self._headings.take())
+            self._pair(headings := self._headings.take())
         for outlet in self._outlets.values():
             outlet.publish()
         if self._end_s < math.inf and not self.ended:
             self._finish_if_quiet()
+        return sum(map(len, headings.values()))
 
     def _hold(self) -> None:
         """Make room for readings while the pairs are judged."""

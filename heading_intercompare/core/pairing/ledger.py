@@ -299,8 +299,10 @@ _PENDING = (LedgerKey.TS_PENDING, LedgerKey.RS_PENDING)
 # A cut this far before the newest settled reading still divides exactly.
 _SLACK_NS = 60_000_000_000
 _MOST_SET_BACKS = 100
-#: Losses remembered one by one; at 1 kHz, ten seconds of nothing but losses.
+#: Batches of losses remembered one by one; at 1 kHz, ten seconds of nothing but losses.
 _MOST_GAPS = 10_000
+#: Stamps of losses remembered of a key, 16 bytes each; at 1 kHz, eight times the slack.
+_MOST_STAMPS = 1_000_000
 
 
 class Ledger:
@@ -332,6 +334,7 @@ class Ledger:
         self._starts = np.empty(0, np.int64)
         self._bounds: list[int] = []
         self._counts: list[Counter[LedgerKey]] = [Counter()]
+        self._total: Counter[LedgerKey] = Counter()
         self._recent: dict[LedgerKey, list[np.ndarray]] = {}
         self._gaps: dict[LedgerKey, list[tuple[np.ndarray, np.ndarray]]] = {}
         self._pending: Counter[LedgerKey] = Counter()
@@ -371,6 +374,7 @@ class Ledger:
         """Count readings under a key; every reading is added exactly once."""
         if len(stamp_ns):
             self._recent.setdefault(key, []).append(stamp_ns)
+            self._total[key] += len(stamp_ns)
             if key is LedgerKey.PAIRED:
                 self._cut_at_pairs()
 
@@ -383,17 +387,29 @@ class Ledger:
         if len(stamp_ns):
             gaps = self._gaps.setdefault(key, [])
             gaps.append((stamp_ns, n))
+            n_all = int(n.sum())
+            self._total[key] += n_all
             if len(gaps) > _MOST_GAPS:
-                # Told for times that never come: later cuts no longer divide them.
-                self._fold(self._counts, key, *(np.concatenate(column) for column in zip(*gaps)))
-                gaps.clear()
+                self._join_gaps(key)
             if key.stream and not key.lost:
-                self._received[key.stream] += int(n.sum())
+                self._received[key.stream] += n_all
+
+    def _join_gaps(self, key: LedgerKey) -> tuple[np.ndarray, np.ndarray]:
+        """Return stamps and counts of a key that later cuts may divide, now in one piece."""
+        gaps = self._gaps[key]
+        stamp_ns, n = (np.concatenate(column) for column in zip(*gaps))
+        if len(stamp_ns) > _MOST_STAMPS:
+            # Told for times that never come: later cuts no longer divide them.
+            self._fold(self._counts, key, stamp_ns, n)
+            stamp_ns, n = stamp_ns[:0], n[:0]
+        gaps[:] = [(stamp_ns, n)] if len(n) else []
+        return stamp_ns, n
 
     def take_back(self, key: LedgerKey, stamp_ns: np.ndarray) -> None:
         """Count readings no longer, which were added under a key; they are to be added again."""
         if len(stamp_ns):
             self._gaps.setdefault(key, []).append((stamp_ns, np.full(len(stamp_ns), -1)))
+            self._total[key] -= len(stamp_ns)
 
     def set_pending(self, stream: str, n: int) -> None:
         """Set the number of readings that still wait for a partner."""
@@ -453,7 +469,7 @@ class Ledger:
                 self._recent[key] = [stamps[~old]] if not old.all() else []
         for key, gaps in self._gaps.items():
             if gaps and gaps[0][0][0] < limit - _SLACK_NS:
-                stamps, n = (np.concatenate(column) for column in zip(*gaps))
+                stamps, n = self._join_gaps(key)
                 old = stamps < limit
                 self._fold(self._counts, key, stamps[old], n[old])
                 self._gaps[key] = [(stamps[~old], n[~old])] if not old.all() else []
@@ -487,13 +503,14 @@ class Ledger:
 
     @property
     def _own_segments(self) -> tuple[LedgerSegment, ...]:
+        gaps = {key: self._join_gaps(key) for key, parts in self._gaps.items() if parts}
         counts = [Counter(c) for c in self._counts]
         for key, chunks in self._recent.items():
             if chunks:
-                self._fold(counts, key, np.concatenate(chunks))
-        for key, gaps in self._gaps.items():
-            for stamp_ns, n in gaps:
-                self._fold(counts, key, stamp_ns, n)
+                chunks[:] = [np.concatenate(chunks)]
+                self._fold(counts, key, chunks[0])
+        for key, (stamp_ns, n) in gaps.items():
+            self._fold(counts, key, stamp_ns, n)
         counts[-1].update({key: n for key, n in self._pending.items() if n})
         starts = [None, *self._starts.tolist()]
         # A loss that was taken back leaves a zero.
@@ -514,6 +531,8 @@ class Ledger:
             rows = [*of_clock]
             ledger._starts = np.array([s.start_ns for s in rows[1:]], np.int64)
             ledger._counts = [Counter(s.counts) for s in rows]
+            for counts in ledger._counts:
+                ledger._total.update(counts)
         ledger.set_backs = [s for s in set_backs if s.clock_segment >= number]
         for stream in ('ts', 'rs'):
             ledger._received[stream] = sum(s.received(stream) for s in segments)
@@ -535,13 +554,8 @@ class Ledger:
                              tuple(self.set_backs))
 
     def _count_own(self) -> Counter[LedgerKey]:
-        total = self._pending.copy()
-        for counts in self._counts:
-            total.update(counts)
-        for key, chunks in self._recent.items():
-            total[key] += sum(map(len, chunks))
-        for key, gaps in self._gaps.items():
-            total[key] += sum(int(n.sum()) for _, n in gaps)
+        total = self._total.copy()
+        total.update(self._pending)
         return total
 
     @property

@@ -17,7 +17,7 @@ What turns the nodes of a process: a quick executor, or that of rclpy.
 
 The executors of rclpy build a wait set and a task for each callback, which costs 0.5
 to 1 ms of CPU for a timer. The quick one keeps its wait set, and calls timers and guard conditions
-itself. What is rare (services, single messages, QoS events) it looks for 20 times a second, and
+itself. What is rare (services, single messages, QoS events) it looks for 10 times a second, and
 leaves to rclpy. `benchmarks/live.py` measures what that saves.
 
 It stands on private parts of rclpy, which another version may not have. The executor of rclpy does
@@ -49,7 +49,7 @@ from heading_intercompare.nodes.spinning.batches import Arrivals, Unwatched
 EXECUTOR = 'HEADING_INTERCOMPARE_EXECUTOR'
 
 # How often to look for what is rare; a service answers this much later.
-_RARE_S = 0.05
+_RARE_S = 0.1
 
 
 class StockExecutor(SingleThreadedExecutor):
@@ -130,7 +130,7 @@ class QuickExecutor(StockExecutor):
         return super().shutdown(timeout_sec)
 
     def turn(self, timeout_sec: float | None) -> None:
-        """Wait until something is due, at most 50 ms, and do it."""
+        """Wait until something is due, at most 100 ms, and do it."""
         if self._stale:
             self._look_over()
         now_s = time.monotonic()

@@ -98,6 +98,32 @@ def test_batches_follow_each_other_as_long_as_messages_come(ros, batches):
     assert 5 <= len(taken) <= 10
 
 
+@pytest.mark.parametrize('n_taken, hold_off_s', [(0, 0.2), (2, 0.2), (4, 0.01), (None, 0.01)])
+def test_where_few_messages_come_it_gathers_longer(ros, n_taken, hold_off_s):
+    """A batch of one message costs as much as one of ten; a batch that is large enough waits."""
+    n_batches = 0
+
+    def take():
+        nonlocal n_batches
+        n_batches += 1
+        return n_taken
+
+    def gather(n):
+        until = n_batches + n
+        while n_batches < until:
+            group.beginning_execution(None)
+            ros.spin_until(lambda before=n_batches: n_batches > before)
+    group = Arrivals(ros.plain, take, 0.01)
+    gather(7)
+    assert group._hold_off_s == hold_off_s
+    began_s = time.monotonic()
+    gather(1)
+    assert time.monotonic() - began_s >= 0.99 * hold_off_s
+    n_taken = 10
+    gather(7)
+    assert group._hold_off_s == 0.01
+
+
 def test_it_rests_while_a_batch_gathers_and_after_it(ros):
     """A message that waits to be taken keeps nothing awake, and one batch is taken once."""
     calls = []
@@ -118,7 +144,7 @@ def test_it_rests_while_a_batch_gathers_and_after_it(ros):
     while not calls:
         ros.executor.spin_once(DEADLINE_S)
         n_turns += 1
-    # The quick one looks for what is rare 20 times a second.
+    # The quick one looks for what is rare 10 times a second.
     assert n_turns < 40
     every(ros.plain, 1.5, lambda: calls.append('end'))
     ros.spin_until(lambda: 'end' in calls)
