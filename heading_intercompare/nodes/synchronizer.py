@@ -182,6 +182,11 @@ class Synchronizer(GraphNode):
         self._seen_s = time.monotonic()
         self._end_s = self._seen_s + self._own.end_wait_s
 
+    def describe_rest(self) -> str:
+        """Return what is not published yet: pairs for which a subscriber had no room."""
+        n = sum(outlet.n_waiting for outlet in self._outlets.values())
+        return f'{n} pairs are not published' if n else 'headings still come'
+
     def _finish_if_quiet(self) -> None:
         now_s = time.monotonic()
         if self._headings.count_publishers():

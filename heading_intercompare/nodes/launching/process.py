@@ -195,6 +195,9 @@ def end(executor: StockExecutor, nodes: Sequence[GraphNode], linger_s: float = 0
         deadline_s = time.monotonic() + _END_S
         while not node.ended and time.monotonic() < deadline_s:
             executor.spin_once(0.05)
+        if not node.ended:
+            node.get_logger().error(f'ends after {_END_S:g} s all the same, although '
+                                    f'{node.describe_rest()}')
         deadline_s = time.monotonic() + linger_s
         while time.monotonic() < deadline_s:
             executor.spin_once(0.05)

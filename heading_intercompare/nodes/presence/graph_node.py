@@ -57,6 +57,10 @@ class GraphNode(Node):
         """Begin to shut down."""
         raise NotImplementedError
 
+    def describe_rest(self) -> str:
+        """Return what is not published or written yet, in words."""
+        return 'something is not published or written'
+
     def get_logger(self) -> RcutilsLogger:
         """Return the logger of the node; rclpy does not say its type."""
         logger: RcutilsLogger = Node.get_logger(self)

@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from hypothesis import given, strategies as st
+from hypothesis import given, settings as tries, strategies as st
 import numpy as np
 import pytest
 
@@ -223,6 +223,7 @@ def test_chunks_do_not_matter_and_every_reading_has_a_place(rows):
 
 @pytest.mark.slow
 @pytest.mark.parametrize('method', METHODS)
+@tries(max_examples=max(10, tries.default.max_examples // 4))  # Each takes a second.
 @given(ts=stretches, rs=stretches, data=st.data())
 def test_pairs_and_ledger_are_the_same_for_every_chunking(method, ts, rs, data):
     settings = Settings.from_mapping({

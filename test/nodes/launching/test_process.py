@@ -29,9 +29,11 @@ from nodes.ros_nodes import EITHER_EXECUTOR, NORMS
 import pytest
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.verdict.verdict_document import SCHEMA
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.interface.parameters import make_overrides
+from heading_intercompare.nodes.launching import process
 from heading_intercompare.nodes.launching.process import error_words, run, Stop
 from heading_intercompare.nodes.nmea_driver import NmeaDriver
 from heading_intercompare.nodes.recorder import Recorder
@@ -217,3 +219,16 @@ def test_a_node_that_judges_waits_for_its_first_pairs_without_scipy():
                           capture_output=True, text=True, timeout=DEADLINE_S)
     assert done.returncode == 0, done.stderr
     assert {*done.stdout.split()} == {'False'}
+
+
+def test_pairs_that_find_no_room_are_named_at_the_end(ros, monkeypatch, capfd):
+    """They are missing in the bag, and the synchronizer is the one that knows why."""
+    monkeypatch.setattr(process, '_END_S', 0.5)
+    node = ros.ours(Synchronizer, end_wait_s=0.0)
+    outlet, = node._outlets.values()
+    monkeypatch.setattr(outlet._waiting._flow, 'has_room', lambda: False)
+    outlet.add(Pairs.of([1, 2, 3], [0.1, 0.2, 0.3], [0.0, 0.0, 0.0]))
+    process.end(ros.executor, [node], destroy=lambda _: None)
+    assert not node.ended
+    assert ('ends after 0.5 s all the same, although 3 pairs are not published'
+            in capfd.readouterr().err)
