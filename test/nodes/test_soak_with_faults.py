@@ -33,6 +33,7 @@ import socket
 from threading import Event, Thread
 import time
 
+from deadlines import Stopwatch
 from nodes.launch_files import nodes
 from nodes.lines import free_port, sentence
 from nodes.processes import Processes, wait_for
@@ -57,6 +58,8 @@ SETTINGS = {**NORMS, 'pairing.method': 'interpolate'}
 # What a driver sent in its last seconds may not have arrived when it is killed: it waits before
 # its first heading, and what was lost on the way is sent again after 3 s at the latest.
 UNCERTAIN_S = 4.0
+# How many times as long that takes at most on a loaded machine.
+MOST_SLOWNESS = 10.0
 # DDS shows a process that was killed for as long; meanwhile numbers cannot tell two drivers apart.
 GHOST_S = 30.0
 # Before its first readings a comparison that is killed leaves no numbers to go on from.
@@ -154,7 +157,7 @@ class Graph:
         """Kill a node, and start it again two seconds later, as the launch file does."""
         name = self.random.choice(NODES)
         process = self.processes.running.pop(name)
-        began_ns = time.time_ns()
+        began_ns, watch = time.time_ns(), Stopwatch()
         process.kill()
         process.wait()
         self.pause(2.0)
@@ -165,7 +168,10 @@ class Graph:
         since_ns = began_ns - round(UNCERTAIN_S * 1e9)
         if self.stopped_ns[1] > since_ns:
             since_ns = min(since_ns, self.stopped_ns[0])
-        self.down_ns[name].append((since_ns, time.time_ns()))
+        # The others hear of it later if the processors are busy.
+        slowness = (time.time_ns() - began_ns) / 1e9 / max(watch.passed_s, 1e-3)
+        later_ns = round(UNCERTAIN_S * (min(slowness, MOST_SLOWNESS) - 1.0) * 1e9)
+        self.down_ns[name].append((since_ns, time.time_ns() + max(0, later_ns)))
         self.resident[name].clear()
         return name
 
