@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Logs with one JSON object per line: deltas of Signal K, and records of OpenRVDAS."""
+"""Logs with one JSON object per line: Signal K, gpsd and OpenRVDAS."""
 
 from __future__ import annotations
 
@@ -35,6 +35,7 @@ from .stream_recording import Collected
 
 _DELTA = re.compile(rb'^[^{\n]*\{.*"updates"\s*:', re.MULTILINE)
 _RECORD = re.compile(rb'^\s*\{(?=.*"fields"\s*:)(?=.*"timestamp"\s*:)', re.MULTILINE)
+_REPORT = re.compile(rb'\{(?=[^\n]*"class"\s*:\s*"(?:ATT|TPV|VERSION)")', re.MULTILINE)
 _HEADING = re.compile(r'heading|hdg|hdt', re.IGNORECASE)
 #: Names with these are of something else: rates, errors, qualities, or magnetic headings.
 _OTHER = re.compile(r'rate|std|sd\b|sigma|err|acc|qual|flag|stat|mag|hdm|dev|var|valid',
@@ -59,6 +60,11 @@ def is_signalk(head: bytes) -> bool:
 def is_openrvdas(head: bytes) -> bool:
     """Tell whether a file that begins so has records of OpenRVDAS."""
     return _RECORD.search(head) is not None and b'"pgn"' not in head.partition(b'\n')[0]
+
+
+def is_gpsd(head: bytes) -> bool:
+    """Tell whether a file that begins so has reports of gpsd."""
+    return _REPORT.search(head) is not None
 
 
 def is_heading_name(name: str) -> bool:
@@ -193,6 +199,46 @@ def _source(update: Mapping[str, Any]) -> str:
     if not isinstance(source, dict):
         return 'unknown'
     return '.'.join(str(source[key]) for key in ('label', 'src', 'talker') if source.get(key))
+
+
+def read_gpsd(path: str) -> Collected:
+    """
+    Read reports of gpsd, one per line, as `gpspipe -w` writes them.
+
+    A stream is the device of a report of class ATT, whose heading is in degrees from true north.
+    Class TPV tells the position, and the velocity, of the ship.
+    """
+    collected = Collected()
+    for report in _objects(path, b'"class"', collected):
+        device, stamp_ns = str(report.get('device') or 'gpsd'), _utc_stamp(report.get('time'))
+        if report.get('class') == 'ATT':
+            heading = report.get('heading')
+            if not _is_number(heading):
+                collected.not_taken['empty_heading'] += 1
+            elif not 0.0 <= heading <= 360.0:
+                collected.not_taken['out_of_range'] += 1
+            elif stamp_ns is None:
+                collected.not_taken['no_stamp'] += 1
+            else:
+                collected.add(device, 'gpsd', stamp_ns, heading)
+        elif report.get('class') == 'TPV' and stamp_ns is not None:
+            _take_gpsd_motion(collected, report, device, stamp_ns)
+    return collected
+
+
+def _take_gpsd_motion(collected: Collected, report: Mapping[str, Any], device: str,
+                      stamp_ns: int) -> None:
+    """Add the position and the velocity in a report with a fix (mode 2 or 3)."""
+    if report.get('mode') not in (2, 3):
+        return
+    latitude, longitude, course_deg, speed_m_s = map(
+        report.get, ('lat', 'lon', 'track', 'speed'))
+    if _is_number(latitude) and _is_number(longitude):
+        collected.add_motion(make_position(latitude, longitude), f'{device}/position', stamp_ns,
+                             why_none='position.out_of_range')
+    if _is_number(course_deg) and _is_number(speed_m_s):
+        collected.add_motion(make_velocity(math.radians(course_deg), speed_m_s),
+                             f'{device}/track', stamp_ns, why_none='velocity.out_of_range')
 
 
 def read_openrvdas(path: str) -> Collected:

@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-Logs of NMEA 2000: candump, canboat's plain form and its JSON.
+Logs of NMEA 2000: candump, canboat's plain form, also in a raw log of Signal K, and its JSON.
 
 They give vessel headings (PGN 127250), and the motion of the ship (129025, 129026, 127251,
 129029). A stream is a source address of the bus.
@@ -24,7 +24,7 @@ from __future__ import annotations
 import json
 import math
 import re
-from typing import Any, Callable, Mapping
+from typing import Any, Callable, Mapping, NamedTuple
 
 import numpy as np
 
@@ -186,6 +186,16 @@ def decode_motion_pgn(pgn: int, data: bytes) -> MovedRow | str:
     return 'too_few_fields' if len(data) < least else decode(data)
 
 
+def _value(fields: Mapping[str, Any], name: str) -> Any:
+    """Return the value of a field in any spelling of its name; with ``-nv`` a value has a name."""
+    field = fields.get(name)
+    if field is None:
+        # Camel case, of either kind: `cogReference`.
+        plain = name.replace(' ', '').lower()
+        field = next((value for key, value in fields.items() if key.lower() == plain), None)
+    return field.get('value', field.get('name')) if isinstance(field, Mapping) else field
+
+
 def decode_motion_fields(pgn: int, fields: Mapping[str, Any], radians: float) -> MovedRow | str:
     """
     Decode the fields of a message as canboat's analyzer names them.
@@ -195,7 +205,7 @@ def decode_motion_fields(pgn: int, fields: Mapping[str, Any], radians: float) ->
     pgn
         One of `MOTION_PGNS`.
     fields
-        By name.
+        By name, in canboat's spelling or in camel case.
     radians
         Makes radians of their angles.
 
@@ -203,9 +213,7 @@ def decode_motion_fields(pgn: int, fields: Mapping[str, Any], radians: float) ->
     names = {129026: ('COG', 'SOG'), 127251: ('Rate',)}.get(pgn, ('Latitude', 'Longitude'))
     values = []
     for name in names:
-        value = fields.get(name)
-        if isinstance(value, Mapping):
-            value = value.get('value')
+        value = _value(fields, name)
         if value is None:
             return 'empty'
         if not isinstance(value, (int, float)) or isinstance(value, bool):
@@ -216,10 +224,7 @@ def decode_motion_fields(pgn: int, fields: Mapping[str, Any], radians: float) ->
     if pgn != 129026:
         # Positions are degrees in any units.
         return make_position(values[0], values[1]) or _BEYOND
-    reference = fields.get('COG Reference')
-    if isinstance(reference, Mapping):
-        reference = reference.get('value', reference.get('name'))
-    return ('not_true' if reference not in ('True', _TRUE)
+    return ('not_true' if _value(fields, 'COG Reference') not in ('True', _TRUE)
             else make_velocity(values[0] * radians, values[1]) or _BEYOND)
 
 
@@ -231,30 +236,53 @@ _RAD_DEG = 1e-4 * 180.0 / math.pi
 _FULL_TURN = 62832
 _SECOND_NS = 1_000_000_000
 
-_CAN = re.compile(rb'^\s*\((?:(\d{1,10})\.(\d{1,9})|(\d{4}-\d\d-\d\d \d\d:\d\d:\d\d\.\d+))\)\s+\S+'
-                  rb'(?:\s+[RT]X\s+\S\s+\S)?\s+([0-9A-Fa-f]{8})(?:#|\s+\[\d+\]\s+)'
-                  rb'([0-9A-Fa-f]{2}(?:\s?[0-9A-Fa-f]{2})*)', re.MULTILINE)
-_PLAIN = re.compile(rb'^(\d{4}-\d\d-\d\d[TZ -]\d\d:\d\d:\d\d(?:\.\d+)?Z?),(\d),(\d+),(\d+),(\d+),'
-                    rb'(\d+),([0-9A-Fa-f]{2}(?:,[0-9A-Fa-f]{2})*)\s*$', re.MULTILINE)
+
+class FrameForm(NamedTuple):
+    """
+    How a program writes frames, one per line.
+
+    Attributes
+    ----------
+    program
+        Who writes it.
+    line
+        Finds a line, with named parts: `stamp` (day and time), or `s` and `decimals` of the time
+        since 1970; `identifier` in hexadecimal, or `pgn` and `source`; `data` in hexadecimal.
+
+    """
+
+    program: str
+    line: re.Pattern[bytes]
+
+    def is_in(self, head: bytes) -> bool:
+        """Tell whether a file that begins so has this form."""
+        return self.line.search(head) is not None
+
+
+_BYTES = rb'(?P<data>[0-9A-Fa-f]{2}(?:[ ,]?[0-9A-Fa-f]{2})*)'
+FRAME_FORMS = (
+    # Of the form of -l, or of the screen with -ta or -tA.
+    FrameForm('candump', re.compile(
+        rb'^\s*\((?:(?P<s>\d{1,10})\.(?P<decimals>\d{1,9})'
+        rb'|(?P<stamp>\d{4}-\d\d-\d\d \d\d:\d\d:\d\d\.\d+))\)\s+\S+(?:\s+[RT]X\s+\S\s+\S)?\s+'
+        rb'(?P<identifier>[0-9A-Fa-f]{8})(?:#|\s+\[\d+\]\s+)' + _BYTES, re.MULTILINE)),
+    # Time, priority, PGN, source, destination, length, bytes; a raw log of Signal K writes its
+    # time and an A before them.
+    FrameForm('canboat', re.compile(
+        rb'^(?:\d+;A;)?(?P<stamp>\d{4}-\d\d-\d\d[TZ -]\d\d:\d\d:\d\d(?:\.\d+)?Z?),\d,'
+        rb'(?P<pgn>\d+),(?P<source>\d+),\d+,\d+,' + _BYTES + rb'\s*$', re.MULTILINE)),
+)
+"""The forms of logs of frames."""
+
 #: Takes several frames.
 _FAST_PGN = 129029
 _WANTED = re.compile(b'|'.join([b'"units"', *(str(pgn).encode() for pgn in (PGN, *MOTION_PGNS))]))
 #: A line of units, or the number of a heading.
 _UNITS_OR_HEADING = re.compile(
-    rb'"units"\s*:|"Heading"\s*:\s*(?:\{[^{}]*?"value"\s*:\s*)?(\d+(?:\.\d+)?)')
+    rb'"units"\s*:|"[Hh]eading"\s*:\s*(?:\{[^{}]*?"value"\s*:\s*)?(\d+(?:\.\d+)?)')
 _MOST_HEADINGS = 100_000
 _DAY = re.compile(r'(\d{4}-\d\d-\d\d)[TZ -](\d\d:\d\d:\d\d(?:\.\d+)?)Z?')
 _HEAD = re.compile(rb'^\s*\{.*"pgn"\s*:', re.MULTILINE)
-
-
-def is_candump(head: bytes) -> bool:
-    """Tell whether a file that begins so is a log of candump with frames of 29 bits."""
-    return _CAN.search(head) is not None
-
-
-def is_canboat_plain(head: bytes) -> bool:
-    """Tell whether a file that begins so is in canboat's plain form."""
-    return _PLAIN.search(head) is not None
 
 
 def is_canboat_json(head: bytes) -> bool:
@@ -341,11 +369,6 @@ def _take_frame(collected: Collected, packets: FastPackets, pgn: int, source: in
         _take_motion(collected, pgn, source, stamp_ns, decode_motion_pgn(pgn, whole))
 
 
-def _count_broken(collected: Collected, packets: FastPackets) -> None:
-    if broken := packets.flush():
-        collected.not_taken[f'PGN {_FAST_PGN}.incomplete'] += broken
-
-
 def _stamp(text: str) -> int | None:
     match = _DAY.fullmatch(text)
     try:
@@ -365,67 +388,48 @@ def _read_blocks(path: str, take: Callable[[bytes], None]) -> None:
     take(rest)
 
 
-def read_candump(path: str) -> Collected:
+def read_frames(form: FrameForm, path: str) -> Collected:
     """
-    Read a log of candump, of the form of ``-l`` or of the screen with ``-ta`` or ``-tA``.
+    Read a log of frames.
 
-    The bits of a frame's identifier give the PGN and the source. A message of several frames has
-    the stamp of its last frame.
+    The bits of a frame's identifier give the PGN and the source. Messages of several frames may be
+    joined or not; with at most 8 bytes they are not. Such a message has the stamp of its last
+    frame.
     """
     collected, packets = Collected(), FastPackets()
 
     def take(block: bytes) -> None:
-        for line in _CAN.finditer(block):
-            seconds, decimals, day, identifier, data = line.groups()
-            number = int(identifier, 16)
-            pgn = number >> 8 & 0x1FFFF
+        for line in form.line.finditer(block):
+            parts = line.groupdict()
+            pgn, source = _address(parts)
             if pgn != PGN and pgn not in MOTION_PGNS:
                 continue
-            stamp_ns = _stamp(day.decode()) if day else (
-                int(seconds) * _SECOND_NS + int(decimals.ljust(9, b'0')))
-            raw, source = bytes.fromhex(data.decode()), number & 0xFF
+            stamp_ns = _stamp(parts['stamp'].decode()) if parts['stamp'] else (
+                int(parts['s']) * _SECOND_NS + int(parts['decimals'].ljust(9, b'0')))
+            data = bytes.fromhex(parts['data'].decode().replace(',', ''))
             if pgn == PGN:
-                _take(collected, source, stamp_ns, decode_vessel_heading(raw))
+                _take(collected, source, stamp_ns, decode_vessel_heading(data))
             else:
-                _take_frame(collected, packets, pgn, source, stamp_ns, raw)
+                _take_frame(collected, packets, pgn, source, stamp_ns, data)
 
     _read_blocks(path, take)
-    _count_broken(collected, packets)
+    if broken := packets.flush():
+        collected.not_taken[f'PGN {_FAST_PGN}.incomplete'] += broken
     return collected
 
 
-def read_canboat_plain(path: str) -> Collected:
-    """
-    Read canboat's plain form: time, priority, PGN, source, destination, length, bytes.
-
-    Messages of several frames may be joined or not; with at most 8 bytes they are not.
-    """
-    collected, packets = Collected(), FastPackets()
-
-    def take(block: bytes) -> None:
-        for line in _PLAIN.finditer(block):
-            stamp, _, pgn, source, _, _, data = line.groups()
-            if (number := int(pgn)) == PGN:
-                _take(collected, source.decode(), _stamp(stamp.decode()), decode_vessel_heading(
-                    bytes.fromhex(data.decode().replace(',', ''))))
-            elif number in MOTION_PGNS:
-                _take_frame(collected, packets, number, source.decode(), _stamp(stamp.decode()),
-                            bytes.fromhex(data.decode().replace(',', '')))
-
-    _read_blocks(path, take)
-    _count_broken(collected, packets)
-    return collected
-
-
-def _value(field: Any) -> Any:
-    """Return the value of a field; with ``-nv`` it also has a name."""
-    return field.get('value', field.get('name')) if isinstance(field, Mapping) else field
+def _address(parts: Mapping[str, bytes]) -> tuple[int, int]:
+    """Return the PGN and the source of a frame."""
+    if 'identifier' not in parts:
+        return int(parts['pgn']), int(parts['source'])
+    number = int(parts['identifier'], 16)
+    return number >> 8 & 0x1FFFF, number & 0xFF
 
 
 def _decode_json(fields: Mapping[str, Any], factor: float,
                  ) -> tuple[float, float | None, int] | str:
     """Decode the fields of a vessel heading; `factor` makes degrees of their angles."""
-    heading, deviation, variation = (_value(fields.get(name)) for name in (
+    heading, deviation, variation = (_value(fields, name) for name in (
         'Heading', 'Deviation', 'Variation'))
     if heading is None:
         return 'empty_heading'
@@ -435,8 +439,8 @@ def _decode_json(fields: Mapping[str, Any], factor: float,
     if not 0.0 <= heading * factor <= 360.0:
         return 'out_of_range'
     turn_deg = None if variation is None else (variation + (deviation or 0.0)) * factor
-    reference = {'True': _TRUE, 'Magnetic': _MAGNETIC}.get(
-        _value(fields.get('Reference')), _value(fields.get('Reference')))
+    reference = _value(fields, 'Reference')
+    reference = {'True': _TRUE, 'Magnetic': _MAGNETIC}.get(reference, reference)
     return heading * factor, turn_deg, reference if reference in (_TRUE, _MAGNETIC) else 2
 
 

@@ -123,10 +123,10 @@ FORMATS = (
     Format('Parquet', lambda path, head: head.startswith(_PARQUET), _read_parquet, 'parquet'),
     Format('NMEA 2000, canboat JSON', _of_head(nmea2000.is_canboat_json),
            nmea2000.read_canboat_json),
-    Format('NMEA 2000, candump', _of_head(nmea2000.is_candump), nmea2000.read_candump),
-    Format('NMEA 2000, canboat', _of_head(nmea2000.is_canboat_plain),
-           nmea2000.read_canboat_plain),
+    *(Format(f'NMEA 2000, {form.program}', _of_head(form.is_in),
+             partial(nmea2000.read_frames, form)) for form in nmea2000.FRAME_FORMS),
     Format('Signal K deltas', _of_head(json_lines.is_signalk), json_lines.read_signalk),
+    Format('gpsd reports', _of_head(json_lines.is_gpsd), json_lines.read_gpsd),
     Format('OpenRVDAS records', _of_head(json_lines.is_openrvdas), json_lines.read_openrvdas),
     # A line of a log may look like the header of a table.
     _LOG,

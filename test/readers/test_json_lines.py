@@ -22,8 +22,10 @@ import math
 import pytest
 
 from heading_intercompare.readers.json_lines import (
+    is_gpsd,
     is_openrvdas,
     is_signalk,
+    read_gpsd,
     read_openrvdas,
     read_signalk,
 )
@@ -146,3 +148,32 @@ def test_records_of_openrvdas_tell_the_motion(tmp_path):
     assert fixes[1].longitude_deg.tolist() == pytest.approx([-45.25, -45.25, -45.25, 0.25])
     assert moved[1].east_m_s.tolist() == pytest.approx([10.0 * 1852.0 / 3600.0])
     assert moved[1].north_m_s.tolist() == pytest.approx([0.0], abs=1e-12)
+
+
+def test_reports_of_gpsd_give_headings_by_device(tmp_path):
+    rows = [{'class': 'VERSION', 'release': '3.25'},
+            {'class': 'ATT', 'device': '/dev/gyro', 'time': TIME, 'heading': 219.05},
+            {'class': 'ATT', 'device': '/dev/gps', 'time': TIME, 'heading': 218.74, 'roll': 1.0},
+            {'class': 'ATT', 'device': '/dev/gps', 'time': TIME, 'pitch': 1.0},
+            {'class': 'ATT', 'device': '/dev/gps', 'heading': 1.0},
+            {'class': 'ATT', 'device': '/dev/gps', 'time': TIME, 'heading': 360.5},
+            {'class': 'ATT', 'device': '/dev/gps', 'time': TIME, 'heading': True}]
+    text = ''.join(f'{json.dumps(row)}\n' for row in rows) + '{"class":"ATT", broken\n'
+    assert is_gpsd(text.encode()) and not is_signalk(text.encode())
+    assert not is_openrvdas(text.encode())
+    assert read(tmp_path, read_gpsd, text) == (
+        {'/dev/gyro': [(T_NS, 219.05)], '/dev/gps': [(T_NS, 218.74)]},
+        {'empty_heading': 2, 'no_stamp': 1, 'out_of_range': 1, 'bad_field': 1})
+
+
+def test_reports_of_gpsd_give_the_motion_where_there_is_a_fix(tmp_path):
+    report = {'class': 'TPV', 'device': '/dev/gps', 'time': TIME, 'lat': -33.5, 'lon': 151.25,
+              'track': 90.0, 'speed': 5.0}
+    path = tmp_path / 'a.log'
+    path.write_text(''.join(f'{json.dumps({**report, **more})}\n' for more in (
+        {'mode': 3}, {'mode': 2, 'lat': 95.0, 'track': None}, {'mode': 1}, {})))
+    collected = read_gpsd(str(path))
+    motion = collected.motion()
+    assert motion['fix']['/dev/gps/position'].latitude_deg.tolist() == [-33.5]
+    assert motion['velocity']['/dev/gps/track'].east_m_s == pytest.approx([5.0])
+    assert dict(collected.not_taken) == {'position.out_of_range': 1}

@@ -22,6 +22,7 @@ of priority, 18 bits of PGN, eight of source.
 
 from __future__ import annotations
 
+from functools import partial
 import json
 import math
 import re
@@ -30,14 +31,14 @@ import pytest
 
 from heading_intercompare.readers.nmea2000 import (
     decode_vessel_heading,
+    FRAME_FORMS,
     is_canboat_json,
-    is_canboat_plain,
-    is_candump,
     read_canboat_json,
-    read_canboat_plain,
-    read_candump,
+    read_frames,
 )
 
+CANDUMP, CANBOAT = FRAME_FORMS
+read_candump, read_canboat_plain = (partial(read_frames, form) for form in FRAME_FORMS)
 T_NS = 1436509052249713000
 DEG = math.degrees(1e-4)
 
@@ -115,7 +116,7 @@ def test_candump_in_each_of_its_forms(tmp_path, form):
     lines.insert(1, other)
     lines.insert(1, '(1436509052.000000) can0 123#0102')
     text = '\n'.join(lines) + '\n'
-    assert is_candump(text.encode()) and not is_canboat_plain(text.encode())
+    assert CANDUMP.is_in(text.encode()) and not CANBOAT.is_in(text.encode())
     assert read(tmp_path, read_candump, text) == (EXPECTED, NOT_TAKEN)
 
 
@@ -126,8 +127,28 @@ def test_canboat_in_its_plain_form(tmp_path):
             ('2015-07-10T', 'Z'), ('2015-07-10Z', ''), ('2015-07-10-', ''), ('2015-07-10 ', ''),
             ('2015-07-10T', 'Z')))))
     text += '2015-07-10T06:17:33.000Z,2,127251,23,255,8,ff,ff,ff,ff,ff,ff,ff,ff\n'
-    assert is_canboat_plain(text.encode()) and not is_candump(text.encode())
+    assert CANBOAT.is_in(text.encode()) and not CANDUMP.is_in(text.encode())
     assert read(tmp_path, read_canboat_plain, text) == (EXPECTED, NOT_TAKEN)
+
+
+def test_a_raw_log_of_signal_k_has_the_lines_of_canboat(tmp_path):
+    text = ''.join(f'1436509052{249 + n};A;2015-07-10T06:17:32.{249713 + n * 1000:06d}Z,2,127250,'
+                   f'{source},255,8,{data.hex(",")}\n' for n, (source, data) in enumerate(FRAMES))
+    text = '1436509052248;N;$HEHDT,57.3,T*15\n' + text
+    assert CANBOAT.is_in(text.encode())
+    assert read(tmp_path, read_canboat_plain, text) == (EXPECTED, NOT_TAKEN)
+
+
+def test_names_of_fields_in_camel_case_are_those_of_canboat(tmp_path):
+    lines = [{'timestamp': '2015-07-10T06:17:32.249Z', 'src': 35, 'pgn': 127250, 'fields': fields}
+             for fields in ({'sid': 1, 'heading': 57.3, 'reference': 'True'},
+                            {'Sid': 1, 'Heading': 57.3, 'Variation': 1.0, 'Reference': 'Magnetic'},
+                            {'sid': 1, 'heading': 57.3, 'variation': -1.0,
+                             'reference': {'value': 1, 'name': 'Magnetic'}})]
+    text = '{"version":"6.0","units":"std"}\n' + ''.join(f'{json.dumps(row)}\n' for row in lines)
+    streams, not_taken = read(tmp_path, read_canboat_json, text)
+    assert [heading for _, heading in streams['35']] == pytest.approx([57.3, 58.3, 56.3])
+    assert not not_taken
 
 
 @pytest.mark.parametrize('units', ['std', 'si', None])

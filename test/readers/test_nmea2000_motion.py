@@ -26,14 +26,12 @@ import json
 import math
 
 import pytest
-from readers.test_nmea2000 import identifier, T_NS
+from readers.test_nmea2000 import identifier, read_canboat_plain, read_candump, T_NS
 
 from heading_intercompare.readers.nmea2000 import (
     decode_motion_fields,
     decode_motion_pgn,
     read_canboat_json,
-    read_canboat_plain,
-    read_candump,
 )
 
 
