@@ -134,6 +134,9 @@ FORMATS = (
 )
 """The formats beside MCAP bags; the first that recognises a file reads it."""
 
+#: Shown of a file whose form is not known.
+_SHOWN_LETTERS, _SHOWN_BYTES = 80, 16
+_MCAP = b'\x89MCAP'
 _UNPACK = 'is compressed: unpack it and give the file that was in it'
 #: First bytes, end of the name, and what to do; either may be given.
 _UNREADABLE = (
@@ -151,11 +154,19 @@ _UNREADABLE = (
     (b'\x89HDF', '', 'is HDF5 or netCDF: write it as csv with the columns t_ns and heading_deg'),
     (b'CDF', '', 'is netCDF: write it as csv with the columns t_ns and heading_deg'),
     (b'MATLAB', '', 'is a file of MATLAB: write it as csv with the columns t_ns and heading_deg'),
-    (b'\xd4\xc3\xb2\xa1', '', 'is a capture of network packets: write their payloads as a log, '
-     'with a stamp before each sentence'),
-    (b'\x0a\x0d\x0d\x0a', '', 'is a capture of network packets: write their payloads as a log, '
-     'with a stamp before each sentence'),
+    *((magic, '', 'is a capture of network packets: write their payloads as a log, with a stamp '
+       'before each sentence') for magic in (
+        b'\xd4\xc3\xb2\xa1', b'\xa1\xb2\xc3\xd4', b'\x4d\x3c\xb2\xa1', b'\xa1\xb2\x3c\x4d',
+        b'\x0a\x0d\x0d\x0a')),
     (b'LOGG', '', 'is a CAN log of Vector: convert it to the form of `candump -l`'),
+    *((magic, '', f'is a binary log of {maker}: write its headings as sentences or csv with the '
+       "maker's converter") for magic, maker in (
+        (b'\xb5b', 'u-blox (UBX)'), (b'$@', 'Septentrio (SBF)'), (b'\xaa\x44\x12', 'NovAtel'),
+        (b'\xaa\x44\x13', 'NovAtel'), (b'\xaa\x44\xb5', 'Unicore'))),
+    (b'<', '', 'is XML or HTML, such as GPX: write it as csv with the columns t_ns and '
+     'heading_deg'),
+    (b'%PDF', '', 'is a PDF: give the data that it was made of'),
+    (b'', '.asc', 'is a CAN log of Vector: convert it to the form of `candump -l`'),
     (b'', '.ebl', 'is a log of Actisense: convert it with canboat (`analyzer -json`)'),
     (_SQLITE, '', 'is an SQLite file without the tables of a rosbag2 (messages, topics)'),
 )
@@ -220,12 +231,33 @@ def _read_files(form: Format, path: str) -> Collected:
 
 
 def refuse_unreadable(path: str | os.PathLike[str]) -> None:
-    """Raise ReaderError, with what to do, for a file in a known form that cannot be read."""
+    """
+    Raise ReaderError for a file that cannot be read: what it is, or how it begins; what to do.
+
+    An MCAP file, a file that is named like one, and one without anything but zeros, are left to
+    the reader of bags.
+    """
     place = Path(path)
     head, name = _head(place), place.name.lower()
     for begin, end, problem in _UNREADABLE if head and not name.endswith('.mcap.zstd') else ():
         if head.startswith(begin) and name.endswith(end):
             raise ReaderError(path, problem)
+    if any(head) and not head.startswith(_MCAP) and '.mcap' not in name:
+        raise ReaderError(path, f'has no form that can be read: it begins with {_show(head)}. '
+                          'A log has sentences such as $HEHDT, a table a header with the names of '
+                          'its columns; docs/bags.md lists all forms')
+
+
+def _show(head: bytes) -> str:
+    """Return how a file begins: its first line, or its first bytes if they are no text."""
+    line = next((line for line in head.splitlines() if line.strip()), b'')
+    try:
+        text = line.decode().strip()
+    except UnicodeDecodeError:
+        text = ''
+    if text.isprintable() and text:
+        return repr(text if len(text) <= _SHOWN_LETTERS else f'{text[:_SHOWN_LETTERS]}...')
+    return f'the bytes {head[:_SHOWN_BYTES].hex(" ")}'
 
 
 def _library(error: ImportError) -> str:

@@ -262,6 +262,15 @@ REFUSED = {
     'a.tar.xz': (b'\xfd7zXZ\0', 'is compressed'), 'a.bz2': (b'BZh9', 'is compressed'),
     'a.7z': (b'7z\xbc\xaf', 'is compressed'), 'a.xls': (b'\xd0\xcf', 'is a spreadsheet'),
     'a.ods': (b'PK\x03\x04', 'is a spreadsheet'),
+    'b.pcap': (b'\x4d\x3c\xb2\xa1', 'is a capture of network packets'),
+    'a.ubx': (b'\xb5b\x01\x07', 'is a binary log of u-blox'), 'a.sbf': (b'$@\x01', 'Septentrio'),
+    'a.gps': (b'\xaa\x44\x12\x1c', 'is a binary log of NovAtel'),
+    'a.gpx': (b'<?xml version="1.0"?>', 'is XML or HTML, such as GPX: write it as csv'),
+    'a.pdf': (b'%PDF-1.7', 'is a PDF'), 'a.asc': (b'date Mon', 'is a CAN log of Vector'),
+    'a.dat': (b'\nno recording at all\n', "it begins with 'no recording at all'. A log has"),
+    'a.json': (b'{"a": 1}\n', 'it begins with \'{"a": 1}\'. A log has'),
+    'a.txt': (b'x' * 200, f"it begins with '{'x' * 80}...'. A log has"),
+    'a.bin': (bytes(range(1, 9)) * 9, 'it begins with the bytes 01 02 03 04 05 06 07 08 01 02'),
     'a.sqlite': (None, 'is an SQLite file without the tables of a rosbag2'),
 }
 
@@ -274,15 +283,17 @@ def test_what_cannot_be_read_says_how_to_convert_it(tmp_path, capsys, name):
         write_sqlite(path)
     else:
         path.write_bytes(data)
-    for command in (['analyze', path, *QUIET_NORMS],
+    for command in (['analyze', path, *QUIET_NORMS], ['info', path],
                     ['import-nmea', '--ts', path, '--rs', path, '-o', tmp_path / 'b']):
         said = refusal(capsys, *command)
         assert said.startswith(f'{path}: ') and problem in said
 
 
-@pytest.mark.parametrize('data', [b'', b'no recording\n', b'{"a": 1}\n', b'\x89MCAP0\r\n'])
-def test_other_files_are_left_to_the_reader_of_bags(tmp_path, data):
-    path = tmp_path / 'a.dat'
+@pytest.mark.parametrize('name, data', [
+    ('a.dat', b''), ('a.dat', bytes(9)), ('a.dat', b'\x89MCAP0\r\n'), ('a.mcap', b'no bag\n'),
+    ('a.mcap.active', b'no bag\n')])
+def test_bags_are_left_to_the_reader_of_bags(tmp_path, name, data):
+    path = tmp_path / name
     path.write_bytes(data)
     assert find_format(path) is None
     refuse_unreadable(path)

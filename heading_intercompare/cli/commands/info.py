@@ -40,7 +40,12 @@ from heading_intercompare.cli.terminal.printable import safe_name
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.typed_reader import VerdictError
 from heading_intercompare.core.utc_text import utc
-from heading_intercompare.readers.registry import find_format, Format, open_recording
+from heading_intercompare.readers.registry import (
+    find_format,
+    Format,
+    open_recording,
+    refuse_unreadable,
+)
 from heading_intercompare.readers.stream_recording import StreamRecording
 
 #: Counts by topic in the record of losses, and the heads of their columns.
@@ -74,6 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
     form = find_format(arguments.bag)
     if form is not None:
         return _show_recording(arguments, form)
+    refuse_unreadable(arguments.bag)
     checked = None
     if arguments.check:
         with Progress(arguments.bag, arguments.quiet) as progress:
