@@ -38,6 +38,7 @@ from heading_intercompare.core.units.angle_units import AngleWatch
 from heading_intercompare.core.verdict.all_runs import join
 from heading_intercompare.core.verdict.judge import RunResult
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
+from heading_intercompare.drivers.settings import DEFAULT_DRIVER, DriverSettings
 from heading_intercompare.report import SeriesSketch
 from heading_intercompare.report.figures.notebook import Plotter
 
@@ -89,7 +90,7 @@ class Judgement:
 def judge_bags(paths: Sequence[Place], settings: Settings, *,
                runs: Place | RunTable | None = None, executor: Executor | None = None,
                jobs: int | None = None, takers: PairTakers | None = None,
-               sketched: bool = False,
+               sketched: bool = False, driver: DriverSettings = DEFAULT_DRIVER,
                progress: Callable[[str], None] = lambda text: None) -> Judgement:
     """
     Judge recorded runs, as the command ``analyze`` does.
@@ -112,6 +113,8 @@ def judge_bags(paths: Sequence[Place], settings: Settings, *,
         input, and not with an executor.
     sketched
         Collect the data for the figures of the report and of `Verdict.plot`.
+    driver
+        Column, form, zone and date of the stamps in a table.
     progress
         Called with the progress in words.
 
@@ -140,7 +143,7 @@ def judge_bags(paths: Sequence[Place], settings: Settings, *,
                      else runs)
         table, elsewhere = assign_runs(run_table, names)
     judged = judge_inputs(names, settings, table, takers=takers, sketched=sketched, jobs=jobs,
-                          executor=executor, progress=progress)
+                          executor=executor, driver=driver, progress=progress)
     called = os.fspath(runs) if isinstance(runs, (str, os.PathLike)) else 'runs'
     return conclude(judged, settings, [f'{called}: source {source} is not one of the INPUTs'
                                        for source in elsewhere])

@@ -38,6 +38,7 @@ from typing import Callable, Iterator, Mapping, Sequence
 from heading_intercompare.bags.rosbag2.trial_parts import find_parts
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Input
+from heading_intercompare.drivers.settings import DEFAULT_DRIVER, DriverSettings
 
 from .inputs import describe_recording, sha256
 from .job import describe_libraries, Job, judge_there
@@ -66,6 +67,7 @@ def count_cores() -> int:
 def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | None = None, *,
                  takers: PairTakers | None = None, sketched: bool = False,
                  jobs: int | None = None, executor: Executor | None = None,
+                 driver: DriverSettings = DEFAULT_DRIVER,
                  progress: Callable[[str], None] = lambda text: None) -> list[JudgedInput]:
     """
     Judge inputs, several at once.
@@ -89,6 +91,8 @@ def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | Non
     executor
         Judges instead, in threads, in processes or on other computers, which see the same paths.
         The executor gets the absolute paths of all inputs, however small or few they are.
+    driver
+        Column and form of the stamps in a table.
     progress
         Called with the progress in words.
 
@@ -117,7 +121,8 @@ def judge_inputs(paths: Sequence[str], settings: Settings, table: RunTable | Non
         raise ValueError('takers: must be empty with several inputs or with an executor')
     trials = find_parts(paths)
     job = Job(settings, table, sketched, {
-        first: [os.path.abspath(part) for part in parts] for first, parts in trials.items()})
+        first: [os.path.abspath(part) for part in parts] for first, parts in trials.items()},
+        driver)
     all_paths, paths = paths, [path for path in paths
                                if not any(path in parts for parts in trials.values())]
     if executor is None and len(paths) == 1:

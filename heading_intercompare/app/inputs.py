@@ -60,13 +60,14 @@ from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.records import Headings, Motion, Pairs
 from heading_intercompare.core.sensor_table import Sensor
-from heading_intercompare.core.sensors.compared_sensors import pair_with_reference
+from heading_intercompare.core.sensors.compared_sensors import list_sensors, pair_with_reference
 from heading_intercompare.core.sensors.pair_names import TWO
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import Input, OperatorNote
+from heading_intercompare.drivers.settings import DEFAULT_DRIVER, DriverSettings
 from heading_intercompare.readers.registry import open_recording, sources_of
-from heading_intercompare.readers.stream_recording import StreamRecording
+from heading_intercompare.readers.stream_recording import StreamOptions, StreamRecording
 from heading_intercompare.report import SegmentSketches
 
 from .config import Config, load_config
@@ -124,7 +125,7 @@ def judge_input(path: str, settings: Settings, table: RunTable | None = None,
                 takers: PairTakers | None = None,
                 progress: Callable[[str], None] = lambda text: None, *, name: str | None = None,
                 helpers: int = 0, parts: Sequence[str] = (), sketched: bool = False,
-                ) -> JudgedInput:
+                driver: DriverSettings = DEFAULT_DRIVER) -> JudgedInput:
     """
     Judge the runs of one input.
 
@@ -148,6 +149,8 @@ def judge_input(path: str, settings: Settings, table: RunTable | None = None,
         Bags that go on with the trial of this one, in their order.
     sketched
         Collect the data for the figures of each tested sensor.
+    driver
+        Column and form of the stamps in a table.
 
     Returns
     -------
@@ -165,9 +168,11 @@ def judge_input(path: str, settings: Settings, table: RunTable | None = None,
     name = path if name is None else name
     spans = None if table is None else [
         (start, stop) for start, stop, source in table if source in ('', name)]
-    holds_pairs = is_journal(path) or has_pairs(path)
+    options = StreamOptions(
+        driver, tuple(sensor.heading_topic for sensor in list_sensors(settings)), settings.unit_of)
+    holds_pairs = is_journal(path) or has_pairs(path, options)
     if not holds_pairs:
-        readers: list[Readable] = [open_recording(part, settings.bag_namespace, settings.unit_of)
+        readers: list[Readable] = [open_recording(part, settings.bag_namespace, options)
                                    for part in (path, *parts)]
         comparison = InputComparison(settings, name, spans, takers=takers, sketched=sketched,
                                      progress=progress)

@@ -27,6 +27,7 @@ from heading_intercompare.core.verdict.verdict_document import Input
 
 # `cluster` asks workers for it by this name, to see that they can load this module.
 from heading_intercompare.core.version import VERSION as VERSION
+from heading_intercompare.drivers.settings import DEFAULT_DRIVER, DriverSettings
 
 from .inputs import describe_recording, judge_input
 from .run_table import RunTable
@@ -134,6 +135,8 @@ class Job:
         Collect the data for the graphs of a report.
     parts
         Absolute paths of the bags that go on with the trial of an input, by its path.
+    driver
+        Column and form of the stamps in a table.
 
     """
 
@@ -141,6 +144,7 @@ class Job:
     table: RunTable | None
     sketched: bool
     parts: Mapping[str, Sequence[str]] = field(default_factory=dict)
+    driver: DriverSettings = DEFAULT_DRIVER
 
     def judge(self, path: str, takers: PairTakers | None = None,
               progress: Callable[[str], None] = lambda text: None, *,
@@ -153,7 +157,8 @@ class Job:
         """
         return judge_input(
             place or path, self.settings, self.table, takers, progress, name=path,
-            helpers=helpers, parts=self.parts.get(path, ()), sketched=self.sketched)
+            helpers=helpers, parts=self.parts.get(path, ()), sketched=self.sketched,
+            driver=self.driver)
 
     def survive(self, path: str, place: str | None = None) -> JudgedInput:
         """Judge one input among others; if that fails, return a result that says why."""

@@ -35,6 +35,9 @@ from .sentences import Rejected
 from .settings import DriverError, DriverSettings
 
 _NEEDED = ('t_ns', 'heading_deg')
+COLUMNS_OF_LOG = frozenset(('t_ns', 'src', 'reference_0true_1mag', 'deviation_deg',
+                            'variation_deg'))
+"""A csv with `heading_deg` and none of these columns is a table of another program."""
 
 
 def _cells(line: bytes) -> list[str]:

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import dataclasses
 import os
+import re
 from typing import Mapping
 
 from .csv_log import CsvDecoder, is_csv_file, open_csv
@@ -29,6 +30,9 @@ from .log_lines.log_order import open_log
 from .nmea import NmeaDecoder
 from .sentences import identify, Rejected
 from .settings import DriverSettings, SENTENCES
+
+ROLE_SETTINGS = ('sentence', 'talker', 'instrument')
+"""Settings that choose the lines of one sensor; each sensor has options of its own for them."""
 
 _LONGEST_SHOWN = 160
 _OTHERS = ('other_talker', 'other_sentence', 'other_instrument')
@@ -62,6 +66,19 @@ _ADVICE = {
 _OTHER_ADVICE = 'the sensor sends no valid heading; choose another sentence with `sentence`'
 
 
+def advise(reason: str) -> str:
+    """Return what to set for a reason to refuse lines; settings stand between backticks."""
+    return _ADVICE.get(reason.partition('.')[0], _OTHER_ADVICE)
+
+
+def name_options(text: str, role: str | None) -> str:
+    """Replace names of settings between backticks by the options of the command line."""
+    def option(match: re.Match[str]) -> str:
+        prefix = f'{role or "ts"}-' if match[1] in ROLE_SETTINGS else ''
+        return f'--{prefix}{match[1].replace("_", "-")}'
+    return re.sub('`([a-z_]+)`', option, text)
+
+
 def explain_no_heading(path: str, settings: DriverSettings, counts: Mapping[str, int]) -> str:
     """
     Return why a log gave no heading, in one line.
@@ -87,7 +104,7 @@ def explain_no_heading(path: str, settings: DriverSettings, counts: Mapping[str,
         return 'it has no line'
     line, of_csv = _first_line(path, settings, reason)
     shown = _show(line)
-    advice = _ADVICE.get(reason.partition('.')[0], _OTHER_ADVICE)
+    advice = advise(reason)
     if of_csv:
         advice = 'correct the file, or choose another source with `talker`'
     recognised = 'a row of a csv of headings' if of_csv else _recognise(line, settings)

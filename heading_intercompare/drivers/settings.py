@@ -237,6 +237,9 @@ class DriverSettings(Checked):
     date: str | None = setting(
         None, 'date of the first line, YYYY-MM-DD, for stamps and sentences with a time of day '
         'only; none: by ZDA or RMC of the same stream, or by the name of the file')
+    time_column: str | None = setting(
+        None, 'name of the column of times of a csv or Parquet table; of several columns, such as '
+        'Date,Time, the names in the order in which they are read; none: by their names')
     instrument: str | None = setting(
         None, 'word before or after the sentences of the instrument to read, if a log has several '
         "of the same talker; 'any': all of them; none: refuse such a log")
@@ -274,3 +277,7 @@ class DriverSettings(Checked):
         if self.source is None:
             raise SettingsError(f'source is required: {_FORMS}')
         return parse_address(self.source)
+
+
+DEFAULT_DRIVER = DriverSettings()
+"""The settings of a driver of which nothing is stated."""

@@ -27,12 +27,13 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.rosbag2.readable import read_rows, Readable
 from heading_intercompare.core.records import Attitude, ColumnBuffer
 from heading_intercompare.drivers.motion.motion_log import read_log_attitude
-from heading_intercompare.drivers.settings import DriverSettings
+from heading_intercompare.drivers.sentences import Rejected
+from heading_intercompare.drivers.settings import DEFAULT_DRIVER, DriverSettings
 from heading_intercompare.messages.heading_messages import ORIENTATION_TYPES, read_attitude
 
 from .registry import has_one_sensor
+from .stamp_columns import find_time_columns, StampColumns
 from .stream_recording import ReaderError
-from .tables import find_time_column, read_stamp
 
 _ROLLS, _PITCHES = ('roll_deg', 'roll'), ('pitch_deg', 'pitch')
 
@@ -60,10 +61,10 @@ def find_attitude(path: str | os.PathLike[str], driver: DriverSettings) -> Attit
     if has_one_sensor(name) and len(rows := read_log_attitude(name, driver)):
         return rows
     is_table = name.endswith('.csv') and os.path.isfile(name)
-    return attitude_of_table(name) if is_table else Attitude.empty()
+    return attitude_of_table(name, driver) if is_table else Attitude.empty()
 
 
-def attitude_of_table(path: str) -> Attitude:
+def attitude_of_table(path: str, driver: DriverSettings = DEFAULT_DRIVER) -> Attitude:
     """
     Return roll and pitch in a csv with columns of times, `roll_deg` and `pitch_deg`.
 
@@ -72,19 +73,18 @@ def attitude_of_table(path: str) -> Attitude:
     angles = ColumnBuffer(2)
     try:
         with CsvRows(path, 'of times') as rows:
-            time = find_time_column(rows.names)
             by_name = {name.lower(): place for place, name in enumerate(rows.names)}
             places = [next((by_name[name] for name in names if name in by_name), None)
                       for names in (_ROLLS, _PITCHES)]
-            if time is None or None in places:
+            if None in places or not find_time_columns(rows.names, driver.time_column):
                 return Attitude.empty()
-            at = rows.names.index(time)
+            stamps = StampColumns(path, rows.names, driver)
             for row in rows:
                 try:
-                    stamp_ns = read_stamp(rows, row, at)
+                    stamp_ns = stamps.read(rows, row)
                     values = [float(rows.plain(row[place])) for place in places
                               if place is not None]
-                except (ValueError, ArithmeticError, IndexError):
+                except (Rejected, ValueError, IndexError):
                     continue
                 if all(map(math.isfinite, values)):
                     angles.add(stamp_ns, *values)

@@ -32,8 +32,8 @@ from heading_intercompare.core.units.given_stamps import find_unit
 
 from .json_lines import is_heading_name
 from .motion_columns import find_motion_columns, make_motion
-from .stream_recording import Collected, ReaderError
-from .tables import find_time_column, TIMES
+from .stamp_columns import find_time_columns, TIMES
+from .stream_recording import Collected, ReaderError, StreamOptions, UNSTATED
 
 _ROWS = 65536
 #: Rows by which the unit of nanoseconds is doubted.
@@ -60,13 +60,14 @@ def has_pairs(path: str) -> bool:
         return {'ts_deg', 'rs_deg'} <= {*file.schema_arrow.names}
 
 
-def _time_column(path: str, file: Any) -> str:
+def _time_column(path: str, file: Any, stated: str | None = None) -> str:
     names = list(file.schema_arrow.names)
-    name = find_time_column(names)
-    if name is None or name.lower().endswith('dday'):
+    columns = find_time_columns(names, stated)
+    if not columns or columns[-1].lower().endswith('dday'):
         raise ReaderError(path, f'has the columns {", ".join(names)[:200]}: one must be the time, '
-                          f'{", ".join(TIMES[:4])} or a column of type timestamp so named')
-    return name
+                          f'{stated or ", ".join(TIMES[:4])} or a column of type timestamp so '
+                          'named; name it with --time-column')
+    return columns[-1]
 
 
 def _stamps(path: str, name: str, column: Any) -> Integers:
@@ -116,11 +117,12 @@ def _reals(path: str, name: str, column: Any) -> Reals:
         raise ReaderError(path, f'column {name} is {column.type}: must be numbers') from None
 
 
-def read_parquet(path: str) -> Collected:
+def read_parquet(path: str, options: StreamOptions = UNSTATED) -> Collected:
     """
     Read the headings of a Parquet table.
 
-    A stream is a column whose name says that it is a heading, and may tell its unit. If there is
+    A stream is a column whose name says that it is a heading, and may tell its unit; or one that
+    the options name. If there is
     one such column and a column `src`, each source is a stream. The motion of the ship is in the
     columns of `find_motion_columns`.
 
@@ -135,8 +137,9 @@ def read_parquet(path: str) -> Collected:
     collected = Collected()
     with _open(path) as file:
         names = file.schema_arrow.names
-        time = _time_column(path, file)
-        headings = [name for name in names if name == 'heading_deg' or is_heading_name(name)]
+        time = _time_column(path, file, options.stamps.time_column)
+        headings = [name for name in names if name == 'heading_deg' or is_heading_name(name)
+                    or options.is_wanted(name)]
         if not headings:
             raise ReaderError(path, f'has the columns {", ".join(names)[:200]}: one must be '
                               'heading_deg')

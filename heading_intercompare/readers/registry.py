@@ -30,12 +30,13 @@ import sqlite3
 from typing import Callable, TYPE_CHECKING
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.drivers.csv_log import is_csv_file
 from heading_intercompare.drivers.log_lines.log_files import is_several, list_files
 from heading_intercompare.drivers.logs import is_log, LogReader
 from heading_intercompare.natural_order import natural_key
 
 from . import json_lines, nmea2000, tables
-from .stream_recording import Collected, ReaderError, StreamRecording
+from .stream_recording import Collected, ReaderError, StreamOptions, StreamRecording, UNSTATED
 from .topic_bag import TopicBag
 
 if TYPE_CHECKING:
@@ -59,22 +60,22 @@ class Format:
     name
         What it is, in words.
     recognise
-        Tells from the path and the first 64 KiB of the file whether it is one; a directory has
-        none.
+        Tells from the path, the first 64 KiB of the file and what is stated whether it is one; a
+        directory has no bytes.
     read
-        Reads the headings of the file at a path, by stream; None for a bag.
+        Reads the headings of the file at a path, by stream, as stated; None for a bag.
     extra
         The extra that it needs.
 
     """
 
     name: str
-    recognise: Callable[[Path, bytes], bool]
-    read: Callable[[str], Collected] | None
+    recognise: Callable[[Path, bytes, StreamOptions], bool]
+    read: Callable[[str, StreamOptions], Collected] | None
     extra: str | None = None
 
 
-def _is_sqlite_bag(path: Path, head: bytes) -> bool:
+def _is_sqlite_bag(path: Path, head: bytes, options: StreamOptions = UNSTATED) -> bool:
     """Tell whether a path is a rosbag2 in SQLite, or one that is compressed by file."""
     if path.is_dir():
         return not any(path.glob('*.mcap*')) and any(
@@ -96,12 +97,12 @@ def _tables_of(path: Path) -> set[str]:
         connection.close()
 
 
-def _read_parquet(path: str) -> Collected:
+def _read_parquet(path: str, options: StreamOptions) -> Collected:
     from .parquet import read_parquet
-    return read_parquet(path)
+    return read_parquet(path, options)
 
 
-def _read_log(path: str) -> Collected:
+def _read_log(path: str, options: StreamOptions) -> Collected:
     """Read a log of the drivers; its stream is the sentence that it gives by default."""
     collected, reader = Collected(), LogReader(path)
     chunks = list(reader)
@@ -111,26 +112,40 @@ def _read_log(path: str) -> Collected:
     return collected
 
 
-def _of_head(tell: Callable[[bytes], bool]) -> Callable[[Path, bytes], bool]:
-    return lambda path, head: tell(head)
+def _of_head(tell: Callable[[bytes], bool]) -> Callable[[Path, bytes, StreamOptions], bool]:
+    return lambda path, head, options: tell(head)
 
 
-_LOG = Format('log of one sensor', lambda path, head: is_log(path), _read_log)
+def _as_is(read: Callable[[str], Collected]) -> Callable[[str, StreamOptions], Collected]:
+    """Return the reader of files of which nothing can be stated."""
+    return lambda path, options: read(path)
+
+
+def _is_log(path: Path, head: bytes, options: StreamOptions) -> bool:
+    """Tell whether a path is a log of the drivers; a csv of another program is none."""
+    return is_log(path) and not (
+        path.is_file() and is_csv_file(os.fspath(path)) and tables.is_table(head, options))
+
+
+_LOG = Format('log of one sensor', _is_log, _read_log)
 
 FORMATS = (
     Format('rosbag2, SQLite', _is_sqlite_bag, None, 'bags'),
-    Format('ROS 1 bag', lambda path, head: head.startswith(_ROS1), None, 'bags'),
-    Format('Parquet', lambda path, head: head.startswith(_PARQUET), _read_parquet, 'parquet'),
+    Format('ROS 1 bag', _of_head(lambda head: head.startswith(_ROS1)), None, 'bags'),
+    Format('Parquet', _of_head(lambda head: head.startswith(_PARQUET)), _read_parquet,
+           'parquet'),
     Format('NMEA 2000, canboat JSON', _of_head(nmea2000.is_canboat_json),
-           nmea2000.read_canboat_json),
+           _as_is(nmea2000.read_canboat_json)),
     *(Format(f'NMEA 2000, {form.program}', _of_head(form.is_in),
-             partial(nmea2000.read_frames, form)) for form in nmea2000.FRAME_FORMS),
-    Format('Signal K deltas', _of_head(json_lines.is_signalk), json_lines.read_signalk),
-    Format('gpsd reports', _of_head(json_lines.is_gpsd), json_lines.read_gpsd),
-    Format('OpenRVDAS records', _of_head(json_lines.is_openrvdas), json_lines.read_openrvdas),
+             _as_is(partial(nmea2000.read_frames, form))) for form in nmea2000.FRAME_FORMS),
+    Format('Signal K deltas', _of_head(json_lines.is_signalk), _as_is(json_lines.read_signalk)),
+    Format('gpsd reports', _of_head(json_lines.is_gpsd), _as_is(json_lines.read_gpsd)),
+    Format('OpenRVDAS records', _of_head(json_lines.is_openrvdas),
+           _as_is(json_lines.read_openrvdas)),
     # A line of a log may look like the header of a table.
     _LOG,
-    Format('csv of headings', _of_head(tables.is_table), tables.read_table),
+    Format('csv of headings', lambda path, head, options: tables.is_table(head, options),
+           tables.read_table),
 )
 """The formats beside MCAP bags; the first that recognises a file reads it."""
 
@@ -179,7 +194,8 @@ def _head(path: Path) -> bytes:
         return file.read(_HEAD_BYTES)
 
 
-def find_format(path: str | os.PathLike[str]) -> Format | None:
+def find_format(path: str | os.PathLike[str],
+                options: StreamOptions = UNSTATED) -> Format | None:
     """
     Return the format that a path has; None for a bag of MCAP and for any other.
 
@@ -191,39 +207,43 @@ def find_format(path: str | os.PathLike[str]) -> Format | None:
         If the file cannot be read.
 
     """
-    return _recognise(Path(path)) or next(
+    return _recognise(Path(path), options) or next(
         (replace(form, read=partial(_read_files, form))
-         for form in _forms_of_files(os.fspath(path)).values()), None)
+         for form in _forms_of_files(os.fspath(path), options).values()), None)
 
 
-def _recognise(place: Path) -> Format | None:
+def _recognise(place: Path, options: StreamOptions) -> Format | None:
     head = _head(place)
-    return next((form for form in FORMATS if form.recognise(place, head)), None)
+    return next((form for form in FORMATS if form.recognise(place, head, options)), None)
 
 
 def _files_of(path: str) -> list[str]:
     return list_files(path) if is_several(path) else []
 
 
-def _forms_of_files(path: str) -> dict[str, Format]:
+def _forms_of_files(path: str, options: StreamOptions) -> dict[str, Format]:
     """Return the files of a folder or a pattern that have streams, with the format of each."""
-    forms = {file: _recognise(Path(file)) for file in _files_of(path)}
+    forms = {file: _recognise(Path(file), options) for file in _files_of(path)}
     return {file: form for file, form in forms.items()
             if form is not None and form.read is not None and form is not _LOG
             and not _has_pairs(file, form)}
 
 
-def _read_files(form: Format, path: str) -> Collected:
+def _read_files(form: Format, path: str, options: StreamOptions) -> Collected:
     """Read the files of a folder or a pattern, in the order of their first stamps."""
     assert form.read is not None
-    forms = _forms_of_files(path)
+    forms = _forms_of_files(path, options)
     for file, file_form in forms.items():
         if file_form is not form:
             first = next(iter(forms))
             raise ReaderError(path, f'holds {form.name} ({first}) and {file_form.name} ({file}): '
                               'give the files of one form, as a pattern in quotes')
     collected = Collected()
-    for part in sorted(map(form.read, forms), key=lambda part: part.start_ns):
+    if len(forms) > 1:
+        # The date of the first line is not that of each file; the name of a file may tell it.
+        options = replace(options, stamps=replace(options.stamps, date=None))
+    for part in sorted((form.read(file, options) for file in forms),
+                       key=lambda part: part.start_ns):
         collected.add_all(part)
     if left_out := len(_files_of(path)) - len(forms):
         collected.not_taken['file_of_another_form'] += left_out
@@ -289,7 +309,7 @@ def _has_pairs(path: str | os.PathLike[str], form: Format) -> bool:
 
 
 def open_recording(path: str | os.PathLike[str], namespace: str | None = None,
-                   unit_of: Callable[[str], str] = lambda stream: 'auto') -> Recording:
+                   options: StreamOptions = UNSTATED) -> Recording:
     """
     Open a recording of any kind.
 
@@ -299,8 +319,8 @@ def open_recording(path: str | os.PathLike[str], namespace: str | None = None,
         A bag of MCAP, or a file of one of `FORMATS`; a folder or a pattern of such files.
     namespace
         Where the topics of a bag without a leading slash are; see `BagReader`.
-    unit_of
-        Returns the unit that is stated for the headings of a stream; see `StreamRecording`.
+    options
+        What is stated of a file of streams; no bag needs it.
 
     Raises
     ------
@@ -310,13 +330,14 @@ def open_recording(path: str | os.PathLike[str], namespace: str | None = None,
         If it is damaged, of an unknown form, or needs a library that is not installed.
 
     """
-    form = find_format(path)
+    form = find_format(path, options)
     if form is None:
         refuse_unreadable(path)
         return TopicBag(path, namespace)
     try:
-        if form.read is not None:
-            return StreamRecording(path, form.name, form.read, unit_of)
+        if (read := form.read) is not None:
+            return StreamRecording(path, form.name, lambda name: read(name, options),
+                                   options.unit_of)
         from .rosbag_recording import RosbagRecording
     except ImportError as error:
         raise _need(path, form, error) from None
@@ -324,11 +345,9 @@ def open_recording(path: str | os.PathLike[str], namespace: str | None = None,
 
 
 def open_log_of_streams(path: str | os.PathLike[str],
-                        unit: str = 'auto') -> StreamRecording | None:
+                        options: StreamOptions = UNSTATED) -> StreamRecording | None:
     """
     Open a file of streams of another program; None for a log of one sensor.
-
-    The unit is that stated for the headings, 'auto' if none.
 
     Raises
     ------
@@ -338,21 +357,22 @@ def open_log_of_streams(path: str | os.PathLike[str],
         If it is damaged, a bag, or in a known form that cannot be read.
 
     """
-    form = find_format(path)
+    form = find_format(path, options)
     if form is None:
         refuse_unreadable(path)
     elif form.read is None:
         raise ReaderError(path, f'is a bag ({form.name}), no log: give it to analyze, with --ts '
                           'and --rs')
-    if not has_streams(path):
+    if not has_streams(path, options):
         return None
-    recording = open_recording(path, unit_of=lambda stream: unit)
+    recording = open_recording(path, options=options)
     return recording if isinstance(recording, StreamRecording) else None
 
 
-def has_streams(path: str | os.PathLike[str]) -> bool:
+def has_streams(path: str | os.PathLike[str],
+                options: StreamOptions = UNSTATED) -> bool:
     """Tell whether a path is a file of streams of another program."""
-    form = find_format(path)
+    form = find_format(path, options)
     return form is not None and form.read is not None and form is not _LOG
 
 
@@ -361,11 +381,12 @@ def has_one_sensor(path: str | os.PathLike[str]) -> bool:
     return find_format(path) is _LOG
 
 
-def sources_of(path: str | os.PathLike[str]) -> list[Path]:
+def sources_of(path: str | os.PathLike[str],
+               options: StreamOptions = UNSTATED) -> list[Path]:
     """Return the files of a recording that is no MCAP bag, in natural order; otherwise []."""
     place = Path(path)
     if not place.is_dir() or not _is_sqlite_bag(place, b''):
-        return [*map(Path, _forms_of_files(os.fspath(path)))]
+        return [*map(Path, _forms_of_files(os.fspath(path), options))]
     return sorted((file for file in place.iterdir()
                    if re.search(r'\.db3(\.zstd)?$', file.name)),
                   key=natural_key)

@@ -30,6 +30,7 @@ from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.motion.moved_rows import MovedRow
 from heading_intercompare.core.records import ColumnBuffer, Headings, Losses, Motion
 from heading_intercompare.core.units.angle_units import AngleWatch, read_angles
+from heading_intercompare.drivers.settings import DEFAULT_DRIVER, DriverSettings
 
 
 class ReaderError(ValueError):
@@ -37,6 +38,39 @@ class ReaderError(ValueError):
 
     def __init__(self, path: str | os.PathLike[str], problem: str) -> None:
         super().__init__(f'{os.fspath(path)}: {" ".join(problem.split())}')
+
+
+def _tell_no_unit(stream: str) -> str:
+    return 'auto'
+
+
+@dataclass(frozen=True, slots=True)
+class StreamOptions:
+    """
+    What a person states of a file of streams.
+
+    Attributes
+    ----------
+    stamps
+        Column, form, zone and date of the times in a table.
+    names
+        Streams that are wanted: a column so named holds headings, whatever its name.
+    unit_of
+        Returns the unit that is stated for the angles of a stream, 'auto' if none.
+
+    """
+
+    stamps: DriverSettings = DEFAULT_DRIVER
+    names: tuple[str, ...] = ()
+    unit_of: Callable[[str], str] = _tell_no_unit
+
+    def is_wanted(self, column: str) -> bool:
+        """Tell whether a column is one of those named, with or without a leading slash."""
+        return any(column in (name, name.lstrip('/')) for name in self.names)
+
+
+UNSTATED = StreamOptions()
+"""A file tells everything itself."""
 
 
 @dataclass(slots=True)
@@ -50,11 +84,17 @@ class Collected:
         What each stream is, in words, by its name.
     not_taken
         What gave no heading, by reason.
+    other_columns
+        Columns of a table that are not read.
+    oddities
+        What a reader of the verdict should know of how the file was read, in words.
 
     """
 
     kinds: dict[str, str] = field(default_factory=dict)
     not_taken: Counter[str] = field(default_factory=Counter)
+    other_columns: list[str] = field(default_factory=list)
+    oddities: list[str] = field(default_factory=list)
     _columns: dict[str, ColumnBuffer] = field(default_factory=dict)
     _chunks: dict[str, list[Headings]] = field(default_factory=dict)
     _units: dict[str, str | None] = field(default_factory=dict)
@@ -137,6 +177,8 @@ class Collected:
             for stream, rows in streams.items():
                 self.add_motion_chunk(what, stream, rows, 0)
         self.not_taken += later.not_taken
+        self.other_columns = self.other_columns or later.other_columns
+        self.oddities += later.oddities
 
     @property
     def start_ns(self) -> int:
@@ -161,7 +203,7 @@ class Collected:
         self.settle_units()
         return self._heading_streams()
 
-    def settle_units(self, unit_of: Callable[[str], str] = lambda stream: 'auto',
+    def settle_units(self, unit_of: Callable[[str], str] = _tell_no_unit,
                      ) -> dict[str, str]:
         """
         Make headings of the angles, stream by stream, once all of them are there.
@@ -254,10 +296,11 @@ class StreamRecording:
 
     def __init__(self, path: str | os.PathLike[str], kind: str,
                  read: Callable[[str], Collected],
-                 unit_of: Callable[[str], str] = lambda stream: 'auto') -> None:
+                 unit_of: Callable[[str], str] = _tell_no_unit) -> None:
         self.path, self.kind = Path(path), kind
-        self.oddities: list[str] = []
         collected = read(os.fspath(path))
+        self.oddities = collected.oddities
+        self._other_columns = collected.other_columns
         self._unsure = collected.settle_units(unit_of)
         self.streams, self.motion = collected.streams(), collected.motion()
         self.not_taken: Mapping[str, int] = dict(sorted(collected.not_taken.items()))
@@ -286,8 +329,10 @@ class StreamRecording:
                 raise ReaderError(self.path, f'{name}: {why}; state the unit (ts_unit, rs_unit: '
                                   'rad, rev or deg), or in the name of the column: hdg_rad')
             return name
+        others = ', '.join(self._other_columns)[:200]
         raise ReaderError(self.path, f'has no stream {topic!r}; it has {self.words_present}; '
-                          'choose with --ts and --rs')
+                          + (f'other columns: {others}; ' if others else '')
+                          + 'choose with --ts and --rs')
 
     def choose_motion(self) -> dict[str, tuple[str, Motion]]:
         """Return, by what it tells, the preferred stream that was heard first, and its rows."""

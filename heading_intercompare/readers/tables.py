@@ -16,133 +16,161 @@
 
 from __future__ import annotations
 
+import codecs
 import math
 import re
 
 from heading_intercompare.bags.csv.csv_rows import CsvRows
-from heading_intercompare.bags.csv.stamp_cells import nanoseconds, utc_nanoseconds
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.records import ColumnBuffer
 from heading_intercompare.core.units.angle_units import find_named_unit
-from heading_intercompare.core.units.given_stamps import find_unit
+from heading_intercompare.drivers.csv_log import COLUMNS_OF_LOG
+from heading_intercompare.drivers.sentences import Rejected
 
 from .json_lines import is_heading_name
-from .motion_columns import find_motion_columns, make_motion, MotionColumn
-from .stream_recording import Collected, ReaderError
-
-TIMES = ('t_ns', 'stamp_ns', 'stamp_s', 'stamp_utc', 'timestamp', 'utc', 'datetime', 'date_time',
-         'time', 't', 'epoch', 'unixtime', 'u_dday', 'dday')
-"""Names of columns of times, in the order in which one is chosen."""
+from .motion_columns import find_motion_columns, make_motion
+from .stamp_columns import find_time_columns, StampColumns, TIMES
+from .stream_recording import Collected, ReaderError, StreamOptions, UNSTATED
 
 _WANTED = f'of times ({", ".join(TIMES)}) and of headings'
 _SPLIT = re.compile(r'[,;\t]')
+_SEPARATOR_LINE = re.compile(r'sep=.\s*\Z', re.IGNORECASE)
+_UTF16 = codecs.BOM_UTF16_LE, codecs.BOM_UTF16_BE
+_SHOWN = 80
 
 
-def find_time_column(names: list[str]) -> str | None:
-    """Return the column of times among the names of a header; None if there is none."""
-    by_name = {name.lower(): name for name in reversed(names)}
-    return next((by_name[name] for name in TIMES if name in by_name), None)
+def is_table(head: bytes, options: StreamOptions = UNSTATED) -> bool:
+    """
+    Tell whether a file that begins so is a csv with a column of times and one of headings.
 
-
-def is_table(head: bytes) -> bool:
-    """Tell whether a file that begins so is a csv with a column of times and one of headings."""
-    lines = (line for line in head.decode('utf-8-sig', 'replace').splitlines()
-             if line.strip() and not line.startswith('#'))
+    A column that the options name is one of headings; then the column of times may have any name.
+    """
+    lines = (line for line in _decode(head).splitlines()
+             if line.strip() and not line.startswith('#') and not _SEPARATOR_LINE.match(line))
     names = [name.strip(' "') for name in _SPLIT.split(next(lines, ''))]
-    # A csv with this column is a log of the drivers.
-    return ('heading_deg' not in names and find_time_column(names) is not None
-            and any(map(is_heading_name, names)))
+    # A csv with these columns is a log of the drivers.
+    if 'heading_deg' in names and not COLUMNS_OF_LOG.isdisjoint(names):
+        return False
+    if len(names) > 1 and any(map(options.is_wanted, names)):
+        return True
+    return bool(find_time_columns(names, options.stamps.time_column)
+                and any(map(is_heading_name, names)))
 
 
-def parse_time(text: str) -> int:
+def _decode(head: bytes) -> str:
+    """Return the text that a file begins with."""
+    return (head[:len(head) // 2 * 2].decode('utf-16', 'replace') if head[:2] in _UTF16
+            else head.decode('utf-8-sig', 'replace'))
+
+
+def read_table(path: str, options: StreamOptions = UNSTATED) -> Collected:
     """
-    Return a time as a stamp: ISO, or a number of seconds to nanoseconds since 1970.
+    Read a csv with columns of times and columns of headings.
 
-    Raises
-    ------
-    ValueError, ArithmeticError
-        If it is none.
-
-    """
-    if not text.replace('.', '', 1).isdecimal():
-        return utc_nanoseconds(text)
-    whole = int(text.partition('.')[0])
-    unit = find_unit(whole, whole)
-    if unit is None:
-        raise ValueError(text)
-    _, unit_ns = unit
-    return nanoseconds(text) if unit_ns == 1_000_000_000 else whole * unit_ns
-
-
-def read_stamp(rows: CsvRows, row: list[str], at: int) -> int:
-    """
-    Return the time in a cell of a row as a stamp; see `parse_time`.
-
-    Raises
-    ------
-    ValueError, ArithmeticError, IndexError
-        If there is none.
-
-    """
-    return parse_time(row[at].strip() if ':' in row[at] else rows.plain(row[at]))
-
-
-def read_table(path: str) -> Collected:
-    """
-    Read a csv with a column of times and columns of headings.
-
-    A stream is a column whose name says that it is a heading; see `is_heading_name`. It may also
-    tell the unit (``hdg_rad``). Times are
-    ISO, or seconds, milli-, micro- or nanoseconds since 1970. Columns such as `lat` and `lon`,
-    `cog` and `sog_kn`, and `rot_deg_min` tell the motion of the ship; see `find_motion_columns`.
+    A stream is a column whose name says that it is a heading, see `is_heading_name`, or that the
+    options name. The name may also tell the unit (``hdg_rad``). The times have the forms of the
+    stamps of logs, or are numbers of one unit; see `StampColumns`. Columns such as `lat` and
+    `lon`, `cog` and `sog_kn`, and `rot_deg_min` tell the motion of the ship; see
+    `find_motion_columns`.
 
     Raises
     ------
     OSError
         If the file cannot be read.
     ReaderError
-        If the form of the csv is wrong, or its times have no year.
+        If the form of the csv is wrong, its times have no year, no row has a stamp that can be
+        read, or a column that the options name has no number.
 
     """
     collected = Collected()
     try:
         with CsvRows(path, _WANTED) as rows:
-            time = find_time_column(rows.names)
-            if time is None:
-                raise ReaderError(path, f'has no column {_WANTED}')
-            if time.lower().endswith('dday'):
-                raise ReaderError(path, f'column {time}: a decimal day has no year; add a column '
-                                  'stamp_utc or t_ns')
-            at, headings = rows.names.index(time), [
-                (place, name) for place, name in enumerate(rows.names) if is_heading_name(name)]
-            motion = find_motion_columns(rows.names)
-            motion_rows = _MotionRows([
-                rows.names.index(name) for column in motion for name in column.names])
+            stamps = StampColumns(path, rows.names, options.stamps)
+            headings = _HeadingCells(collected, rows, options)
+            motion = _MotionRows(rows)
+            n_stamps = 0
             for row in rows:
-                stamp_ns = _take_row(collected, rows, row, at, headings)
-                if motion and stamp_ns is not None:
-                    motion_rows.take(stamp_ns, row, rows)
-            motion_rows.give(collected, motion)
+                try:
+                    stamp_ns = stamps.read(rows, row)
+                except Rejected as rejected:
+                    collected.not_taken[rejected.reason] += 1
+                    continue
+                n_stamps += 1
+                headings.take(stamp_ns, row)
+                motion.take(stamp_ns, row)
+            motion.give(collected)
+            collected.other_columns = [name for name in rows.names if name and name not in (
+                *stamps.names, *headings.names, *motion.names)]
             if rows.cut:
                 collected.not_taken['cut_line'] += 1
     except BagError as error:
         raise ReaderError(path, error.problem) from error
+    if refusal := (not n_stamps and stamps.refusal) or headings.refusal:
+        raise ReaderError(path, refusal)
+    collected.oddities += [f'{path}: {words}' for words in (
+        stamps.origin, stamps.refusal and f'first row without a stamp: {stamps.refusal}') if words]
     return collected
 
 
+class _HeadingCells:
+    """The cells of the columns of headings."""
+
+    def __init__(self, collected: Collected, rows: CsvRows, options: StreamOptions) -> None:
+        self._collected, self._rows = collected, rows
+        self._columns = [
+            (place, name, find_named_unit(name)) for place, name in enumerate(rows.names)
+            if is_heading_name(name) or options.is_wanted(name)]
+        self._wanted = {*filter(options.is_wanted, rows.names)}
+        self._wrong: dict[str, str] = {}
+
+    @property
+    def names(self) -> list[str]:
+        """Return the columns of headings."""
+        return [name for _, name, _ in self._columns]
+
+    @property
+    def refusal(self) -> str:
+        """Return the first wrong cell of a column that is wanted and has no number; '' if none."""
+        return next((words for name, words in self._wrong.items()
+                     if name in self._wanted and name not in self._collected.kinds), '')
+
+    def take(self, stamp_ns: int, row: list[str]) -> None:
+        rows, collected = self._rows, self._collected
+        for place, name, unit in self._columns:
+            cell = row[place] if place < len(row) else ''
+            try:
+                heading = float(rows.plain(cell)) if cell.strip() else None
+            except ValueError:
+                collected.not_taken['bad_field'] += 1
+                if name not in self._wrong:
+                    self._wrong[name] = (
+                        f'line {rows.line}: column {name}: {cell.strip()[:_SHOWN]!r} is no number '
+                        f'of a heading{rows.why_no_number(cell)}; choose another column with '
+                        '--ts and --rs')
+                continue
+            if heading is None or heading != heading:
+                collected.not_taken['empty_heading'] += 1
+            else:
+                collected.add_angle(name, 'csv', stamp_ns, heading, unit)
+
+
 class _MotionRows:
-    """The cells of some columns as numbers; nan where a row has none."""
+    """The cells of the columns of motion as numbers; nan where a row has none."""
 
-    def __init__(self, places: list[int]) -> None:
-        self._places = places
-        self._buffer = ColumnBuffer(len(places))
+    def __init__(self, rows: CsvRows) -> None:
+        self._rows, self._columns = rows, find_motion_columns(rows.names)
+        self.names = [name for column in self._columns for name in column.names]
+        self._places = [*map(rows.names.index, self.names)]
+        self._buffer = ColumnBuffer(len(self._places))
 
-    def take(self, stamp_ns: int, row: list[str], rows: CsvRows) -> None:
-        self._buffer.add(stamp_ns, *(_number(rows, row, place) for place in self._places))
+    def take(self, stamp_ns: int, row: list[str]) -> None:
+        if self._places:
+            self._buffer.add(stamp_ns, *(_number(self._rows, row, place)
+                                         for place in self._places))
 
-    def give(self, collected: Collected, motion: list[MotionColumn]) -> None:
+    def give(self, collected: Collected) -> None:
         stamps, *columns = self._buffer.columns()
-        for motion_column in motion:
+        for motion_column in self._columns:
             n = len(motion_column.names)
             values, columns = columns[:n], columns[n:]
             collected.add_motion_chunk(motion_column.what, ' '.join(motion_column.names),
@@ -155,25 +183,3 @@ def _number(rows: CsvRows, row: list[str], place: int) -> float:
         return float(rows.plain(row[place]))
     except (ValueError, IndexError):
         return math.nan
-
-
-def _take_row(collected: Collected, rows: CsvRows, row: list[str], at: int,
-              headings: list[tuple[int, str]]) -> int | None:
-    """Take the headings of a row; return its stamp, None if it has none."""
-    try:
-        stamp_ns = read_stamp(rows, row, at)
-    except (ValueError, ArithmeticError, IndexError):
-        collected.not_taken['bad_stamp'] += 1
-        return None
-    for place, name in headings:
-        cell = row[place] if place < len(row) else ''
-        try:
-            heading = float(rows.plain(cell)) if cell.strip() else None
-        except ValueError:
-            collected.not_taken['bad_field'] += 1
-            continue
-        if heading is None or heading != heading:
-            collected.not_taken['empty_heading'] += 1
-        else:
-            collected.add_angle(name, 'csv', stamp_ns, heading, find_named_unit(name))
-    return stamp_ns

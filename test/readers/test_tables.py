@@ -22,7 +22,11 @@ import numpy as np
 import pytest
 
 from heading_intercompare.core.angles import wrap180
-from heading_intercompare.readers.stream_recording import ReaderError, StreamRecording
+from heading_intercompare.readers.stream_recording import (
+    ReaderError,
+    StreamOptions,
+    StreamRecording,
+)
 from heading_intercompare.readers.tables import is_table, read_table
 
 T_NS = 1406851200183000000
@@ -80,6 +84,21 @@ def test_columns_of_motion_are_taken_with_the_unit_in_their_names(tmp_path):
     assert motion['velocity'][1].east_m_s == pytest.approx([10 * 1852 / 3600])
     assert motion['rate'][1].rate_deg_s.tolist() == [-0.5]
     assert dict(found.not_taken) == {'cog sog_kn.out_of_range': 1}
+
+
+def test_a_column_that_is_named_holds_headings_whatever_its_name(tmp_path):
+    path, text = tmp_path / 'a.csv', 't,GYRO,POSMV,LAT\n1406851200,10.5,x,1\n1406851201,11.5,y,1\n'
+    path.write_text(text)
+    assert not is_table(text.encode())
+    assert is_table(text.encode(), StreamOptions(names=('/GYRO',)))
+    found = StreamRecording(
+        path, 'csv', lambda name: read_table(name, StreamOptions(names=('/GYRO',))),
+        lambda stream: 'rad' if stream == 'GYRO' else 'auto')
+    assert found.resolve('/GYRO') == 'GYRO' and found.not_taken == {'out_of_range': 2}
+    with pytest.raises(ReaderError, match=r"no stream 'LAT'; .*; other columns: POSMV, LAT; "):
+        found.resolve('LAT')
+    with pytest.raises(ReaderError, match=r"line 2: column POSMV: 'x' is no number of a heading"):
+        read_table(str(path), StreamOptions(names=('GYRO', 'POSMV')))
 
 
 def test_a_last_line_that_is_cut_is_left_out_and_counted(tmp_path):

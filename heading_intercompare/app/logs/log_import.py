@@ -18,20 +18,18 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import os
-import re
 from typing import Any, Callable, Mapping, Sequence
 
 from heading_intercompare.app.sources.file_hash import hash_files
 from heading_intercompare.core.records import Headings
 from heading_intercompare.drivers.logs import LogReader
-from heading_intercompare.drivers.refused_lines import explain_no_heading
+from heading_intercompare.drivers.refused_lines import explain_no_heading, name_options
 from heading_intercompare.drivers.settings import DriverError, DriverSettings
 from heading_intercompare.readers.registry import open_log_of_streams, sources_of
+from heading_intercompare.readers.stream_recording import StreamOptions
 
-ROLE_SETTINGS = ('sentence', 'talker', 'instrument')
-"""Settings that choose the lines of one sensor; each sensor has options of its own for them."""
-
-_READING = ('talker', 'instrument', 'stamp_pattern', 'stamp_zone', 'date', 'checksum', 'bursts')
+_READING = ('talker', 'instrument', 'stamp_pattern', 'stamp_zone', 'time_column', 'date',
+            'checksum', 'bursts')
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,6 +91,11 @@ class ImportedLog:
                          if n) or 'nothing'
 
 
+def options_for(driver: DriverSettings, unit: str = 'auto') -> StreamOptions:
+    """Return what is stated of a file of streams that is the log of one sensor."""
+    return StreamOptions(driver, (driver.talker,) if driver.talker else (), lambda stream: unit)
+
+
 def import_log(path: str, driver: DriverSettings,
                progress: Callable[[str], None] = lambda text: None, *,
                role: str | None = None, unit: str = 'auto') -> ImportedLog:
@@ -123,13 +126,14 @@ def import_log(path: str, driver: DriverSettings,
         the command line.
 
     """
-    streams = open_log_of_streams(path, unit)
+    options = options_for(driver, unit)
+    streams = open_log_of_streams(path, options)
     if streams is not None:
         name = streams.only(driver.talker)
         return ImportedLog(path=path, headings=streams.streams[name],
-                           sha256=hash_files(sources_of(path) or [path]),
+                           sha256=hash_files(sources_of(path, options) or [path]),
                            size=os.path.getsize(path), sentence=name, not_taken=streams.not_taken,
-                           driver=driver)
+                           driver=driver, remarks=streams.oddities)
     try:
         reader = LogReader(path, driver)
         chunks = []
@@ -137,7 +141,7 @@ def import_log(path: str, driver: DriverSettings,
             chunks.append(chunk)
             progress(f'{reader.position / reader.size:.0%}')
     except DriverError as error:
-        raise DriverError(_name_options(str(error), role)) from None
+        raise DriverError(name_options(str(error), role)) from None
     log = ImportedLog(path=path, headings=Headings.concatenate(chunks),
                       sha256=hash_files(reader.paths), size=reader.size, sentence=reader.sentence,
                       not_taken=reader.counts, driver=driver, files=len(reader.paths),
@@ -150,14 +154,6 @@ def import_log(path: str, driver: DriverSettings,
 def _no_heading(log: ImportedLog, role: str) -> str:
     """Return why a log has no heading, in one line."""
     why = '' if log.sentence is None and not log.not_taken else (
-        _name_options(explain_no_heading(log.path, log.driver, log.not_taken), role))
+        name_options(explain_no_heading(log.path, log.driver, log.not_taken), role))
     return (f'{log.path}: no heading in it, read as the {role.upper()} (not taken: '
             f'{log.words_not_taken}); {why}')
-
-
-def _name_options(text: str, role: str | None) -> str:
-    """Replace names of settings between backticks by the options of the command line."""
-    def option(match: re.Match[str]) -> str:
-        prefix = f'{role or "ts"}-' if match[1] in ROLE_SETTINGS else ''
-        return f'--{prefix}{match[1].replace("_", "-")}'
-    return re.sub('`([a-z_]+)`', option, text)

@@ -25,6 +25,8 @@ from heading_intercompare.drivers.motion.motion_sentences import MOTION_WORDS
 from heading_intercompare.drivers.settings import DriverError, DriverSettings
 from heading_intercompare.readers.registry import has_streams, open_log_of_streams
 
+from .log_import import options_for
+
 _WORDS = {'velocity': 'course and speed', 'fix': 'positions', 'rate': 'rate of turn'}
 
 
@@ -83,7 +85,7 @@ def find_motion(paths: Mapping[str, str], drivers: Mapping[str, DriverSettings],
         if path in seen:
             continue
         seen.add(path)
-        motion = _of_streams(path) if has_streams(path) else read_log_motion(path, drivers[role])
+        motion = _read_motion(path, drivers[role])
         if motion_log is not None and not motion.rows:
             lacking = ', '.join(f'{n} {why}' for why, n in motion.not_taken.items())
             raise DriverError(f'{path}: has no motion of the ship: no VTG, RMC, GNS, GGA, GLL or '
@@ -102,9 +104,12 @@ def find_motion(paths: Mapping[str, str], drivers: Mapping[str, DriverSettings],
         MOTION_WORDS[what]: sentence for what, sentence in origin.items()})
 
 
-def _of_streams(path: str) -> LoggedMotion:
-    """Return the motion in a file of another program, of the preferred stream for each thing."""
-    recording = open_log_of_streams(path)
+def _read_motion(path: str, driver: DriverSettings) -> LoggedMotion:
+    """Return the motion in a log; of another program, of the preferred stream for each thing."""
+    options = options_for(driver)
+    if not has_streams(path, options):
+        return read_log_motion(path, driver)
+    recording = open_log_of_streams(path, options)
     chosen = {} if recording is None else recording.choose_motion()
     return LoggedMotion({what: rows for what, (_, rows) in chosen.items()},
                         {what: stream for what, (stream, _) in chosen.items()})

@@ -36,9 +36,10 @@ from heading_intercompare.core.verdict.verdict_document import Input
 from heading_intercompare.drivers.refused_lines import describe_start
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.readers.registry import has_one_sensor, has_streams
+from heading_intercompare.readers.stream_recording import UNSTATED
 
 from .antenna_logs import import_antennas
-from .log_import import import_log, ImportedLog
+from .log_import import import_log, ImportedLog, options_for
 from .log_motion import find_motion, FoundMotion
 
 ROLES = ('ts', 'rs')
@@ -76,8 +77,9 @@ def find_logs(inputs: Sequence[str], drivers: Mapping[str, DriverSettings] | Non
     """
     _refuse_names(inputs)
     streams = len(inputs) == 2 and not recordings
-    logs = [path for path in inputs
-            if has_one_sensor(path) or streams and has_streams(path)]
+    options = [options_for(drivers[role]) if drivers else UNSTATED for role in ROLES]
+    logs = [path for path, stated in zip(inputs, [*options, *options[:1] * len(inputs)])
+            if has_one_sensor(path) or streams and has_streams(path, stated)]
     if not logs:
         _check_texts(inputs)
         return None

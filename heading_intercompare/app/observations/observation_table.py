@@ -27,8 +27,9 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.observations.corrections import Observations
 from heading_intercompare.core.observations.sight_lines import quay_angle
+from heading_intercompare.drivers.sentences import Rejected
+from heading_intercompare.readers.stamp_columns import find_time_columns, StampColumns, TIMES
 from heading_intercompare.readers.stream_recording import ReaderError
-from heading_intercompare.readers.tables import find_time_column, read_stamp, TIMES
 
 from .targets import OWN_BEARINGS, Target
 
@@ -165,7 +166,7 @@ def read_observation_table(path: str, target: Target | None = None, *, u_deg: fl
         target_u_deg=seen.common_u_deg if by_target.any() else 0.0,
         target=seen.words if by_target.any() else OWN_BEARINGS, ts_step_deg=step,
         ignored=tuple(name for name in names if name and name not in (
-            *COLUMNS, 'side', 'note', find_time_column(names))))
+            *COLUMNS, 'side', 'note', *find_time_columns(names))))
 
 
 def _read_rows(path: str) -> tuple[list[_Row], list[str], float | None]:
@@ -173,16 +174,19 @@ def _read_rows(path: str) -> tuple[list[_Row], list[str], float | None]:
     observed_rows, decimals = [], []
     try:
         with CsvRows(path, _WANTED) as rows:
-            time = find_time_column(rows.names)
-            if time is None or time.lower().endswith('dday'):
+            times = find_time_columns(rows.names)
+            if not times or times[-1].lower().endswith('dday'):
                 raise ReaderError(path, f'has no column of times ({", ".join(TIMES[:10])})')
+            stamps = StampColumns(path, rows.names)
             for cells in rows:
                 named = dict(zip(rows.names, map(str.strip, cells)))
                 try:
-                    stamp_ns = read_stamp(rows, cells, rows.names.index(time))
-                except (ValueError, ArithmeticError):
+                    stamp_ns = stamps.read(rows, cells)
+                except Rejected:
+                    time = ' and '.join(stamps.names)
+                    cell = ' '.join(named[name] for name in stamps.names)
                     raise ReaderError(
-                        path, f'line {rows.line}: {time} = {named[time]!r} must be a time such as '
+                        path, f'line {rows.line}: {time} = {cell!r} must be a time such as '
                         '2026-03-10 10:05:30, UTC, with date and seconds') from None
                 numbers = {name: _number(rows, path, name, named[name])
                            for name in COLUMNS if named.get(name)}

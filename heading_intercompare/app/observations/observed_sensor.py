@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from heading_intercompare.app.logs.log_import import import_log
+from heading_intercompare.app.logs.log_import import import_log, options_for
 from heading_intercompare.app.sources.csv_source import has_pairs
 from heading_intercompare.app.sources.file_hash import hash_files
 from heading_intercompare.bags.csv.pairs_csv import read_pairs_csv
@@ -31,7 +31,7 @@ from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.readers.registry import has_one_sensor, has_streams, open_recording
-from heading_intercompare.readers.stream_recording import ReaderError
+from heading_intercompare.readers.stream_recording import ReaderError, StreamOptions
 
 from .observation_table import ObservationTable, read_observation_table
 from .targets import Target
@@ -152,7 +152,7 @@ def observe(recording: str | None, table: str, settings: Settings, *,
 def _read_ts(path: str, settings: Settings,
              driver: DriverSettings) -> tuple[Headings, str | None]:
     """Return the readings of the TS in a recording of any kind, and the hash of a log."""
-    if has_one_sensor(path) or has_streams(path):
+    if has_one_sensor(path) or has_streams(path, options_for(driver)):
         log = import_log(path, driver, role='ts', unit=settings.ts_unit)
         return log.headings, log.sha256
     if has_pairs(path):
@@ -160,6 +160,7 @@ def _read_ts(path: str, settings: Settings,
         return (Headings.concatenate(Headings.of(p.stamp_ns, p.ts_deg) for p in pairs),
                 hash_files([path]))
     topic = settings.ts_topic
-    recording = open_recording(path, settings.bag_namespace, settings.unit_of)
+    recording = open_recording(path, settings.bag_namespace,
+                               StreamOptions(driver, (topic,), settings.unit_of))
     chunks = recording.headings({topic: settings.ts_convention})
     return Headings.concatenate(chunk[topic] for chunk in chunks), None

@@ -49,6 +49,7 @@ from heading_intercompare.readers.registry import (
     find_format,
     has_pairs as has_pairs_in_parquet,
 )
+from heading_intercompare.readers.stream_recording import StreamOptions, UNSTATED
 from heading_intercompare.report import SegmentSketches
 
 from .file_hash import hash_files
@@ -74,19 +75,20 @@ class _Pairs(Protocol):
         """Yield the pairs."""
 
 
-def has_pairs(path: str) -> bool:
+def has_pairs(path: str, options: StreamOptions = UNSTATED) -> bool:
     """
     Tell whether a path is a table of pairs: csv, or Parquet with the headings of both sensors.
 
-    A csv of the headings of one or several sensors is none, a csv with any other header is.
+    A csv of the headings of one or several sensors, as stated, is none, a csv with any other
+    header is.
     """
     if not os.path.isfile(path):
-        return path.lower().endswith('.csv') and find_format(path) is None
+        return path.lower().endswith('.csv') and find_format(path, options) is None
     with open(path, 'rb') as file:
         head = file.read(_HEAD_BYTES)
     if not head.startswith(b'PAR1') and _NAMES <= {*_NAME.findall(head.replace(b'\0', b''))}:
         return True
-    form = find_format(path)
+    form = find_format(path, options)
     if form is None or form.extra != 'parquet':
         return form is None and path.lower().endswith('.csv')
     return has_pairs_in_parquet(path)

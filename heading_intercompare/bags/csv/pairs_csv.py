@@ -137,8 +137,10 @@ class PairsCsv:
         if stamp is None:
             absent.insert(0, 'stamp_s or stamp_ns')
         if stamp is None or absent:
+            named = ('' if len(absent) < len(_HEADINGS) else
+                     '; or name its columns of headings with --ts and --rs')
             raise BagError(f'line {self._rows.line} is {",".join(names)[:80]!r}: must be a header '
-                           f'with the columns {_WANTED}; missing: {", ".join(absent)}',
+                           f'with the columns {_WANTED}; missing: {", ".join(absent)}{named}',
                            self._rows.path)
         return stamp
 

@@ -52,7 +52,7 @@ from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.drivers.settings import DriverSettings, SENTENCES, STAMP_FORMATS
 from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.logbook.run_row import make_rows
-from heading_intercompare.readers.registry import has_one_sensor
+from heading_intercompare.readers.registry import find_format, has_one_sensor
 from heading_intercompare.report import check_form, json, SeriesSketch, WRITERS
 from heading_intercompare.report.runs_csv import write_runs
 from heading_intercompare.report.sensors_report import sensor_path, write_protocols
@@ -71,6 +71,8 @@ _SHARED_OPTIONS = {
                       'or year, month, day, hour, minute, second, fraction', None),
     'stamp_zone': ('zone of stamps that name none, such as +02:00 or Europe/Oslo (default: UTC)',
                    None),
+    'time_column': ('column of the times of a csv or Parquet table; of several, such as '
+                    'Date,Time, their names in this order (default: by their names)', None),
     'date': ('date of the first line, YYYY-MM-DD, for times of day without one', None),
     'checksum': ('take sentences without a checksum too, or only those with one (default)',
                  ('required', 'if_present')),
@@ -88,6 +90,9 @@ _ROLE_OPTIONS = {
 LOG_OPTIONS = (*(f'{role}_{name}' for name in (*_ROLE_OPTIONS, *_SHARED_OPTIONS)
                  for role in ROLES), *_SHARED_OPTIONS, 'motion', 'rs_antennas')
 """Options of `add_log_arguments`, by their names in the parser."""
+
+_OF_TABLES = ('stamp_format', 'stamp_pattern', 'stamp_zone', 'time_column', 'date')
+"""Those of them that hold for a table of several sensors, too."""
 
 
 def add_settings_arguments(parser: argparse.ArgumentParser) -> None:
@@ -234,7 +239,8 @@ def run(arguments: argparse.Namespace) -> int:
         else:
             judged = judge_bags(arguments.inputs, settings, runs=arguments.runs or None,
                                 takers=takers, sketched=bool(arguments.report),
-                                jobs=arguments.jobs, executor=executor, progress=progress.show)
+                                jobs=arguments.jobs, executor=executor, driver=drivers['ts'],
+                                progress=progress.show)
         for name, writers in tables.items():
             for table in writers:
                 table.add_account(judged.accounts.get(name))
@@ -380,6 +386,8 @@ def _check_input_options(arguments: argparse.Namespace, settings: Settings,
     several = settings.sensors is not None
     form = 'NAME=LOG' if several else 'one'
     wrong = dict.fromkeys(LOG_OPTIONS, f'is for logs, and no INPUT is {form}; leave it out')
+    if not of_logs and any(map(_is_table, arguments.inputs)):
+        wrong = {option: why for option, why in wrong.items() if option not in _OF_TABLES}
     if of_logs:
         wrong = dict.fromkeys(('ts', 'rs', 'dask'),
                               'is for bags, and these INPUTs are logs; leave it out')
@@ -389,6 +397,12 @@ def _check_input_options(arguments: argparse.Namespace, settings: Settings,
         if (value := getattr(arguments, option, None)) is not None:
             shown = ' '.join(value) if isinstance(value, list) else value
             raise ValueError(f'--{option.replace("_", "-")} {shown}: {why}')
+
+
+def _is_table(path: str) -> bool:
+    """Tell whether an input may be a file of streams of another program, with stamps to state."""
+    form = find_format(path)
+    return form.read is not None if form is not None else path.lower().endswith('.csv')
 
 
 def check_report(arguments: argparse.Namespace) -> None:
