@@ -128,7 +128,8 @@ def judge_bags(paths: Sequence[Place], settings: Settings, *,
     SettingsError
         If a norm is missing.
     OSError, ValueError
-        If no input can be read, or the table of runs is wrong.
+        If no input can be read or has a pair, because the stamps of its sensors do not meet; or
+        if the table of runs is wrong.
 
     """
     if isinstance(paths, (str, os.PathLike)) or not paths:
@@ -144,9 +145,19 @@ def judge_bags(paths: Sequence[Place], settings: Settings, *,
         table, elsewhere = assign_runs(run_table, names)
     judged = judge_inputs(names, settings, table, takers=takers, sketched=sketched, jobs=jobs,
                           executor=executor, driver=driver, progress=progress)
+    refuse_apart(judged, names[0])
     called = os.fspath(runs) if isinstance(runs, (str, os.PathLike)) else 'runs'
     return conclude(judged, settings, [f'{called}: source {source} is not one of the INPUTs'
                                        for source in elsewhere])
+
+
+def refuse_apart(judged: Sequence[JudgedInput], label: str) -> None:
+    """Raise ValueError if no input has a pair, because the stamps of its sensors do not meet."""
+    apart = [judged_input for judged_input in judged if judged_input.apart]
+    if apart and all(judged_input.apart or judged_input.error for judged_input in judged):
+        name = label if len(judged) == 1 else (
+            f'none of the {len(judged)} inputs has a pair: {apart[0].path}')
+        raise ValueError(f'{name}: no pair was made, because {apart[0].apart}')
 
 
 def conclude(judged: Sequence[JudgedInput], settings: Settings,

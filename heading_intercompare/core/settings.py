@@ -194,7 +194,8 @@ class RunCutting(Checked):
 
 
 LARGEST_SKEW_S = 3600.0
-"""Largest skew that settings may state or search for, in either direction, seconds."""
+"""Largest skew that settings may search for, in either direction, seconds."""
+_LARGEST_SHIFT_S = 2.0 ** 31
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,8 +203,8 @@ class Alignment(Checked):
     """Time skew between the sensors."""
 
     skew_s: float = setting(
-        0.0, 'known TS latency, subtracted from the TS stamps before pairing [s]', -LARGEST_SKEW_S,
-        LARGEST_SKEW_S)
+        0.0, 'known TS latency, or shift of the TS clock, subtracted from the TS stamps before '
+        'pairing [s]', -_LARGEST_SHIFT_S, _LARGEST_SHIFT_S)
     skew: str = setting(
         'report', "'off'; 'report': estimate the skew and show the verdict with and without it; "
         "'apply': pair again with the skew removed", choices=('off', 'report', 'apply'))

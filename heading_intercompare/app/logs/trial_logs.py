@@ -20,7 +20,7 @@ from dataclasses import replace
 import os
 from typing import Callable, Mapping, Sequence
 
-from heading_intercompare.app.analysis import conclude, Judgement
+from heading_intercompare.app.analysis import conclude, Judgement, refuse_apart
 from heading_intercompare.app.run_table import assign_runs, read_run_table
 from heading_intercompare.app.sources.input_comparison import (
     InputComparison,
@@ -213,7 +213,8 @@ def judge_logs(logs: Mapping[str, str], settings: Settings,
     SettingsError
         If a norm is missing.
     OSError, ValueError
-        If a log cannot be read or has no heading, or the table of runs is wrong.
+        If a log cannot be read or has no heading, the stamps of the logs do not meet, or the
+        table of runs is wrong.
 
     """
     check_norms(settings)
@@ -249,6 +250,8 @@ def judge_logs(logs: Mapping[str, str], settings: Settings,
                            pair.compliance.settings)
         if words:
             judged.notes.append(f'{label or " and ".join(names)}: {words}')
+            judged = replace(judged, apart=judged.apart and f'{judged.apart}; {words}')
+    refuse_apart([judged], ', '.join(logs.values()))
     owner = sensors[0].name if settings.sensors else 'the TS'
     return conclude([judged], settings, [f'{runs}: source {source} is not the log of {owner}'
                                          for source in elsewhere])

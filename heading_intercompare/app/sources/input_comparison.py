@@ -33,6 +33,7 @@ from heading_intercompare.core.verdict.verdict_document import Input
 from heading_intercompare.report import SegmentSketches
 
 from .judged_input import JudgedInput
+from .stream_spans import explain_apart, StreamSpan
 
 PairTakers = Mapping[str, Sequence[Callable[[Pairs], None]]]
 """Who takes the pairs of each tested sensor with the reference, chunk by chunk, by its name."""
@@ -73,6 +74,7 @@ class InputComparison:
         # Aligning a run needs all readings a second time; otherwise they are dropped.
         self._readings = {sensor.name: GrowingHeadings() for sensor in self.comparison.sensors
                           if settings.alignment.skew == 'apply'}
+        self._spans = {sensor.name: StreamSpan() for sensor in self.comparison.sensors}
         self._losses: list[tuple[str, LedgerKey, Losses]] = []
         self._motion = Motion.empty()
 
@@ -105,6 +107,8 @@ class InputComparison:
 
     def update(self, headings: Mapping[str, Headings]) -> None:
         """Take readings by the names of their sensors."""
+        for name, span in self._spans.items():
+            span.update(headings[name].stamp_ns)
         for name, readings in self._readings.items():
             readings.append(headings[name])
         self._hand_out(self.comparison.update(headings))
@@ -167,12 +171,16 @@ class InputComparison:
         motion = text_of_motion(self._motion) if self.comparison.tested else None
         entries_of_tested: dict[str, Sequence[Input]] = {}
         accounts = {}
+        apart = {}
         for names, pair in self.comparison.pairs.items():
             ledger, settings = pair.ledger, pair.compliance.settings
-            why = None if results[names] else _explain_no_run(ledger, settings, self._table)
+            if not ledger.paired and (words := self._explain_apart(names, settings)):
+                apart[names] = words
+            why = None if results[names] else _explain_no_run(ledger, settings, self._table,
+                                                              apart.get(names, ''))
             if why is not None:
-                words = (label, ' and '.join(names) if self._several else '', f'no run: {why}')
-                notes.append(': '.join(filter(None, words)))
+                note = (label, ' and '.join(names) if self._several else '', f'no run: {why}')
+                notes.append(': '.join(filter(None, note)))
             if self.comparison.tested.get(names[0]) is not pair:
                 continue
             pair_entries = [*entries_of_pair(*(sensors[name] for name in names))]
@@ -186,9 +194,17 @@ class InputComparison:
             entries = [replace(entries[0], no_run='no pair of sensors has a run'), *entries[1:]]
         earlier = {name: [result.verdict for result in pair.compliance.take_earlier(pair.ledger)]
                    for name, pair in self.comparison.tested.items()}
+        none_paired = not any(pair.ledger.paired for pair in self.comparison.pairs.values())
         return JudgedInput(path=path, results=results, entries=entries,
                            entries_of_tested=entries_of_tested, notes=notes, earlier=earlier,
-                           sketches=self._sketches, accounts=accounts)
+                           sketches=self._sketches, accounts=accounts,
+                           apart=next(iter(apart.values()), '') if none_paired else '')
+
+    def _explain_apart(self, names: Names, settings: Settings) -> str:
+        """Return why the stamps of two sensors do not meet; empty if they do."""
+        first, second = (self._spans[name] for name in names)
+        return explain_apart(first, second, settings.alignment.skew_s,
+                             names if self._several else ('TS', 'RS'))
 
 
 def describe_two(results: list[RunResult], earlier: Sequence[RunResult], entry: Input,
@@ -241,7 +257,8 @@ def _make_account(entries: Sequence[Input], settings: Settings, ledger: Ledger,
                         motion=motion)
 
 
-def _explain_no_run(ledger: Ledger, settings: Settings, table: Spans | None) -> str:
+def _explain_no_run(ledger: Ledger, settings: Settings, table: Spans | None,
+                    apart: str = '') -> str:
     """Return in words why an input gave no run, and how its readings were counted."""
     total = ledger.total
     # In the order in which the keys first occurred.
@@ -249,6 +266,7 @@ def _explain_no_run(ledger: Ledger, settings: Settings, table: Spans | None) -> 
     rejected = [f'{total.counts[key]} {key.stream.upper()} {key.reason}' for key in keys
                 if key.reason]
     why = ('the table of runs has no row for it' if table is not None and not table else
+           f'no pair was made, because {apart}' if apart else
            'no pair was made' if not ledger.paired else
            'none of its pairs is in a run of at least runs.min_duration_s = '
            f'{settings.runs.min_duration_s:g} s')

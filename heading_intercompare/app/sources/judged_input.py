@@ -49,6 +49,8 @@ class JudgedInput:
         Data for the figures of each tested sensor; empty unless requested.
     accounts
         What belongs beside a csv of the pairs of each tested sensor.
+    apart
+        Why no sensors in it have a pair, if their stamps do not meet; otherwise empty.
 
     """
 
@@ -60,6 +62,7 @@ class JudgedInput:
     earlier: Mapping[str, list[RunVerdict]] = field(default_factory=dict)
     sketches: Mapping[str, SegmentSketches] = field(default_factory=dict)
     accounts: Mapping[str, PairsAccount] = field(default_factory=dict)
+    apart: str = ''
 
     @property
     def error(self) -> str | None:
