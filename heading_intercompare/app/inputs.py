@@ -67,7 +67,7 @@ from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import Input, OperatorNote
 from heading_intercompare.drivers.settings import DEFAULT_DRIVER, DriverSettings
 from heading_intercompare.readers.registry import open_recording, sources_of
-from heading_intercompare.readers.stream_recording import StreamOptions, StreamRecording
+from heading_intercompare.readers.stream_recording import StreamOptions, StreamRecording, UNSTATED
 from heading_intercompare.report import SegmentSketches
 
 from .config import Config, load_config
@@ -121,6 +121,12 @@ def load_config_or_journal(path: str | None, inputs: Sequence[str]) -> Config:
     return Config(first, stored[first])
 
 
+def options_of(settings: Settings, driver: DriverSettings) -> StreamOptions:
+    """Return what is stated of a recording with the streams of all sensors."""
+    return StreamOptions(driver, tuple(sensor.heading_topic for sensor in list_sensors(settings)),
+                         settings.unit_of)
+
+
 def judge_input(path: str, settings: Settings, table: RunTable | None = None,
                 takers: PairTakers | None = None,
                 progress: Callable[[str], None] = lambda text: None, *, name: str | None = None,
@@ -168,15 +174,15 @@ def judge_input(path: str, settings: Settings, table: RunTable | None = None,
     name = path if name is None else name
     spans = None if table is None else [
         (start, stop) for start, stop, source in table if source in ('', name)]
-    options = StreamOptions(
-        driver, tuple(sensor.heading_topic for sensor in list_sensors(settings)), settings.unit_of)
+    options = options_of(settings, driver)
     holds_pairs = is_journal(path) or has_pairs(path, options)
     if not holds_pairs:
         readers: list[Readable] = [open_recording(part, settings.bag_namespace, options)
                                    for part in (path, *parts)]
         comparison = InputComparison(settings, name, spans, takers=takers, sketched=sketched,
                                      progress=progress)
-        return _judge_recording(readers, path, name, settings, comparison, progress, helpers)
+        return _judge_recording(readers, path, name, settings, comparison, progress, helpers,
+                                options)
     sketch = SegmentSketches(name) if sketched else None
     pair_takers = (takers or {}).get('ts', ())
     if is_journal(path):
@@ -284,7 +290,7 @@ def _judge_journal(path: str, name: str, settings: Settings, runs: Spans | None,
 
 def _judge_recording(readers: Sequence[Readable], path: str, name: str, settings: Settings,
                      comparison: InputComparison, progress: Callable[[str], None],
-                     helpers: int) -> JudgedInput:
+                     helpers: int, options: StreamOptions) -> JudgedInput:
     """Judge the recording at `path`, and those that go on with its trial."""
     reference, first = comparison.reference, readers[0]
     conventions = _list_conventions(comparison, settings)
@@ -317,7 +323,7 @@ def _judge_recording(readers: Sequence[Readable], path: str, name: str, settings
     with ThreadPoolExecutor(1) as beside:
         # Beside the last runs, once all is read: only a process with a single thread can start
         # helpers.
-        digest: Future[str] = beside.submit(sha256, path)
+        digest: Future[str] = beside.submit(sha256, path, options)
         results = comparison.finish()
     notes = tuple(OperatorNote(note.stamp_ns, note.text) for note in read_notes(first))
     entry = Input(name, digest.result(), notes=notes or None,
@@ -432,6 +438,6 @@ def _count_headings(readers: Sequence[Readable], topics: Iterable[str]) -> int:
                if (name := reader.find(topic)) is not None)
 
 
-def sha256(path: str) -> str:
+def sha256(path: str, options: StreamOptions = UNSTATED) -> str:
     """Return the SHA-256 of a file, or of the files of a bag in the order of their names."""
-    return hash_files(sorted(sources_of(path) or find_files(Path(path)).paths))
+    return hash_files(sorted(sources_of(path, options) or find_files(Path(path)).paths))

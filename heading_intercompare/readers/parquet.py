@@ -67,6 +67,8 @@ def _time_column(path: str, file: Any, stated: str | None = None) -> str:
         raise ReaderError(path, f'has the columns {", ".join(names)[:200]}: one must be the time, '
                           f'{stated or ", ".join(TIMES[:4])} or a column of type timestamp so '
                           'named; name it with --time-column')
+    if stated is not None and len(columns) > 1:
+        raise ReaderError(path, f'--time-column {stated}: the times of Parquet are one column')
     return columns[-1]
 
 

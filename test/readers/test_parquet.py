@@ -25,7 +25,8 @@ import pytest
 from heading_intercompare.bags.csv.pairs_csv import write_pairs_csv
 from heading_intercompare.cli import main
 from heading_intercompare.core.records import Pairs
-from heading_intercompare.readers.stream_recording import ReaderError
+from heading_intercompare.drivers.settings import DriverSettings
+from heading_intercompare.readers.stream_recording import ReaderError, StreamOptions
 
 pa = pytest.importorskip('pyarrow', reason='pyarrow is not installed')
 pq = pytest.importorskip('pyarrow.parquet')
@@ -63,6 +64,17 @@ def lists(found):
 def test_times_are_exact(tmp_path, name, stamps):
     path = written(tmp_path, **{name: stamps, 'heading_deg': [1.5, 360.0]})
     assert lists(read_parquet(path)) == {'heading_deg': [(T0, 1.5), (T0 + S, 0.0)]}
+
+
+def test_columns_that_are_named_are_taken_whatever_their_names(tmp_path):
+    path = written(tmp_path, when=pa.array([T0, T0 + S], pa.timestamp('ns')), Date=['a', 'b'],
+                   GYRO=[1.5, 2.5])
+    options = StreamOptions(DriverSettings(time_column='when'), ('/GYRO',))
+    assert lists(read_parquet(path, options)) == {'GYRO': [(T0, 1.5), (T0 + S, 2.5)]}
+    for stated, problem in (('clock', 'must be the time, clock or'),
+                            ('Date,when', '--time-column Date,when: the times of Parquet are')):
+        with pytest.raises(ReaderError, match=problem):
+            read_parquet(path, StreamOptions(DriverSettings(time_column=stated), ('GYRO',)))
 
 
 def test_times_in_seconds_are_those_of_their_float(tmp_path):

@@ -27,7 +27,7 @@ from typing import ContextManager, Mapping, Sequence
 
 from heading_intercompare.app.analysis import judge_bags, Judgement
 from heading_intercompare.app.config import choose_pair, Config, settings_for
-from heading_intercompare.app.inputs import load_config_or_journal
+from heading_intercompare.app.inputs import load_config_or_journal, options_of
 from heading_intercompare.app.logs.trial_logs import find_logs, judge_logs, name_logs, ROLES
 from heading_intercompare.app.outputs import check_outputs, name_file, open_tables, Outputs
 from heading_intercompare.app.run_table import read_exclusion_table
@@ -52,7 +52,7 @@ from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.drivers.settings import DriverSettings, SENTENCES, STAMP_FORMATS
 from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.logbook.run_row import make_rows
-from heading_intercompare.readers.registry import find_format, has_one_sensor
+from heading_intercompare.readers.registry import has_one_sensor, has_streams
 from heading_intercompare.report import check_form, json, SeriesSketch, WRITERS
 from heading_intercompare.report.runs_csv import write_runs
 from heading_intercompare.report.sensors_report import sensor_path, write_protocols
@@ -217,7 +217,7 @@ def run(arguments: argparse.Namespace) -> int:
     check_norms(settings)
     drivers = drivers_for(arguments)
     logs = _find_logs(arguments, settings, drivers)
-    _check_options(arguments, settings, logs is not None)
+    _check_options(arguments, settings, logs is not None, drivers['ts'])
     inputs = arguments.inputs if logs is None else [*logs.values()]
     outputs = _plan_outputs(arguments, settings)
     for sensor_outputs in outputs.values():
@@ -357,9 +357,10 @@ def _cluster(address: str | None) -> ContextManager[Executor | None]:
     return open_cluster(address)
 
 
-def _check_options(arguments: argparse.Namespace, settings: Settings, of_logs: bool) -> None:
+def _check_options(arguments: argparse.Namespace, settings: Settings, of_logs: bool,
+                   driver: DriverSettings) -> None:
     """Reject options that do not go together, or not with these inputs."""
-    _check_input_options(arguments, settings, of_logs)
+    _check_input_options(arguments, settings, of_logs, driver)
     if arguments.dask is not None and arguments.jobs is not None:
         raise ValueError(f'--jobs {arguments.jobs}: with --dask the scheduler decides; '
                          'leave out one of them')
@@ -380,13 +381,14 @@ def _check_options(arguments: argparse.Namespace, settings: Settings, of_logs: b
             raise ValueError(f'{named}: the pairs stay on the workers; leave out --dask')
 
 
-def _check_input_options(arguments: argparse.Namespace, settings: Settings,
-                         of_logs: bool) -> None:
+def _check_input_options(arguments: argparse.Namespace, settings: Settings, of_logs: bool,
+                         driver: DriverSettings) -> None:
     """Reject options of logs without logs, and options of bags with logs."""
     several = settings.sensors is not None
     form = 'NAME=LOG' if several else 'one'
     wrong = dict.fromkeys(LOG_OPTIONS, f'is for logs, and no INPUT is {form}; leave it out')
-    if not of_logs and any(map(_is_table, arguments.inputs)):
+    options = options_of(settings, driver)
+    if not of_logs and any(has_streams(path, options) for path in arguments.inputs):
         wrong = {option: why for option, why in wrong.items() if option not in _OF_TABLES}
     if of_logs:
         wrong = dict.fromkeys(('ts', 'rs', 'dask'),
@@ -397,12 +399,6 @@ def _check_input_options(arguments: argparse.Namespace, settings: Settings,
         if (value := getattr(arguments, option, None)) is not None:
             shown = ' '.join(value) if isinstance(value, list) else value
             raise ValueError(f'--{option.replace("_", "-")} {shown}: {why}')
-
-
-def _is_table(path: str) -> bool:
-    """Tell whether an input may be a file of streams of another program, with stamps to state."""
-    form = find_format(path)
-    return form.read is not None if form is not None else path.lower().endswith('.csv')
 
 
 def check_report(arguments: argparse.Namespace) -> None:

@@ -73,6 +73,18 @@ def test_two_tables_of_one_heading_each_need_no_name(tmp_path, capsys):
     assert verdict['runs'][0]['n'] == N
 
 
+@pytest.mark.parametrize('options', [[], ['--date', '2024-05-28']])
+@pytest.mark.parametrize('pattern', ['', '*.csv'])
+def test_the_files_of_a_folder_have_the_dates_in_their_names(tmp_path, capsys, pattern, options):
+    folder = tmp_path / 'trial'
+    folder.mkdir()
+    for day in (1, 2):
+        start = START + timedelta(days=day)
+        table(folder / f'{start:%Y-%m-%d}.csv', 'time', '%H:%M:%S', start=start)
+    verdict, _ = analyze_json(capsys, folder / pattern, '--ts', 'TS', '--rs', 'RS', *options)
+    assert [run['n'] for run in verdict['runs']] == [N, N]
+
+
 def test_a_table_without_the_names_asked_for_is_refused(tmp_path, capsys):
     path = table(tmp_path / 'd.csv', 'time', '%Y-%m-%d %H:%M:%S', columns=('GYRO', 'POSMV'))
     assert '--ts and --rs' in refusal(capsys, 'analyze', path, *NORMS)
