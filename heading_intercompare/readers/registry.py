@@ -242,8 +242,9 @@ def _read_files(form: Format, path: str, options: StreamOptions) -> Collected:
     if len(forms) > 1:
         # The date of the first line is not that of each file; the name of a file may tell it.
         options = replace(options, stamps=replace(options.stamps, date=None))
-    for part in sorted((form.read(file, options) for file in forms),
-                       key=lambda part: part.start_ns):
+    parts = {file: form.read(file, options) for file in forms}
+    for file, part in sorted(parts.items(), key=lambda entry: entry[1].start_ns):
+        part.oddities = [f'{file}: {words}' for words in part.oddities]
         collected.add_all(part)
     if left_out := len(_files_of(path)) - len(forms):
         collected.not_taken['file_of_another_form'] += left_out

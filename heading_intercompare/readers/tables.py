@@ -107,8 +107,8 @@ def read_table(path: str, options: StreamOptions = UNSTATED) -> Collected:
         raise ReaderError(path, error.problem) from error
     if refusal := (not n_stamps and stamps.refusal) or headings.refusal:
         raise ReaderError(path, refusal)
-    collected.oddities += [f'{path}: {words}' for words in (
-        stamps.origin, stamps.refusal and f'first row without a stamp: {stamps.refusal}') if words]
+    collected.oddities += filter(None, (
+        stamps.origin, stamps.refusal and f'first row without a stamp: {stamps.refusal}'))
     return collected
 
 

@@ -81,8 +81,10 @@ def test_the_files_of_a_folder_have_the_dates_in_their_names(tmp_path, capsys, p
     for day in (1, 2):
         start = START + timedelta(days=day)
         table(folder / f'{start:%Y-%m-%d}.csv', 'time', '%H:%M:%S', start=start)
-    verdict, _ = analyze_json(capsys, folder / pattern, '--ts', 'TS', '--rs', 'RS', *options)
+    verdict, notes = analyze_json(capsys, folder / pattern, '--ts', 'TS', '--rs', 'RS', *options)
     assert [run['n'] for run in verdict['runs']] == [N, N]
+    assert [note.rpartition('/')[2] for note in notes] == [
+        f'2024-05-{day}.csv: date by the name of the file' for day in (29, 30)]
 
 
 def test_a_table_without_the_names_asked_for_is_refused(tmp_path, capsys):
