@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from functools import reduce
 from operator import xor
+import zlib
 
 
 def checksum_of(body: str) -> int:
@@ -28,3 +29,8 @@ def checksum_of(body: str) -> int:
 def with_checksum(body: str) -> str:
     """Return a sentence without its line end, given what stands between ``$`` and ``*``."""
     return f'${body}*{checksum_of(body):02X}'
+
+
+def with_long_checksum(body: str) -> str:
+    """Return a log of a receiver, from its name on, with its checksum of 32 bits."""
+    return f'{body}*{zlib.crc32(body.encode(), 2**32 - 1) ^ 2**32 - 1:08x}'

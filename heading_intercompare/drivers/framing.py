@@ -19,6 +19,9 @@ A sentence starts at `$` or `!` wherever that stands. So anything may come befor
 TAG blocks, the header `UdPbC` of IEC 61162-450, garbage, the rest of a damaged sentence. It ends
 with its checksum or with the line. The sentences do not depend on how the bytes were split on
 their way.
+
+A line without `$` and `!` may hold a log of a receiver: from `#` or `%` to its checksum of 32
+bits.
 """
 
 from __future__ import annotations
@@ -28,6 +31,7 @@ from functools import reduce
 from operator import xor
 import re
 from typing import NamedTuple, Optional, Tuple
+import zlib
 
 import numpy as np
 
@@ -44,6 +48,9 @@ _PIECE = re.compile(
     rb'(?:\*([0-9A-Fa-f]{2})([^\r\n$!]*[\r\n]+)?'          # its checksum, the rest of the line
     rb'|(\*?[^\r\n$!]*[\r\n]+)?)'                          # or none: the end of the line, or cut
     rb'|[\r\n]+)')
+#: A log of a receiver: its text with the sign before it, its checksum.
+_LOG = re.compile(rb'([#%][A-Z][A-Z0-9]*A,[^;*#%]*;[^*]*)\*([0-9A-Fa-f]{8})(?![0-9A-Fa-f])')
+_LONG_CHECKSUM = re.compile(rb'([0-9A-Fa-f]{6})(?![0-9A-Fa-f])(.*)', re.DOTALL)
 _HEX = {f'{a}{b}'.encode(): int(a + b, 16)
         for a in '0123456789abcdefABCDEF' for b in '0123456789abcdefABCDEF'}
 
@@ -92,6 +99,16 @@ def _checksums(texts: list[bytes]) -> list[int]:
     return sums
 
 
+def _long_checksum(text: bytes) -> int:
+    """Return the checksum of 32 bits that NovAtel and Unicore use: neither end is inverted."""
+    return zlib.crc32(text, 0xFFFFFFFF) ^ 0xFFFFFFFF
+
+
+def _find_log(line: bytes) -> re.Match[bytes] | None:
+    """Return the log of a receiver in a line without `$` and `!`; None without one."""
+    return _LOG.search(line) if b';' in line else None
+
+
 class Framer:
     """
     Cuts the bytes from a source into sentences.
@@ -111,7 +128,7 @@ class Framer:
         Lines and pieces that gave no sentence, by reason. `no_sentence`: a line without `$` or
         `!` (blank lines do not count). `cut`: a sentence without a checksum, cut off by another
         one or by the end of the stream. `bad_checksum`: the checksum is wrong or not two hex
-        digits. `too_long`: more than 1024 bytes.
+        digits, or eight of 32 bits. `too_long`: more than 1024 bytes.
 
     """
 
@@ -119,6 +136,7 @@ class Framer:
         self._datagrams, self._with_lines = datagrams, with_lines
         self._open = b''
         self._open_ns: list[int | None] = []
+        self._line_ns: int | None = None
         self._prefix = b''
         self.counts: Counter[str] = Counter()
 
@@ -135,8 +153,11 @@ class Framer:
 
         """
         if self._datagrams:
+            self._line_ns = received_ns
             return self._frames(data + b'\n', [], received_ns)
         frames = []
+        if not self._open:
+            self._line_ns = received_ns
         end = max(data.rfind(b'\n'), data.rfind(b'\r')) + 1
         if end:
             text, starts_ns = self._open + data[:end], self._open_ns
@@ -144,6 +165,8 @@ class Framer:
             frames = self._frames(text, starts_ns, received_ns)
         rest = data[end:]
         if rest:
+            if not self._open:
+                self._line_ns = received_ns
             self._open += rest
             self._open_ns += [received_ns] * (rest.count(b'$') + rest.count(b'!'))
             if len(self._open) > MAX_OPEN:
@@ -156,8 +179,20 @@ class Framer:
         self._open, self._open_ns = b'', []
         if starts_ns:
             return self._frames(text + b'$', starts_ns, None, ends=False)
-        if text:
+        return self._lone_line(text, self._line_ns) if text else []
+
+    def _lone_line(self, line: bytes, received_ns: int | None) -> list[Frame]:
+        """Return the frame of a line without `$` and `!`: of a log of a receiver, or no text."""
+        log = _find_log(line)
+        if log is None:
             self.counts['no_sentence'] += 1
+            return [(None, line, b'', False, b'')] if self._with_lines else []
+        if len(log[1]) > MAX_SENTENCE:
+            self.counts['too_long'] += 1
+        elif int(log[2], 16) != _long_checksum(log[1][1:]):
+            self.counts['bad_checksum'] += 1
+        else:
+            return [(received_ns, line[:log.start()], log[1], True, line[log.end():].strip())]
         return []
 
     def _shorten(self) -> list[Frame]:
@@ -194,9 +229,8 @@ class Framer:
             before = prefix if start and not (after or rest) else b''
             if not start:
                 if prefix and ends:
-                    counts['no_sentence'] += 1
-                    if self._with_lines:
-                        frames.append((None, prefix, b'', False, b''))
+                    frames += self._lone_line(prefix, received_ns if n else self._line_ns)
+                self._line_ns = received_ns
                 continue
             came_ns = starts_ns[n] if n < len(starts_ns) else received_ns
             n += 1
@@ -205,6 +239,10 @@ class Framer:
             elif checksum:
                 if _HEX[checksum] == computed:
                     frames.append((came_ns, prefix, body, True, after.strip()))
+                    continue
+                long = _LONG_CHECKSUM.match(after)
+                if long and int(checksum + long[1], 16) == _long_checksum(body):
+                    frames.append((came_ns, prefix, body, True, long[2].strip()))
                 else:
                     counts['bad_checksum'] += 1
             elif not rest:
@@ -224,4 +262,7 @@ def split(line: bytes) -> tuple[bytes, bytes, bytes] | None:
     None if there is none.
     """
     match = _PIECE.match(line if line.endswith((b'\n', b'\r')) else line + b'\n')
-    return (match[1], match[3], (match[5] or b'').strip()) if match and match[2] else None
+    if match and match[2]:
+        return match[1], match[3], (match[5] or b'').strip()
+    log = _find_log(line)
+    return log and (line[:log.start()], log[1], line[log.end():].strip())

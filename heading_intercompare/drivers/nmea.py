@@ -35,9 +35,18 @@ from .log_lines.log_clocks import choose_time_sentences, start_stamps
 from .log_lines.log_files import LogFiles
 from .log_lines.log_order import open_log
 from .log_lines.stream_times import StreamTimes, TIME_SENTENCES
-from .log_lines.times import day_time_ns
+from .log_lines.times import day_time_ns, receiver_log_ns
 from .sentence_choice import accepts, choose_instrument, find_sentence, Heard, Listening
-from .sentences import heading_of, identify, may_lack_checksum, Name, Rejected
+from .sentences import (
+    FORMS,
+    heading_of,
+    identify,
+    may_lack_checksum,
+    Name,
+    Rejected,
+    split_fields,
+    time_field,
+)
 from .settings import DriverError, DriverSettings, SENTENCES
 
 #: Steps and latencies remembered, and how many of them are needed.
@@ -143,8 +152,9 @@ class NmeaDecoder:
     sentence of its kind and talker after that ZDA: one ZDA opens one burst. A heading before any
     ZDA, a second one in a burst, and one after an unreadable ZDA have no time of validity. Without
     ZDA, RMC tells the time; without both, GGA, whose day comes from the time of receipt or from
-    `Days`. PASHR with its own time takes that, on the day that puts it nearest to the last ZDA or,
-    without one, to the time of receipt.
+    `Days`. A sentence with its own time, such as PASHR, takes that, on the day that puts it
+    nearest to the last ZDA or, without one, to the time of receipt. A log of a receiver has week
+    and second of GPS.
 
     *Order.* The headings keep the order of the bytes. The pairing deals with stamps that do not
     increase.
@@ -208,10 +218,10 @@ class NmeaDecoder:
         In addition to the reasons of `Framer`: `no_checksum`; `not_heading`: intact sentences of
         other kinds; `other_sentence.KIND`, `other_talker.XX`: headings that were not chosen;
         `other_instrument`; `too_few_fields`, `empty_heading`, `bad_field`, `out_of_range`,
-        `not_true`, `invalid_mode.X` (THS), `no_variation` (HDG), `invalid_quality` (the PSXN,20
-        before a PSXN,23 says so); `no_stamp`, `bad_stamp`, `no_date` (a time of day),
-        `ambiguous_date` (day or month first), `burst` (readings of a stream or of a log without a
-        stamp of their own), `no_validity_time`, `bad_time` (a ZDA, RMC or GGA).
+        `not_true`, `invalid_mode.X` (THS), `no_variation` (HDG), `invalid_quality` (a sentence of
+        a maker, or the PSXN,20 before a PSXN,23, says so); `no_stamp`, `bad_stamp`, `no_date` (a
+        time of day), `ambiguous_date` (day or month first), `burst` (readings of a stream or of a
+        log without a stamp of their own), `no_validity_time`, `bad_time` (a ZDA, RMC or GGA).
         """
         return dict(sorted(self._counts.items()))
 
@@ -401,11 +411,11 @@ class NmeaDecoder:
         burst_ns = None if name in self._stamped else self._burst_ns
         self._stamped.add(name)
         heading_deg = self._heading(name, text)
-        if name.kind == 'PASHR' and not text.startswith(b'PASHR,ATT'):
-            return self._own_time_ns(text, prefix, suffix, received_ns), heading_deg
-        if burst_ns is None:
+        own_ns = self._own_time_ns(name, text, prefix, suffix, received_ns)
+        valid_ns = burst_ns if own_ns is None else own_ns
+        if valid_ns is None:
             raise Rejected('no_validity_time')
-        return burst_ns, heading_deg
+        return valid_ns, heading_deg
 
     def _read_stream(self, name: Name, text: bytes, prefix: bytes, suffix: bytes,
                      received_ns: int | None) -> tuple[int, float]:
@@ -447,11 +457,16 @@ class NmeaDecoder:
             raise Rejected('no_stamp')
         return received_ns, heading_deg
 
-    def _own_time_ns(self, text: bytes, prefix: bytes, suffix: bytes, received_ns: int | None
-                     ) -> int:
-        """Return the time of a PASHR sentence on the right day; raises Rejected."""
+    def _own_time_ns(self, name: Name, text: bytes, prefix: bytes, suffix: bytes,
+                     received_ns: int | None) -> int | None:
+        """Return the time that a heading sentence tells itself, if any; raises Rejected."""
+        at = time_field(name, text)
         try:
-            time_of_day_ns = day_time_ns(text.split(b',')[1])
+            if text[:1] in (b'#', b'%'):
+                return receiver_log_ns(split_fields(text), FORMS[name.kind].week)
+            if not at:
+                return None
+            time_of_day_ns = day_time_ns(text.split(b',')[at])
             if self._stamp_format != 'none':
                 received_ns = self._near_ns(prefix, suffix)
             elif self._from_file:

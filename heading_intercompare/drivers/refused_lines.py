@@ -40,8 +40,8 @@ _LEAST = ('not_heading', 'no_sentence')
 
 #: Reason -> what to set, with the names of settings between backticks.
 _ADVICE = {
-    'no_stamp': 'if the sentences tell the time (ZDA, RMC, GGA, PASHR), set `time` to validity; '
-                'if the stamp has another form, describe it with `stamp_pattern`',
+    'no_stamp': 'if the sentences tell the time (ZDA, RMC, GGA, PASHR, GPS weeks), set `time` to '
+                'validity; if the stamp has another form, describe it with `stamp_pattern`',
     'bad_stamp': 'if the zone of the stamps is named, state it with `stamp_zone`; if day or month '
                  'come first, set `stamp_format` to dmy or mdy; otherwise describe the stamp with '
                  '`stamp_pattern`',

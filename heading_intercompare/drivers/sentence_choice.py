@@ -15,10 +15,10 @@
 """
 The choice of the one kind of sentence to read from a source.
 
-It is the first kind present of THS, HDT, PASHR, PSXN,23, PUHAW,UVH, HDG, and of that kind the
-talker heard first. So two sensors on one line are never mixed. A kind is present if one intact
-sentence was heard, whatever it said: a THS that calls itself invalid is not replaced by an HDT,
-which has no way to say so.
+It is the first kind present in the order of `PARSERS`, and of that kind the talker heard first. So
+two sensors on one line are never mixed. A kind is present if one intact sentence was heard,
+whatever it said: a THS that calls itself invalid is not replaced by an HDT, which has no way to
+say so.
 """
 
 from __future__ import annotations

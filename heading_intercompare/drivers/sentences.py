@@ -15,12 +15,14 @@
 """
 The heading sentences: how to recognise and read each kind, and what is rejected.
 
-A heading is a number from 0 to 360; 360 is read as 0. Fields may be padded with blanks.
+A heading is a number from 0 to 360; 360 is read as 0. Fields may be padded with blanks. The logs
+of NovAtel and Unicore receivers, which begin with `#` or `%`, are sentences too. Their text keeps
+that sign, and a semicolon divides fields as a comma does.
 """
 
 from __future__ import annotations
 
-from functools import lru_cache
+from functools import lru_cache, partial
 import re
 from typing import Callable, NamedTuple
 
@@ -63,14 +65,15 @@ def identify(text: bytes) -> Name | None:
     Name(kind='HDT', talker='HE')
 
     """
-    if text[:1] != b'P':
+    if text[:1] not in _MAKERS:
         return _parse_name(text[:6])
     if _is_pashr(text):
         return Name('PASHR', '')
-    for start, name in _PROPRIETARY.items():
-        if text.startswith(start):
-            return name
-    return None
+    words = text.lstrip(b'#%').split(b',', 2)
+    name = _PROPRIETARY.get(b','.join(words[:2])) if len(words) > 2 else None
+    if name is None and len(words) > 1:
+        name = _PROPRIETARY.get(words[0])
+    return name if name or text[:1] == b'P' else _parse_name(text[:6])
 
 
 @lru_cache(maxsize=256)
@@ -138,14 +141,87 @@ def _parse_pashr(fields: list[bytes]) -> float:
     return _heading(fields, 3) if fields[1] == b'ATT' else _true_heading(fields, 2)
 
 
-def _parse_psxn23(fields: list[bytes]) -> float:
-    """Read `PSXN,23,roll,pitch,heading,heave`."""
-    return _heading(fields, 4)
+class Form(NamedTuple):
+    """
+    Which field of a sentence of a maker tells what; the address has number 0.
+
+    Attributes
+    ----------
+    heading
+        Field of the heading, degrees from true north.
+    quality
+        Field of the quality; 0 if there is none.
+    measured
+        What the sentence begins with from that field on, if the heading is a measurement.
+    time
+        Field of the time of day, UTC; 0 if there is none.
+    week
+        Field of the week of GPS, before that of its second; 0 if both are in the header of a log.
+
+    """
+
+    heading: int
+    quality: int = 0
+    measured: str = ''
+    time: int = 0
+    week: int = 0
 
 
-def _parse_uvh(fields: list[bytes]) -> float:
-    """Read `PUHAW,UVH,u,v,heading`, which UHDAS writes with its currents."""
-    return _heading(fields, 4)
+_SOLVED, _GOOD = 'SOL_COMPUTED,(?!NONE,)', 'INS_SOLUTION_(GOOD|FREE)'
+
+FORMS: dict[str, Form] = {
+    'PSXN,23': Form(4),
+    'PUHAW,UVH': Form(4),
+    # Trimble: 0 is no fix. The yaw is that from one antenna to the other.
+    'PTNL,AVR': Form(3, 10, '0*[1-9]', time=2),
+    'PTNL,VHD': Form(4, 10, '0*[1-9]', time=2),
+    # Hemisphere: N is GNSS; G is a gyro that stands in for it, as E of THS.
+    'PSAT,HPR': Form(3, 6, 'N', time=2),
+    # Septentrio: 0 is no attitude; 1 and 3 are float, 2 and 4 fixed.
+    'PSSN,HRP': Form(4, 11, '0*[1-4]', time=2),
+    # Unicore: 0 is invalid, 4 fixed, 5 float.
+    'HPR': Form(2, 5, '[1-5]', time=1),
+    'KSXT': Form(5, 11, '[1-3]'),
+    # NovAtel, and what others write in its way. The header has ten fields, or three after `%`.
+    'UNIHEADINGA': Form(13, 10, _SOLVED),
+    'HEADINGA': Form(13, 10, _SOLVED),
+    'HEADING2A': Form(13, 10, _SOLVED),
+    'DUALANTENNAHEADINGA': Form(13, 10, _SOLVED),
+    'INSPVAA': Form(20, 21, _GOOD, week=10),
+    'INSPVAXA': Form(21, 10, _GOOD),
+    'INSPVASA': Form(13, 14, _GOOD, week=3),
+    'INSATTA': Form(14, 15, _GOOD, week=10),
+    'INSATTXA': Form(14, 10, _GOOD),
+    'INSATTSA': Form(7, 8, _GOOD, week=3),
+    # Furuno and JRC, and RDI: they leave the heading empty without one.
+    'PFEC,GPatt': Form(2),
+    'PRDID': Form(3),
+}
+"""The sentences of makers, after their manuals."""
+
+_MEASURED = {kind: re.compile(form.measured.encode()).match for kind, form in FORMS.items()}
+
+
+def split_fields(text: bytes) -> list[bytes]:
+    """Return the fields of a sentence; the header of a log of a receiver ends in a semicolon."""
+    return (text.replace(b';', b',') if text[:1] in (b'#', b'%') else text).split(b',')
+
+
+def time_field(name: Name, text: bytes) -> int:
+    """Return the field of the time of day in a heading sentence; 0 without one."""
+    if name.kind == 'PASHR':
+        return 0 if text.startswith(b'PASHR,ATT') else 1
+    return FORMS[name.kind].time if name.kind in FORMS else 0
+
+
+def _parse_form(kind: str, fields: list[bytes]) -> float:
+    """Read a sentence of a maker by its row of `FORMS`."""
+    form = FORMS[kind]
+    if form.quality:
+        field_of(fields, form.quality)
+        if not _MEASURED[kind](b','.join(fields[form.quality:])):
+            raise Rejected('invalid_quality')
+    return _heading(fields, form.heading)
 
 
 def _east(fields: list[bytes], index: int) -> float | None:
@@ -174,19 +250,22 @@ def _parse_hdg(fields: list[bytes]) -> float:
     return 0.0 if heading_deg == 360.0 else heading_deg
 
 
+_AS_FORM = {kind: partial(_parse_form, kind) for kind in FORMS}
+
 #: Kind of sentence -> its parser, from fields with the address to heading [deg]; raises Rejected.
 #: The best kind comes first; one with a comma is the start of a proprietary sentence.
 PARSERS: dict[str, Callable[[list[bytes]], float]] = {
     'THS': _parse_ths,
     'HDT': _parse_hdt,
     'PASHR': _parse_pashr,
-    'PSXN,23': _parse_psxn23,
-    'PUHAW,UVH': _parse_uvh,
+    'PSXN,23': _AS_FORM['PSXN,23'],
+    'PUHAW,UVH': _AS_FORM['PUHAW,UVH'],
     'HDG': _parse_hdg,
+    **_AS_FORM,
 }
 
-
-_PROPRIETARY = {f'{kind},'.encode(): Name(kind, '') for kind in PARSERS if ',' in kind}
+_PROPRIETARY = {kind.encode(): Name(kind, '') for kind in FORMS if kind != 'HPR'}
+_MAKERS = frozenset(b'%c' % first for first in b'PK#%')
 
 
 @lru_cache(maxsize=1 << 16)
@@ -218,4 +297,4 @@ def heading_of(text: bytes) -> float:
     """
     name = identify(text)
     assert name is not None
-    return PARSERS[name.kind](text.split(b','))
+    return PARSERS[name.kind](split_fields(text))

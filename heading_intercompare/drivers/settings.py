@@ -222,7 +222,7 @@ class DriverSettings(Checked):
         'first heard')
     time: str = setting(
         'receipt', "stamps: time of 'receipt' (in a log: the stamp of the line), or of "
-        "'validity' (ZDA, RMC or GGA of the same stream, own time of PASHR)",
+        "'validity' (ZDA, RMC or GGA of the same stream, own time of PASHR, HEADINGA and others)",
         choices=('receipt', 'validity'))
     stamp_format: str = setting(
         'auto', "form of the stamp of a line of a log; 'auto': any of them in a file, none on a "

@@ -153,6 +153,40 @@ def test_an_endless_line_does_not_fill_the_memory():
     assert framer.counts == {'too_long': 999, 'cut': 1}
 
 
+LOG = (b'#UNIHEADINGA,97,GPS,FINE,2190,365174000,0,0,18,12;SOL_COMPUTED,NARROW_INT,1.0000,90.0000,'
+       b'10.0000,0.0000,0.1000,0.2000,"0",20,16,18,12,0,00,0,0*5cdb44d1')
+SHORT_LOG = (b'%INSATTSA,2209,490065.000;2209,490065.000000000,-0.316596979,0.329117050,'
+             b'158.038475648,INS_SOLUTION_GOOD*85ec8455')
+CRC_SENTENCE = (b'$KSXT,20201222075720.00,119.17084152,32.07387900,83.5770,269.94,1.19,207.28,'
+                b'0.001,,3,3,25,25,-3.617,-4.468,-7.860,-0.000,-0.001,-0.022,1.0,56,*33736701')
+
+
+@pytest.mark.parametrize('log', [LOG, SHORT_LOG, LOG.replace(b'5cdb44d1', b'5CDB44D1')])
+def test_a_log_of_a_receiver_is_a_sentence_of_a_line_without_one(log):
+    data = b'2024-05-28T20:00:00Z ' + log + b' GYRO\r\n$A*41\r\n# comment; none\r\n'
+    frames, counts = frames_of(cut(data, [5, 50, 90]))
+    assert [frame[1:] for frame in frames] == [
+        (b'2024-05-28T20:00:00Z ', log[:-9], True, b'GYRO'), (b'', b'A', True, b'')]
+    assert frames[0][0] == 0 and counts == {'no_sentence': 1}
+    assert split(data.splitlines()[0]) == (b'2024-05-28T20:00:00Z ', log[:-9], b'GYRO')
+    assert texts(frames_of([log])[0]) == texts(Framer(datagrams=True).feed(log, 1)) == [log[:-9]]
+
+
+@pytest.mark.parametrize('line, reason', [
+    (LOG.replace(b'90.0000', b'91.0000'), 'bad_checksum'), (LOG[:-1], 'no_sentence'),
+    (LOG + b'0', 'no_sentence'), (LOG[:-9], 'no_sentence'),
+    (CRC_SENTENCE.replace(b'269.94', b'269.95'), 'bad_checksum'),
+    (CRC_SENTENCE[:-1], 'bad_checksum'), (LOG.replace(b'"0"', b'0' * 1024), 'too_long')])
+def test_a_damaged_long_checksum_gives_no_sentence(line, reason):
+    assert frames_of([line + b'\r\n']) == ([], {reason: 1})
+
+
+def test_a_sentence_may_have_a_long_checksum():
+    frames, counts = frames_of([CRC_SENTENCE + b',1608623840\r\n'])
+    assert [frame[2:] for frame in frames] == [(CRC_SENTENCE[1:-9], True, b',1608623840')]
+    assert counts == {}
+
+
 def test_the_stamp_of_a_line_holds_for_a_sentence_that_follows_a_cut_one():
     frames, counts = frames_of([b'stamp $HEHDT,21$A*41\r\n$A*41\r\n'])
     assert [(frame[1], frame[2]) for frame in frames] == [(b'stamp ', b'A'), (b'', b'A')]

@@ -21,6 +21,10 @@ import pytest
 
 from heading_intercompare.drivers.sentences import heading_of, identify, Name, Rejected
 
+#: The headers of Unicore and NovAtel; the name of the log goes into the second.
+UNIHEADING = b'#UNIHEADINGA,97,GPS,FINE,2190,365174000,0,0,18,12;'
+HEADING = b'#%b,COM1,0,39.5,FINESTEERING,1622,422892.200,02040000,f9bf,6521;'
+
 
 @pytest.mark.parametrize('text, heading_deg', [
     (b'HEHDT,218.53,T', 218.53),
@@ -34,6 +38,28 @@ from heading_intercompare.drivers.sentences import heading_of, identify, Name, R
     (b'PASHR,ATT,183944.8,100.9,+000.42,-000.13,0.0009,0.0019,0', 100.9),
     (b'PSXN,23,0.35,-1.74,218.26,0.58', 218.26),
     (b'PUHAW,UVH,-4.87,-6.04,219.2', 219.2),
+    (b'PTNL,AVR,181059.6,+149.4688,Yaw,+0.0134,Tilt,,,60.191,3,2.5,6', 149.4688),
+    (b'PTNL,AVR,212604.30,-52.1531,Yaw,-0.08,Tilt,0.1,Roll,12.575,14,1.4,16', 307.8469),
+    (b'PTNL,VHD,030556.00,093098,187.718,-22.138,-76.929,-5.015,0.033,0.006,3,07,2.4,M', 187.718),
+    (b'PSAT,HPR,235410.50,89.58,3.35,,N', 89.58),
+    (b'PSSN,HRP,142657.80,061222,152.236,,-0.708,0.084,,0.181,21,2,2.400,E', 152.236),
+    (b'GNHPR,081212.00,341.48,-00.64,000.00,4,46,0.00,0999', 341.48),
+    (b'KSXT,20190909084745.00,116.2,40.1,68.4,299.22,-67.03,190.28,0.022,,1,3,46,28', 299.22),
+    (b'PFEC,GPatt,294.7,-02.5,+00.4', 294.7),
+    (b'PRDID,-2.06,4.81,37.62', 37.62),
+    (UNIHEADING + b'SOL_COMPUTED,NARROW_INT,1.0000,90.2500,10.0,0,0.1,0.2,"0",20', 90.25),
+    (HEADING % b'HEADINGA' + b'SOL_COMPUTED,L1_INT,5.92,12.5,-1.3,0,0.2,0.3,"0",18', 12.5),
+    (HEADING % b'HEADING2A' + b'SOL_COMPUTED,NARROW_INT,0.9,178.3,-1.3,0,0.2,0.3', 178.3),
+    (HEADING % b'DUALANTENNAHEADINGA' + b'SOL_COMPUTED,NARROW_INT,-1.0,255.5,0.0,0', 255.5),
+    (HEADING % b'INSPVAA' + b'2209,490558.0,51.1,-114.0,1080.3,0,0,0,-0.2,0.3,157.9,'
+     b'INS_SOLUTION_GOOD', 157.9),
+    (HEADING % b'INSPVAXA' + b'INS_SOLUTION_GOOD,INS_PSRSP,51.1,-114.0,1063.8,-16.2,0,0,0,1.13,'
+     b'-0.16,135.7,0.1', 135.7),
+    (HEADING % b'INSATTA' + b'2209,490558.0,-0.3,0.3,157.9,INS_SOLUTION_FREE', 157.9),
+    (HEADING % b'INSATTXA' + b'INS_SOLUTION_GOOD,INS_PSRSP,1.13,-0.16,135.7,0.1', 135.7),
+    (b'%INSPVASA,2209,490558.0;2209,490558.0,51.1,-114.0,1080.3,0,0,0,-0.2,0.3,157.9,'
+     b'INS_SOLUTION_GOOD', 157.9),
+    (b'%INSATTSA,2209,490065.0;2209,490065.0,-0.3,0.3,158.0,INS_SOLUTION_GOOD', 158.0),
     (b'HCHDG,98.3,0.0,E,12.6,W', 85.7),
     (b'HEHDG,311.2,1.7,W,2.0,E', 311.5),
     (b'SDHDG,229.5,,,1.5,E', 231.0),
@@ -76,6 +102,24 @@ def test_a_sentence_gives_its_heading(text, heading_deg):
     (b'PSXN,23,0.35,-1.74,,0.58', 'empty_heading'),
     (b'PSXN,23,0.35,-1.74', 'too_few_fields'),
     (b'PUHAW,UVH,-4.87,-6.04,', 'empty_heading'),
+    (b'PTNL,AVR,181059.6,+149.4,Yaw,+0.1,Tilt,,,60.1,0,2.5,6', 'invalid_quality'),
+    (b'PTNL,AVR,,,,,,,,,,,', 'invalid_quality'),
+    (b'PTNL,AVR,181059.6,+149.4,Yaw', 'too_few_fields'),
+    (b'PTNL,VHD,030556.00,093098,187.7,1,1,1,1,1,0,07,2.4,M', 'invalid_quality'),
+    (b'PSAT,HPR,235410.50,89.58,3.35,,G', 'invalid_quality'),
+    (b'PSAT,HPR,235410.50,,,,N', 'empty_heading'),
+    (b'PSSN,HRP,142657.80,061222,,,,,,,21,0,2.4,E', 'invalid_quality'),
+    (b'PSSN,HRP,142657.80,061222,0.0,,0.0,,,,21,0,2.4,E', 'invalid_quality'),
+    (b'GNHPR,081212.00,0.00,0.00,0.00,0,0,0.00,0999', 'invalid_quality'),
+    (b'KSXT,20190909084745.00,116.2,40.1,68.4,0.00,0,190.28,0.022,,3,0,46,28', 'invalid_quality'),
+    (b'PFEC,GPatt,,,', 'empty_heading'),
+    (b'PRDID,-2.06,4.81', 'too_few_fields'),
+    (UNIHEADING + b'INSUFFICIENT_OBS,NONE,0.0,0.0,0.0,0.0,0.0,0.0,"",0', 'invalid_quality'),
+    (UNIHEADING + b'SOL_COMPUTED,NONE,0.0,0.0,0.0,0.0,0.0,0.0,"",0', 'invalid_quality'),
+    (HEADING % b'INSPVAA' + b'1748,502500.7,0,0,0,0,0,0,0,0,0,INS_ALIGNING', 'invalid_quality'),
+    (HEADING % b'INSATTA' + b'2209,4.0,0,0,157.9,INS_HIGH_VARIANCE', 'invalid_quality'),
+    (HEADING % b'INSATTXA' + b'INS_ALIGNMENT_COMPLETE,INS_PSRSP,1,0,135.7', 'invalid_quality'),
+    (HEADING % b'HEADINGA' + b'SOL_COMPUTED,L1_INT,5.92', 'too_few_fields'),
     (b'HCHDG,98.3,0.0,E,,', 'no_variation'),
     (b'HCHDG,98.3,,,,', 'no_variation'),
     (b'HCHDG,,,,1.0,E', 'empty_heading'),
@@ -95,7 +139,11 @@ def test_a_sentence_without_a_heading_says_why(text, reason):
     (b'HEHDT,1,T', Name('HDT', 'HE')), (b'GNTHS,1,A', Name('THS', 'GN')),
     (b'HCHDG,', Name('HDG', 'HC')), (b'PASHR,010203,', Name('PASHR', '')),
     (b'PASHR,ATT,', Name('PASHR', '')), (b'PSXN,23,', Name('PSXN,23', '')),
-    (b'PUHAW,UVH,', Name('PUHAW,UVH', ''))])
+    (b'PUHAW,UVH,', Name('PUHAW,UVH', '')), (b'PTNL,AVR,', Name('PTNL,AVR', '')),
+    (b'PRDID,1,', Name('PRDID', '')), (b'KSXT,1,', Name('KSXT', '')),
+    (b'KAHDT,1,T', Name('HDT', 'KA')),
+    (b'GPHPR,1', Name('HPR', 'GP')), (b'#HEADINGA,COM1,', Name('HEADINGA', '')),
+    (b'%INSATTSA,1,', Name('INSATTSA', ''))])
 def test_a_heading_sentence_is_identified(text, name):
     assert identify(text) == name
 
@@ -103,7 +151,8 @@ def test_a_heading_sentence_is_identified(text, name):
 @pytest.mark.parametrize('text', [
     b'', b'HEHDT', b'HEHDM,1,M', b'XHEHDT,1,T', b'HDT,1,T', b'HEROT,1,A', b'CCHEQ,HDT',
     b'PSXN,20,1,0,0,0', b'PSXN,22,1,2', b'PSXN', b'PASHR,POS,1,2', b'PASHR', b'PUHAW,XYZ,1',
-    b'PUHAW', b'AIVDM,1,1,,A', b'\xff\xfe\xfd\xfc\xfb,'])
+    b'PUHAW', b'PTNL,GGK,1', b'PTNL,AVR', b'PGHDT,1,T', b'PSAT,GBS,1', b'PIXSE,ATITUD,1,2',
+    b'#BESTPOSA,COM1,0', b'HEADINGA,COM1,0', b'AIVDM,1,1,,A', b'\xff\xfe\xfd\xfc\xfb,'])
 def test_another_sentence_is_not_a_heading(text):
     assert identify(text) is None
 
@@ -115,7 +164,7 @@ def test_every_heading_with_two_decimals_is_read_as_python_reads_it(hundredths):
 
 
 @given(st.sampled_from([b'HEHDT,', b'HETHS,', b'HCHDG,', b'PASHR,1', b'PASHR,ATT,', b'PSXN,23,',
-                        b'PUHAW,UVH,']),
+                        b'PUHAW,UVH,', b'PTNL,AVR,', b'PSAT,HPR,', b'GNHPR,', b'#HEADINGA,']),
        st.lists(st.one_of(st.binary(max_size=4), st.sampled_from([b'1', b'T', b'A', b'361'])),
                 max_size=7))
 def test_any_fields_give_a_heading_in_range_or_a_reason(start, fields):

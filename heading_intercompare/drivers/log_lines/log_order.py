@@ -27,7 +27,8 @@ from .line_stamps import find_date_order, LineStamps
 from .log_files import head_of, is_several, LogFiles
 
 _MCAP = b'\x89MCAP'
-_SENTENCE = re.compile(rb'[$!][A-Z]{2,}[A-Z0-9]*,')
+_SENTENCE = re.compile(rb'[$!](?:[A-Z]{2}|[0-9A-Z]{2}[A-Z]{3})[A-Z0-9]*,'
+                       rb'|[#%][A-Z][A-Z0-9]*A,[^;*\r\n]*;')
 
 
 def holds_sentences(path: str) -> bool:

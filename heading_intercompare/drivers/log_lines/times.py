@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-Times in text: dates, times of day, ZDA and RMC. All exact integers.
+Times in text: dates, times of day, ZDA and RMC, GPS weeks. All exact integers.
 
 Text is always ASCII bytes. Decimals after the ninth are cut off.
 """
@@ -26,6 +26,8 @@ import re
 
 SECOND_NS = 1_000_000_000
 DAY_NS = 86_400 * SECOND_NS
+
+WEEK_NS = 7 * DAY_NS
 
 _CLOCK = re.compile(rb'(\d\d)(\d\d)(\d\d)(?:\.(\d*))?\Z')
 
@@ -132,6 +134,69 @@ def rmc_ns(fields: list[bytes]) -> int:
         raise ValueError('date')
     day, month, year = (int(fields[9][at:at + 2]) for at in (0, 2, 4))
     return date_ns(short_year(year), month, day) + day_time_ns(fields[1])
+
+
+_is_decimal = re.compile(rb'(\d+)(?:\.(\d*))?\Z').match
+#: GPS minus UTC in seconds, from the start of a day on. Bulletin C of IERS announces new ones.
+_LEAP_SECONDS = (((2017, 1, 1), 18), ((2015, 7, 1), 17), ((2012, 7, 1), 16), ((2009, 1, 1), 15),
+                 ((2006, 1, 1), 14), ((1999, 1, 1), 13))
+
+
+def gps_ns(week: int, of_week_ns: int) -> int:
+    """
+    Return a time of GPS, nanoseconds UTC; ValueError before 1999 or beyond the week.
+
+    Examples
+    --------
+    >>> gps_ns(2316, 244_818 * SECOND_NS) == date_ns(2024, 5, 28) + 20 * 3600 * SECOND_NS
+    True
+
+    """
+    ns = date_ns(1980, 1, 6) + week * WEEK_NS + of_week_ns
+    if of_week_ns < WEEK_NS:
+        for day, leap_s in _LEAP_SECONDS:
+            if ns - leap_s * SECOND_NS >= date_ns(*day):
+                return ns - leap_s * SECOND_NS
+    raise ValueError('GPS time')
+
+
+def receiver_log_ns(fields: list[bytes], week: int = 0) -> int:
+    """
+    Return the time of a log of a receiver.
+
+    Parameters
+    ----------
+    fields
+        Its fields with the name. The header is `#name,port,sequence,idle,status,week,second,...`
+        (NovAtel), `#name,idle,GPS,status,week,millisecond,...` (Unicore), or the short one,
+        `%name,week,second`.
+    week
+        Field of the week of GPS, before that of its second; 0: the header has them.
+
+    Returns
+    -------
+    int
+        Nanoseconds UTC.
+
+    Raises
+    ------
+    ValueError
+        If the receiver does not know the time of GPS finely, or it is missing or impossible.
+
+    """
+    if not week and fields[0][:1] == b'%':
+        week = 1
+    of_unicore = not week and fields[2].isalpha()
+    if not week:
+        week = 4 if of_unicore else 5
+        if not fields[week - 1].startswith(b'FINE') or of_unicore and fields[2] != b'GPS':
+            raise ValueError('time status')
+    second = _is_decimal(fields[week + 1])
+    if second is None or not fields[week].isdigit():
+        raise ValueError('GPS time')
+    of_week_ns = (int(second[1]) * 1_000_000 if of_unicore else
+                  int(second[1]) * SECOND_NS + fraction_ns(second[2]))
+    return gps_ns(int(fields[week]), of_week_ns)
 
 
 def gga_ns(fields: list[bytes]) -> int:

@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from checksums import with_checksum
+from checksums import with_checksum, with_long_checksum
 import pytest
 
 from heading_intercompare.drivers.log_lines.stream_times import find_kind
@@ -82,6 +82,44 @@ def test_pashr_takes_the_date_given_over_midnight(tmp_path):
     assert counts == {}
     assert read_log(tmp_path / 'a.log', DriverSettings(time='validity'))[1] == {
         'no_validity_time': 3}
+
+
+@pytest.mark.parametrize('text', [
+    'PTNL,AVR,{:s},+90.0,Yaw,0.1,Tilt,,,60.1,3,2.5,6',
+    'PTNL,VHD,{:s},093098,90.0,0,0,0,0,0,3,7,2,M', 'PSAT,HPR,{:s},90.0,3.35,,N',
+    'PSSN,HRP,{:s},061222,90.0,,0,0,,0,21,2,2.4,E',
+    'GNHPR,{:s},90.0,-00.64,000.00,4,46,0.00,0999'])
+def test_a_sentence_of_a_maker_takes_its_own_time(text, tmp_path):
+    (tmp_path / 'a.log').write_text(''.join(
+        sentence(text.format(clock)) for clock in ('235959.50', '000000.50')))
+    settings = DriverSettings(time='validity', date='2026-02-28')
+    headings, counts = read_log(tmp_path / 'a.log', settings)
+    assert headings.stamp_ns.tolist() == [MIDNIGHT - S // 2, MIDNIGHT + S // 2]
+    assert headings.heading_deg.tolist() == [90.0, 90.0] and counts == {}
+
+
+@pytest.mark.parametrize('log', [
+    'HEADINGA,COM1,0,1,FINESTEERING,2408,{},0,0,0;SOL_COMPUTED,L1_INT,1,90.0,0,0,0,0',
+    'UNIHEADINGA,97,GPS,FINE,2408,{}000,0,0,18,12;SOL_COMPUTED,L1_INT,1,90.0,0,0,0,0',
+    'INSATTA,COM1,0,1,UNKNOWN,0,0,0,0,0;2408,{}.000000,0,0,90.0,INS_SOLUTION_GOOD'])
+def test_a_log_of_a_receiver_has_the_time_of_gps(log, tmp_path):
+    """The first of March 2026 is the start of week 2408, and GPS is 18 s ahead of UTC."""
+    text = log.format(18)
+    (tmp_path / 'a.log').write_text(f'#{with_long_checksum(text)}\n')
+    headings, counts = read_log(tmp_path / 'a.log', DriverSettings(time='validity'))
+    assert headings.stamp_ns.tolist() == [MIDNIGHT] and counts == {}
+
+
+@pytest.mark.parametrize('header', [
+    'UNIHEADINGA,97,BDS,FINE,2408,18000,0,0,18,12', 'UNIHEADINGA,97,GPS,UNKNOWN,0,0,0,0,18,12',
+    'HEADINGA,COM1,0,1,APPROXIMATE,2408,18.0,0,0,0', 'HEADINGA,COM1,0,1,FINE,2408,604800.0,0,0,0',
+    'HEADINGA,COM1,0,1,FINE,,18.0,0,0,0', 'HEADINGA,COM1,0,1,FINE,2408,x,0,0,0',
+    'HEADINGA,COM1,0,1,FINE,900,18.0,0,0,0'])
+def test_a_log_of_a_receiver_without_a_fine_time_has_no_time_of_validity(header, tmp_path):
+    text = f'{header};SOL_COMPUTED,L1_INT,1,90.0,0,0,0,0'
+    (tmp_path / 'a.log').write_text(f'#{with_long_checksum(text)}\n')
+    headings, counts = read_log(tmp_path / 'a.log', DriverSettings(time='validity'))
+    assert len(headings) == 0 and counts == {'no_validity_time': 1}
 
 
 def test_only_the_best_of_the_sentences_that_tell_the_time_is_used(tmp_path):
