@@ -218,10 +218,11 @@ class NmeaDecoder:
         In addition to the reasons of `Framer`: `no_checksum`; `not_heading`: intact sentences of
         other kinds; `other_sentence.KIND`, `other_talker.XX`: headings that were not chosen;
         `other_instrument`; `too_few_fields`, `empty_heading`, `bad_field`, `out_of_range`,
-        `not_true`, `invalid_mode.X` (THS), `no_variation` (HDG), `invalid_quality` (a sentence of
-        a maker, or the PSXN,20 before a PSXN,23, says so); `no_stamp`, `bad_stamp`, `no_date` (a
-        time of day), `ambiguous_date` (day or month first), `burst` (readings of a stream or of a
-        log without a stamp of their own), `no_validity_time`, `bad_time` (a ZDA, RMC or GGA).
+        `not_true`, `invalid_mode.X` (THS), `no_variation` (HDG, VHW, HDM), `invalid_quality` (a
+        sentence of a maker, or the PSXN,20 before a PSXN,23, says so); `no_stamp`, `bad_stamp`,
+        `no_date` (a time of day), `ambiguous_date` (day or month first), `burst` (readings of a
+        stream or of a log without a stamp of their own), `no_validity_time`, `bad_time` (a ZDA,
+        RMC or GGA).
         """
         return dict(sorted(self._counts.items()))
 
@@ -403,7 +404,7 @@ class NmeaDecoder:
     def _heading(self, name: Name, text: bytes) -> float:
         if name.kind == 'PSXN,23' and self._psxn_quality == b'2':
             raise Rejected('invalid_quality')
-        return heading_of(text)
+        return heading_of(text, self._settings.variation_deg)
 
     def _read_valid(self, name: Name, text: bytes, prefix: bytes, suffix: bytes,
                     received_ns: int | None) -> tuple[int, float]:

@@ -57,6 +57,8 @@ _ADVICE = {
                         'one',
     'bad_time': 'the time in ZDA, RMC or GGA is unreadable: set `time` to receipt if the lines '
                 'have stamps, or `date` for times without one',
+    'no_variation': 'the heading is magnetic: state the variation with `variation_deg`, positive '
+                    'to the east, or choose another sentence with `sentence`',
     'other_talker': 'choose another talker with `talker`',
     'other_sentence': 'choose another kind of sentence with `sentence`',
     'other_instrument': 'choose another word of the line with `instrument`',

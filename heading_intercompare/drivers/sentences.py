@@ -235,19 +235,46 @@ def _east(fields: list[bytes], index: int) -> float | None:
     return -value_deg if side == b'W' else value_deg
 
 
-def _parse_hdg(fields: list[bytes]) -> float:
+def _add_variation(magnetic_deg: float, variation_deg: float | None) -> float:
+    """Return a true heading; raises Rejected without a variation, degrees to the east."""
+    if variation_deg is None:
+        raise Rejected('no_variation')
+    heading_deg = (magnetic_deg + variation_deg) % 360.0
+    # A tiny negative angle rounds to 360. `wrap360` would load numpy, which settings do without.
+    return 0.0 if heading_deg == 360.0 else heading_deg
+
+
+def _parse_hdg(fields: list[bytes], stated_deg: float | None = None) -> float:
     """
     Read `xxHDG,sensor heading,deviation,E/W,variation,E/W`; E is added, W subtracted.
 
-    An empty deviation counts as 0. Without variation the true heading is unknown.
+    An empty deviation counts as 0. Without variation, also a stated one, the true heading is
+    unknown.
     """
     sensor_deg = _heading(fields, 1)
     deviation_deg, variation_deg = _east(fields, 2), _east(fields, 4)
-    if variation_deg is None:
-        raise Rejected('no_variation')
-    heading_deg = (sensor_deg + (deviation_deg or 0.0) + variation_deg) % 360.0
-    # A tiny negative angle rounds to 360. `wrap360` would load numpy, which settings do without.
-    return 0.0 if heading_deg == 360.0 else heading_deg
+    return _add_variation(sensor_deg + (deviation_deg or 0.0),
+                          stated_deg if variation_deg is None else variation_deg)
+
+
+def _parse_hdm(fields: list[bytes], stated_deg: float | None = None) -> float:
+    """Read `xxHDM,heading,M`, a magnetic heading without its variation."""
+    magnetic_deg = _heading(fields, 1)
+    if field_of(fields, 2).strip() != b'M':
+        raise Rejected('bad_field')
+    return _add_variation(magnetic_deg, stated_deg)
+
+
+def _parse_vhw(fields: list[bytes], stated_deg: float | None = None) -> float:
+    """Read `xxVHW,heading,T,heading,M,speed,N,speed,K`; the magnetic one if the true is empty."""
+    if field_of(fields, 1).strip() or not field_of(fields, 3).strip():
+        return _true_heading(fields, 1)
+    return _parse_hdm([fields[0], *fields[3:]], stated_deg)
+
+
+MAGNETIC: dict[str, Callable[[list[bytes], float | None], float]] = {
+    'HDG': _parse_hdg, 'VHW': _parse_vhw, 'HDM': _parse_hdm}
+"""Parsers of sentences that may need a stated variation, degrees to the east; None: unknown."""
 
 
 _AS_FORM = {kind: partial(_parse_form, kind) for kind in FORMS}
@@ -262,6 +289,8 @@ PARSERS: dict[str, Callable[[list[bytes]], float]] = {
     'PUHAW,UVH': _AS_FORM['PUHAW,UVH'],
     'HDG': _parse_hdg,
     **_AS_FORM,
+    'VHW': _parse_vhw,
+    'HDM': _parse_hdm,
 }
 
 _PROPRIETARY = {kind.encode(): Name(kind, '') for kind in FORMS if kind != 'HPR'}
@@ -269,7 +298,7 @@ _MAKERS = frozenset(b'%c' % first for first in b'PK#%')
 
 
 @lru_cache(maxsize=1 << 16)
-def heading_of(text: bytes) -> float:
+def heading_of(text: bytes, variation_deg: float | None = None) -> float:
     """
     Return the heading in a sentence.
 
@@ -278,6 +307,8 @@ def heading_of(text: bytes) -> float:
     text
         The text between `$` and `*` of a sentence that `identify` knows. A gyrocompass repeats
         itself, so the last 65536 texts are cached (16 MB).
+    variation_deg
+        Variation for magnetic headings that come without one, to the east; None: unknown.
 
     Returns
     -------
@@ -297,4 +328,6 @@ def heading_of(text: bytes) -> float:
     """
     name = identify(text)
     assert name is not None
+    if variation_deg is not None and name.kind in MAGNETIC:
+        return MAGNETIC[name.kind](split_fields(text), variation_deg)
     return PARSERS[name.kind](split_fields(text))

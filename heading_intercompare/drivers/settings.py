@@ -220,6 +220,9 @@ class DriverSettings(Checked):
     talker: str | None = setting(
         None, 'talker whose sentences are used (HE, GP, IN; source number of a csv); none: the '
         'first heard')
+    variation_deg: float | None = setting(
+        None, 'magnetic variation, positive to the east, for HDG without one, HDM and the '
+        'magnetic heading of VHW [deg]; none: unknown', -180.0, 180.0)
     time: str = setting(
         'receipt', "stamps: time of 'receipt' (in a log: the stamp of the line), or of "
         "'validity' (ZDA, RMC or GGA of the same stream, own time of PASHR, HEADINGA and others)",

@@ -47,6 +47,7 @@ HDT, NOON = sentence(), '2026-03-01T12:00:00Z '
     ([HDT], {'time': 'validity'}, ('no_validity_time', '`time` to receipt')),
     ([sentence('GPGGA,120000,1,N,2,E,1,8'), HDT], {'time': 'validity'}, ('bad_time', '`date`')),
     ([NOON + sentence('HEHDT,,T')], {}, ('empty_heading', 'no valid heading')),
+    ([NOON + sentence('HCHDM,1.0,M')], {}, ('no_variation', 'magnetic', '`variation_deg`')),
     ([NOON + sentence('HEROT,0.5,A')], {}, ('HEROT, which gives no heading', 'PUHAW,UVH')),
     (['hello', 'there'], {}, ("'hello'", 'no stamp, no sentence', 'begins with')),
     (['t_ns,heading_deg', '1,x'], {}, ("'1,x'", 'a row of a csv', 'correct the file'))])

@@ -66,6 +66,8 @@ HEADING = b'#%b,COM1,0,39.5,FINESTEERING,1622,422892.200,02040000,f9bf,6521;'
     (b'SDHDG,229.5,0.0,,1.5,E', 231.0),
     (b'SDHDG,359.0,,,1.5,E', 0.5),
     (b'SDHDG,1.0,,,1.5,W', 359.5),
+    (b'VDVHW,98.3,T,96.1,M,5.2,N,9.6,K', 98.3),
+    (b'VDVHW,98.3,T,,M,5.2,N,9.6,K', 98.3),
 ])
 def test_a_sentence_gives_its_heading(text, heading_deg):
     assert heading_of(text) == pytest.approx(heading_deg, abs=1e-12)
@@ -128,11 +130,25 @@ def test_a_sentence_gives_its_heading(text, heading_deg):
     (b'HCHDG,98.3,x,E,1.0,E', 'bad_field'),
     (b'HCHDG,98.3,,,181.0,E', 'bad_field'),
     (b'HCHDG,98.3,,', 'too_few_fields'),
+    (b'HCHDM,98.3,M', 'no_variation'),
+    (b'HCHDM,98.3,T', 'bad_field'),
+    (b'HCHDM,,M', 'empty_heading'),
+    (b'VDVHW,,T,96.1,M,5.2,N,9.6,K', 'no_variation'),
+    (b'VDVHW,,T,,M,5.2,N,9.6,K', 'empty_heading'),
+    (b'VDVHW,98.3,,96.1,M,5.2,N,9.6,K', 'not_true'),
 ])
 def test_a_sentence_without_a_heading_says_why(text, reason):
     with pytest.raises(Rejected) as caught:
         heading_of(text)
     assert caught.value.reason == reason
+
+
+@pytest.mark.parametrize('text, heading_deg', [
+    (b'HCHDM,98.3,M', 95.8), (b'HCHDM,1.0,M', 358.5), (b'VDVHW,,T,96.5,M,5.2,N,9.6,K', 94.0),
+    (b'VDVHW,98.3,T,,M,5.2,N,9.6,K', 98.3), (b'HCHDG,98.3,1.0,E,,', 96.8),
+    (b'HCHDG,98.3,,,2.0,E', 100.3), (b'HEHDT,98.3,T', 98.3)])
+def test_a_stated_variation_serves_where_a_sentence_has_none(text, heading_deg):
+    assert heading_of(text, -2.5) == pytest.approx(heading_deg, abs=1e-12)
 
 
 @pytest.mark.parametrize('text, name', [
@@ -149,7 +165,7 @@ def test_a_heading_sentence_is_identified(text, name):
 
 
 @pytest.mark.parametrize('text', [
-    b'', b'HEHDT', b'HEHDM,1,M', b'XHEHDT,1,T', b'HDT,1,T', b'HEROT,1,A', b'CCHEQ,HDT',
+    b'', b'HEHDT', b'HEHDM', b'XHEHDT,1,T', b'HDT,1,T', b'HEROT,1,A', b'CCHEQ,HDT',
     b'PSXN,20,1,0,0,0', b'PSXN,22,1,2', b'PSXN', b'PASHR,POS,1,2', b'PASHR', b'PUHAW,XYZ,1',
     b'PUHAW', b'PTNL,GGK,1', b'PTNL,AVR', b'PGHDT,1,T', b'PSAT,GBS,1', b'PIXSE,ATITUD,1,2',
     b'#BESTPOSA,COM1,0', b'HEADINGA,COM1,0', b'AIVDM,1,1,,A', b'\xff\xfe\xfd\xfc\xfb,'])
@@ -163,8 +179,9 @@ def test_every_heading_with_two_decimals_is_read_as_python_reads_it(hundredths):
     assert heading_of(f'HEHDT,{text},T'.encode()) == float(text)
 
 
-@given(st.sampled_from([b'HEHDT,', b'HETHS,', b'HCHDG,', b'PASHR,1', b'PASHR,ATT,', b'PSXN,23,',
-                        b'PUHAW,UVH,', b'PTNL,AVR,', b'PSAT,HPR,', b'GNHPR,', b'#HEADINGA,']),
+@given(st.sampled_from([b'HEHDT,', b'HETHS,', b'HCHDG,', b'HCHDM,', b'VDVHW,', b'PASHR,1',
+                        b'PASHR,ATT,', b'PSXN,23,', b'PUHAW,UVH,', b'PTNL,AVR,',
+                        b'PSAT,HPR,', b'GNHPR,', b'#HEADINGA,']),
        st.lists(st.one_of(st.binary(max_size=4), st.sampled_from([b'1', b'T', b'A', b'361'])),
                 max_size=7))
 def test_any_fields_give_a_heading_in_range_or_a_reason(start, fields):

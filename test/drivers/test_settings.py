@@ -77,8 +77,8 @@ def test_a_multicast_group_is_known_by_its_address(host, multicast):
     ('stamp_zone', 'CEST2'), ('stamp_zone', '+25:00'), ('stamp_zone', '../x'),
     ('date', '28.05.2024'), ('date', '2024-02-30'), ('date', '1969-01-01'), ('stamp_pattern', '('),
     ('stamp_pattern', '(?P<hour>.)'), ('stamp_pattern', '(?P<epoch>.)(?P<hour>.)'),
-    ('sentence', 'HDM'), ('time', 'gps'), ('stamp_format', 'unix'), ('speed', -1.0),
-    ('learn_s', -1.0), ('checksum', 'no'), ('speed', float('nan'))])
+    ('sentence', 'ROT'), ('variation_deg', 181.0), ('time', 'gps'), ('stamp_format', 'unix'),
+    ('speed', -1.0), ('learn_s', -1.0), ('checksum', 'no'), ('speed', float('nan'))])
 def test_a_value_outside_its_range_is_refused(name, value):
     with pytest.raises(SettingsError, match=name):
         from_mapping(DriverSettings, {name: value})

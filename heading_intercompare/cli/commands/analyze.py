@@ -74,6 +74,8 @@ _SHARED_OPTIONS = {
     'time_column': ('column of the times of a csv or Parquet table; of several, such as '
                     'Date,Time, their names in this order (default: by their names)', None),
     'date': ('date of the first line, YYYY-MM-DD, for times of day without one', None),
+    'variation_deg': ('magnetic variation, positive to the east, for magnetic headings without '
+                      'one (HDG, HDM, VHW)', None),
     'checksum': ('take sentences without a checksum too, or only those with one (default)',
                  ('required', 'if_present')),
     'bursts': ('take the stamp of a burst for all its lines, or for the first of a kind (default)',
@@ -110,13 +112,14 @@ def add_log_arguments(parser: argparse.ArgumentParser,
             parser.add_argument(f'--{role}-{name}', metavar=name[0].upper(),
                                 help=words.format(role.upper()))
     for name, (words, choices) in _SHARED_OPTIONS.items():
-        option = name.replace('_', '-')
+        option, value_type = name.replace('_', '-'), float if name.endswith('_deg') else None
         parser.add_argument(f'--{option}', metavar=None if choices else name[0].upper(),
-                            choices=choices,
+                            choices=choices, type=value_type,
                             help=words if len(roles) == 1 else
                             f'{words}; --ts-{option}, --rs-{option}: of one log')
         for role in roles:
-            parser.add_argument(f'--{role}-{option}', choices=choices, help=argparse.SUPPRESS)
+            parser.add_argument(f'--{role}-{option}', choices=choices, type=value_type,
+                                help=argparse.SUPPRESS)
 
 
 def add_motion_argument(parser: argparse.ArgumentParser) -> None:
