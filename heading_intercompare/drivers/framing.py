@@ -50,6 +50,7 @@ _PIECE = re.compile(
     rb'|[\r\n]+)')
 #: A log of a receiver: its text with the sign before it, its checksum.
 _LOG = re.compile(rb'([#%][A-Z][A-Z0-9]*A,[^;*#%]*;[^*]*)\*([0-9A-Fa-f]{8})(?![0-9A-Fa-f])')
+_SHORT_CHECKSUM = re.compile(rb'\*([0-9A-Fa-f])(?![0-9A-Fa-f])(.*)', re.DOTALL)
 _LONG_CHECKSUM = re.compile(rb'([0-9A-Fa-f]{6})(?![0-9A-Fa-f])(.*)', re.DOTALL)
 _HEX = {f'{a}{b}'.encode(): int(a + b, 16)
         for a in '0123456789abcdefABCDEF' for b in '0123456789abcdefABCDEF'}
@@ -128,7 +129,7 @@ class Framer:
         Lines and pieces that gave no sentence, by reason. `no_sentence`: a line without `$` or
         `!` (blank lines do not count). `cut`: a sentence without a checksum, cut off by another
         one or by the end of the stream. `bad_checksum`: the checksum is wrong or not two hex
-        digits, or eight of 32 bits. `too_long`: more than 1024 bytes.
+        digits, nor one without its zero, nor eight of 32 bits. `too_long`: more than 1024 bytes.
 
     """
 
@@ -248,7 +249,11 @@ class Framer:
             elif not rest:
                 counts['cut'] += 1
             elif rest[:1] == b'*':
-                counts['bad_checksum'] += 1
+                short = _SHORT_CHECKSUM.match(rest)
+                if short and int(short[1], 16) == computed:
+                    frames.append((came_ns, prefix, body, True, short[2].strip()))
+                else:
+                    counts['bad_checksum'] += 1
             else:
                 frames.append((came_ns, prefix, body, False, b''))
         self._prefix = prefix

@@ -172,6 +172,16 @@ def test_a_log_of_a_receiver_is_a_sentence_of_a_line_without_one(log):
     assert texts(frames_of([log])[0]) == texts(Framer(datagrams=True).feed(log, 1)) == [log[:-9]]
 
 
+@pytest.mark.parametrize('line, suffix', [
+    (b'$A6*77', b''), (b'$A6q*6', b''), (b'$A6q*6 GYRO', b'GYRO'),
+    (b'$A6q*6,1406851200', b',1406851200'), (b'$A6q*7', None), (b'$A6*7', None),
+    (b'$A6q*6f', None), (b'$A6q*', None)])
+def test_a_checksum_may_lack_its_leading_zero(line, suffix):
+    frames, counts = frames_of([line + b'\r\n'])
+    assert [frame[4] for frame in frames] == ([] if suffix is None else [suffix])
+    assert counts == ({'bad_checksum': 1} if suffix is None else {})
+
+
 @pytest.mark.parametrize('line, reason', [
     (LOG.replace(b'90.0000', b'91.0000'), 'bad_checksum'), (LOG[:-1], 'no_sentence'),
     (LOG + b'0', 'no_sentence'), (LOG[:-9], 'no_sentence'),
