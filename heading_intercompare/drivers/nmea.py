@@ -208,7 +208,7 @@ class NmeaDecoder:
             return TIME_SENTENCES[:1]
         if not self._validity:
             return TIME_SENTENCES[:2]
-        return choose_time_sentences(files, True)
+        return choose_time_sentences(files, self._settings)
 
     @property
     def counts(self) -> dict[str, int]:

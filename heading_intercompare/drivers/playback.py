@@ -123,7 +123,7 @@ class FileSource:
         """Begin with the first line."""
         settings, files = self._settings, self._files
         days, self._stamps = start_stamps(settings, files, of_log=False)
-        self._times = StreamTimes(days, choose_time_sentences(files, settings.time == 'validity'))
+        self._times = StreamTimes(days, choose_time_sentences(files, settings))
         self._lines = files.lines()
 
     def _line(self) -> Received | None:

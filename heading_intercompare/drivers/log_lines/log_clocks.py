@@ -48,7 +48,8 @@ def start_stamps(settings: DriverSettings, files: LogFiles | None = None, *,
                             of_log=of_log)
 
 
-def choose_time_sentences(files: LogFiles | None, validity: bool) -> tuple[str, ...]:
+def choose_time_sentences(files: LogFiles | None, settings: DriverSettings) -> tuple[str, ...]:
     """Return the kinds of sentences that tell the time of validity; of a log the one it has."""
-    kind = find_kind(files.bare_blocks()) if validity and files is not None else None
+    kind = (None if files is None or settings.time != 'validity' else
+            find_kind(files.bare_blocks(), settings.checksum == 'if_present'))
     return TIME_SENTENCES if kind is None else (kind,)

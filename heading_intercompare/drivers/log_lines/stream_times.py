@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from itertools import chain
 from typing import Callable, Iterable, Sequence
 
 from heading_intercompare.drivers.framing import Framer
@@ -27,20 +28,51 @@ from .times import gga_ns, nearest_day_ns, rmc_ns, zda_ns
 TIME_SENTENCES = ('ZDA', 'RMC', 'GGA')
 
 _RANKS = {f'{kind},'.encode(): rank for rank, kind in enumerate(TIME_SENTENCES)}
+#: Bytes kept of a line that does not end; it has no sentence beyond them.
+_MOST_TAIL = 1 << 16
 _DATED: dict[int, Callable[[list[bytes]], int]] = {0: zda_ns, 1: rmc_ns}
 
 
-def find_kind(blocks: Iterable[bytes]) -> str | None:
-    """Return the best sentence that tells the time in a log, cut anywhere; None without one."""
-    best, tail = len(TIME_SENTENCES), b''
-    for block in blocks:
+def find_kind(blocks: Iterable[bytes], lenient: bool = False) -> str | None:
+    """
+    Return the sentence that tells the time in a log; None without one.
+
+    It is the best of those that tell a valid time at least once; if none does, the best of all.
+
+    Parameters
+    ----------
+    blocks
+        The log, cut anywhere.
+    lenient
+        Sentences without a checksum count too.
+
+    """
+    best = present = len(TIME_SENTENCES)
+    tail = b''
+    for block in chain(blocks, (b'\n',)):
         text = tail + block
-        best = min((rank for token, rank in _RANKS.items() if rank < best and token in text),
-                   default=best)
+        end = max(text.rfind(b'\n'), text.rfind(b'\r')) + 1
+        text, tail = text[:end], text[end:][-_MOST_TAIL:]
+        if not any(token in text for token, rank in _RANKS.items() if rank < best):
+            continue
+        for _, _, sentence, checked, _ in Framer().feed(text, None):
+            rank = _RANKS.get(sentence[2:6], best)
+            if rank < best and (checked or lenient):
+                present = min(present, rank)
+                best = rank if _tells_time(sentence, rank) else best
         if best == 0:
             break
-        tail = block[-3:]
+    best = present if best == len(TIME_SENTENCES) else best
     return TIME_SENTENCES[best] if best < len(TIME_SENTENCES) else None
+
+
+def _tells_time(text: bytes, rank: int) -> bool:
+    """Tell whether a sentence of this rank tells a valid time."""
+    try:
+        _DATED.get(rank, gga_ns)(text.split(b','))
+    except ValueError:
+        return False
+    return True
 
 
 def find_first_time(blocks: Iterable[bytes]) -> int | None:
@@ -66,7 +98,7 @@ class StreamTimes:
     days
         The day of a GGA.
     kinds
-        The sentences to use, of `TIME_SENTENCES`: the best of them heard so far.
+        The sentences to use, of `TIME_SENTENCES`: the best that has told a valid time so far.
 
     Attributes
     ----------
@@ -82,12 +114,13 @@ class StreamTimes:
         self.newest_ns: int | None = None
 
     def tells(self, text: bytes) -> bool:
-        """Tell whether a sentence is one whose time is used."""
+        """Tell whether a sentence is one whose time is used; before a valid one, any of them."""
         rank = self._ranks.get(text[2:6])
         if rank is None or rank > self._rank:
             return False
-        self._rank = rank
-        return True
+        if rank < self._rank and _tells_time(text, rank):
+            self._rank = rank
+        return rank == self._rank or self._rank == len(TIME_SENTENCES)
 
     def read(self, text: bytes, received_ns: int | None) -> int:
         """
@@ -106,9 +139,9 @@ class StreamTimes:
             If the time is missing or impossible, or nothing says the day.
 
         """
-        fields = text.split(b',')
-        if self._rank in _DATED:
-            ns = _DATED[self._rank](fields)
+        fields, rank = text.split(b','), self._ranks[text[2:6]]
+        if rank in _DATED:
+            ns = _DATED[rank](fields)
             self.newest_ns = ns
             self._days.tell(ns)
             return ns

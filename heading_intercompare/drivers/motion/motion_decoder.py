@@ -80,7 +80,7 @@ class MotionLines:
         days, self._stamps = start_stamps(rule, files)
         self._no_stamps = rule.stamp_format == 'none' or (
             not self._is_log and rule.stamp_format == 'auto')
-        self._times = StreamTimes(days, choose_time_sentences(files, self._validity))
+        self._times = StreamTimes(days, choose_time_sentences(files, rule))
         is_udp = rule.source is not None and rule.address.scheme == 'udp'
         self._framer = Framer(datagrams=is_udp, with_lines=self._is_log)
         self._last_ns: int | None = None

@@ -19,8 +19,10 @@ from __future__ import annotations
 from checksums import with_checksum, with_long_checksum
 import pytest
 
+from heading_intercompare.core.records import Headings
 from heading_intercompare.drivers.log_lines.stream_times import find_kind
 from heading_intercompare.drivers.logs import LogReader, read_log
+from heading_intercompare.drivers.nmea import NmeaDecoder
 from heading_intercompare.drivers.settings import DriverSettings
 
 MIDNIGHT = 1772323200 * 10**9   # 2026-03-01T00:00:00Z
@@ -134,6 +136,30 @@ def test_only_the_best_of_the_sentences_that_tell_the_time_is_used(tmp_path):
     assert find_kind([whole.replace(b'ZDA', b'ZDX')]) == 'RMC'
     cut = whole.find(b'ZDA,') + 2
     assert find_kind([whole[:cut], whole[cut:]]) == 'ZDA' and find_kind([b'HDT,']) is None
+
+
+def test_a_valid_time_goes_before_a_better_kind_that_is_never_valid(tmp_path):
+    """A ZDA with a year of two digits, after an RMC that is sound; as a log, and as a stream."""
+    text = ''.join(telling('RMC', k) + sentence('GPZDA,000000,28,02,26,,')
+                   + sentence(f'HEHDT,{k + 10}.0,T') for k in SECONDS)
+    (tmp_path / 'a.log').write_text(text)
+    headings, counts = read_log(tmp_path / 'a.log', DriverSettings(time='validity'))
+    assert headings.stamp_ns.tolist() == [MIDNIGHT + k * S for k in SECONDS]
+    assert counts == {'not_heading': 8}
+    live = NmeaDecoder(DriverSettings(time='validity', sentence='HDT'))
+    assert Headings.concatenate([live.feed(text.encode(), 0), live.flush()]) == headings
+
+
+@pytest.mark.parametrize('text, kind', [
+    ('GPZDA,,,,,,', 'ZDA'), ('GPZDA,,,,,,\nGPRMC,,V,,,,,,,,', 'ZDA'),
+    ('GPZDA,,,,,,\nGPRMC,,V,,,,,,,,\nGPGGA,010203,1,N,2,E,1', 'GGA'),
+    ('GPRMC,010203,A,1,N,2,E,3,4,010326,,\nGPZDA,010203,1,3,2026,,', 'ZDA'),
+    ('HEHDT,1.0,T', None)])
+def test_the_kind_of_a_log_is_the_best_that_is_ever_valid(text, kind):
+    blocks = [with_checksum(line).encode() + b'\r\n' for line in text.split('\n')]
+    assert find_kind(blocks) == find_kind([b''.join(blocks)[:-2]]) == kind
+    bare = ''.join(f'${line}\n' for line in text.split('\n')).encode()
+    assert find_kind([bare]) is None and find_kind([bare], lenient=True) == kind
 
 
 @pytest.mark.parametrize('bad', ['GPRMC,000000.00,V,,,,,,,010326,,', 'GPRMC,,A,,,,,,,,,'])
