@@ -110,6 +110,10 @@ class LogReader:
             if self._nmea.stamps.borrowed:
                 words.append(f'{self._nmea.stamps.borrowed} headings with the stamp of a line '
                              'before theirs')
+            if self._nmea.chosen is not None and self._nmea.turns:
+                talkers = (self._nmea.chosen.talker, *self._nmea.turns)
+                words.append(f'{" and ".join(talkers)} send in turns: if they are one receiver, '
+                             f'take all its headings with `talker` {",".join(talkers)}')
             if self._nmea.days.origin:
                 words.append(self._nmea.days.origin)
         return words + [f'{path} ends too early' for path in self._files.cut] + [

@@ -36,11 +36,18 @@ from .log_lines.log_files import LogFiles
 from .log_lines.log_order import open_log
 from .log_lines.stream_times import StreamTimes, TIME_SENTENCES
 from .log_lines.times import day_time_ns, receiver_log_ns
-from .sentence_choice import accepts, choose_instrument, find_sentence, Heard, Listening
+from .sentence_choice import (
+    accepts,
+    choose_instrument,
+    find_sentence,
+    Heard,
+    Listening,
+    name_sentence,
+    TalkerTurns,
+)
 from .sentences import (
     FORMS,
     heading_of,
-    identify,
     may_lack_checksum,
     Name,
     Rejected,
@@ -198,7 +205,8 @@ class NmeaDecoder:
         self._burst_ns: int | None = None
         self._stamped: set[Name] = set()
         self._psxn_quality = b''
-        self._n_headings = self._n_others = 0
+        self._n_headings = self._n_others = self._n_chosen = 0
+        self._turns = TalkerTurns()
         self._read = (self._read_valid if self._validity else self._read_receipt
                       if self._bursts is None else self._read_stream)
 
@@ -253,6 +261,11 @@ class NmeaDecoder:
         return [] if self._settings.instrument is not None else self._words.instruments()
 
     @property
+    def turns(self) -> list[str]:
+        """Return the talkers of GNSS that take turns with the chosen one; see `TalkerTurns`."""
+        return self._turns.find(self._n_chosen)
+
+    @property
     def lines(self) -> int:
         """Sentences, and lines without one, seen so far."""
         return sum(self._counts.values()) + self._n_headings + self._listening.n_held
@@ -289,7 +302,8 @@ class NmeaDecoder:
         frames = self._framer.feed(data, received_ns)
         if self._bursts is not None and received_ns is not None:
             self._late_s = {received_ns: late_s, **dict(list(self._late_s.items())[:1])}
-            self._in_read = Counter((identify(text), came_ns) for came_ns, _, text, _, _ in frames)
+            self._in_read = Counter((name_sentence(text, self._settings.talker), came_ns)
+                                    for came_ns, _, text, _, _ in frames)
         for frame in frames:
             self._take(frame)
         if self._listening.held:
@@ -335,7 +349,7 @@ class NmeaDecoder:
             return
         if not checked and self._from_file and not prefix.strip():
             text, suffix = self._stamps.cut(text)
-        name = identify(text)
+        name = name_sentence(text, self._settings.talker)
         if not (checked or self._lenient or may_lack_checksum(name)):
             self._counts['no_checksum'] += 1
             return
@@ -352,9 +366,11 @@ class NmeaDecoder:
             if listening.chosen is not None or not accepts(name, self._settings):
                 self._stamps.pass_by(prefix, suffix)
                 counts[self._reason_not_chosen(name)] += 1
+                self._turns.hear(name, listening.chosen, self._n_chosen)
                 return
             heard = listening.hear(name)
             counts, rows = heard.counts, heard.rows
+        self._n_chosen += 1
         try:
             stamp_ns, heading_deg = self._read(name, text, prefix, suffix, received_ns)
         except Rejected as rejected:

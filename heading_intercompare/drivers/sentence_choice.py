@@ -35,6 +35,11 @@ from .log_lines.line_words import InstrumentChoice
 from .sentences import identify, may_lack_checksum, Name
 from .settings import DriverSettings, SENTENCES
 
+#: A receiver of GNSS names itself after the systems that it uses, and changes its name with them.
+_GNSS_TALKERS = frozenset(('GN', 'GP', 'GL', 'GA', 'GB', 'BD', 'GQ', 'QZ', 'GI'))
+#: Sentences of a turn of a talker, at least; those of two receivers alternate one by one.
+_LEAST_TURN = 3
+
 _TOKENS = {kind: f'{kind},'.encode() for kind in SENTENCES}
 #: Bytes framed at once; of the first line that may hold a heading no more than that line.
 _BLOCK = 1 << 16
@@ -44,6 +49,59 @@ def accepts(name: Name, settings: DriverSettings) -> bool:
     """Tell whether the settings allow this sentence."""
     return (settings.sentence in ('auto', name.kind)
             and (settings.talker is None or not name.talker or settings.talker == name.talker))
+
+
+def name_sentence(text: bytes, talker: str | None) -> Name | None:
+    """
+    Return the name of a heading sentence; without its talker if it is one of several to read.
+
+    Parameters
+    ----------
+    text
+        The text between `$` and `*`.
+    talker
+        The talkers to read as one: several with commas between, or 'any'; another one joins none.
+
+    Examples
+    --------
+    >>> [name_sentence(b'GNHDT,1.0,T', talker) for talker in ('GN', 'GP,GN')]
+    [Name(kind='HDT', talker='GN'), Name(kind='HDT', talker='')]
+
+    """
+    name = identify(text)
+    if name is None or talker is None or talker != 'any' and (
+            ',' not in talker or name.talker not in talker.split(',')):
+        return name
+    return Name(name.kind, '')
+
+
+class TalkerTurns:
+    """
+    Tells which talkers of GNSS take turns with the one chosen, as those of one receiver do.
+
+    A talker takes turns if it sends three sentences or more before the chosen one sends again, and
+    so does the chosen one, on average.
+    """
+
+    def __init__(self) -> None:
+        self._n: Counter[str] = Counter()
+        self._n_turns: Counter[str] = Counter()
+        self._after: dict[str, int] = {}
+
+    def hear(self, name: Name, chosen: Name | None, n_chosen: int) -> None:
+        """Take note of a sentence that is not the chosen one, after `n_chosen` of that."""
+        talker = name.talker
+        if chosen is None or name.kind != chosen.kind or not {
+                talker, chosen.talker} <= _GNSS_TALKERS:
+            return
+        self._n[talker] += 1
+        self._n_turns[talker] += self._after.get(talker) != n_chosen
+        self._after[talker] = n_chosen
+
+    def find(self, n_chosen: int) -> list[str]:
+        """Return these talkers, given how many sentences the chosen one has sent."""
+        return [talker for talker, n in self._n.items()
+                if min(n, n_chosen) >= _LEAST_TURN * self._n_turns[talker]]
 
 
 def choose_sentence(names: Iterable[Name], kinds: Sequence[str] = SENTENCES) -> Name:
@@ -184,7 +242,7 @@ def find_sentence(blocks: Iterable[bytes], settings: DriverSettings) -> Name | N
             begin = text.rfind(b'\n', 0, at) + 1
             at = text.find(b'\n', at + span) + 1 or len(text)
             span = _BLOCK
-            for name in _names(text[begin:at], lenient, choice):
+            for name in _names(text[begin:at], lenient, choice, settings.talker):
                 if name.kind in kinds and accepts(name, settings):
                     best = name
                     kinds = kinds[:kinds.index(name.kind)]
@@ -200,12 +258,13 @@ def choose_instrument(settings: DriverSettings) -> InstrumentChoice | None:
     return InstrumentChoice(str(settings.instrument))
 
 
-def _names(text: bytes, lenient: bool, choice: InstrumentChoice | None) -> Iterator[Name]:
+def _names(text: bytes, lenient: bool, choice: InstrumentChoice | None, talker: str | None
+           ) -> Iterator[Name]:
     """Yield the heading sentences of whole lines, in the order of the log."""
     framer = Framer(with_lines=choice is not None)
     for _, prefix, sentence, checked, suffix in framer.feed(text, None) + framer.flush():
         if choice is not None and not choice.accepts(prefix, suffix):
             continue
-        name = identify(sentence)
+        name = name_sentence(sentence, talker)
         if name is not None and (checked or lenient or may_lack_checksum(name)):
             yield name

@@ -218,8 +218,8 @@ class DriverSettings(Checked):
         'auto', "kind of sentence to use; 'auto': the first of those present, in this order",
         choices=('auto', *SENTENCES))
     talker: str | None = setting(
-        None, 'talker whose sentences are used (HE, GP, IN; source number of a csv); none: the '
-        'first heard')
+        None, "talker whose sentences are used (HE, GP, IN; source number of a csv); several with "
+        "commas between, or 'any', are read as one; none: the first heard")
     variation_deg: float | None = setting(
         None, 'magnetic variation, positive to the east, for HDG without one, HDM and the '
         'magnetic heading of VHW [deg]; none: unknown', -180.0, 180.0)

@@ -20,6 +20,8 @@ import json
 import math
 from pathlib import Path
 
+from checksums import with_checksum
+from drivers.test_framing import LOG
 import numpy as np
 import pytest
 
@@ -36,6 +38,8 @@ NBP, LMG, REPLAY = 'nbp1406/NBP1406_', 'lmg1903/LMG1903_', 'nbp1700_replay/NBP17
 FILES = {'gyr1': NBP + 'gyr1-2014-08-01', 's330': NBP + 's330-2014-08-01',
          'seap': NBP + 'seap-2014-08-01', 'adcp': NBP + 'adcp-2014-08-01',
          'gp02': NBP + 'gp02-2014-08-01', 'lgyr': LMG + 'lgyr.d085', 'lsep': LMG + 'lsep.d085'}
+
+MAGNETIC = ('other_sentence.HDM', 'other_sentence.VHW')
 
 
 def n_lines(path) -> int:
@@ -186,12 +190,14 @@ def test_ship_logs_give_what_independent_programs_found(shared_data, data_set, n
     ('gpsd/hemi.log', 'validity', 2,
      {'empty_heading': 211, 'no_sentence': 2, 'no_validity_time': 2, 'not_heading': 538}),
     ('gpsd/bundg_zeus_9.log', 'receipt', 0,
-     {'no_sentence': 10, 'no_stamp': 1457, 'not_heading': 3542}),
+     {'no_sentence': 10, 'no_stamp': 1457, 'not_heading': 3392, 'other_sentence.VHW': 150}),
     ('gpsd/bundg_zeus_9.log', 'validity', 147,
-     {'no_sentence': 10, 'no_validity_time': 1310, 'not_heading': 3542}),
-    ('signalk/plaka_first4000.log', 'receipt', 0, {'empty_heading': 500, 'not_heading': 3500}),
+     {'no_sentence': 10, 'no_validity_time': 1310, 'not_heading': 3392,
+      'other_sentence.VHW': 150}),
+    ('signalk/plaka_first4000.log', 'receipt', 0,
+     {'empty_heading': 500, 'not_heading': 3000, **dict.fromkeys(MAGNETIC, 250)}),
     ('signalk/plaka_first4000.log', 'validity', 0,
-     {'bad_time': 250, 'empty_heading': 500, 'not_heading': 3250}),
+     {'bad_time': 250, 'empty_heading': 500, 'not_heading': 2750, **dict.fromkeys(MAGNETIC, 250)}),
 ])
 def test_the_lines_of_ship_logs_are_all_accounted_for(shared_data, name, time, n, counts):
     headings, found = read_log(shared_data / name, DriverSettings(time=time))
@@ -212,6 +218,34 @@ def test_a_magnetic_compass_is_turned_by_its_variation(shared_data):
     headings, _ = read_log(shared_data / 'gpsd/bundg_zeus_9.log', DriverSettings(time='validity'))
     assert headings.heading_deg[0] == pytest.approx(231.6 + 1.3, abs=1e-9)
     assert headings.stamp_ns[0] == 1534758457 * S   # 2018-08-20 09:47:37
+
+
+#: The talkers of a log, one line a second, and the talkers that take turns with the first.
+TURNS = [(['GN'] * 9 + ['GP'] * 9 + ['GN'] * 9, 'GN,GP'), (['GP'] * 9 + ['GN'] * 3, 'GP,GN'),
+         (['GN'] * 9 + ['GP'] * 4 + ['GL'] * 4, 'GN,GP,GL'), (['GN', 'GP'] * 9, None),
+         ((['GP'] * 10 + ['GN']) * 3, None), (['GN'] * 9 + ['GP'], None),
+         (['HE'] * 9 + ['GP'] * 9, None)]
+
+
+@pytest.mark.parametrize('talkers, together', TURNS)
+def test_a_log_says_which_talkers_of_gnss_send_in_turns(talkers, together, tmp_path):
+    (tmp_path / 'a.log').write_text(''.join(
+        f'2026-03-01T12:00:{second:02d}Z {with_checksum(f"{talker}HDT,{second}.0,T")}\n'
+        for second, talker in enumerate(talkers)))
+    reader = LogReader(tmp_path / 'a.log')
+    n = sum(map(len, reader))
+    assert n == talkers.count(talkers[0])
+    assert [remark.rpartition(' ')[2] for remark in reader.remarks] == (
+        [together] if together else [])
+    if together:
+        headings, _ = read_log(tmp_path / 'a.log', DriverSettings(talker=together))
+        assert len(headings) == len(talkers)
+
+
+@pytest.mark.parametrize('line', ['$23HDT,1.0,T*2F', '$F3HDT,1.0,T*5F', LOG.decode()])
+def test_a_file_of_unusual_sentences_is_a_log(line, tmp_path):
+    (tmp_path / 'a.log').write_text(line + '\n')
+    assert is_log(tmp_path / 'a.log')
 
 
 def test_only_a_file_that_begins_with_sentences_or_headings_is_a_log(tmp_path):

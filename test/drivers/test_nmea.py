@@ -71,6 +71,18 @@ def test_auto_takes_the_first_kind_of_the_list_and_counts_the_others(order, kind
     assert counts == {f'other_sentence.{kind}': 2 for kind in kinds if kind != order}
 
 
+@pytest.mark.parametrize('talker, headings_deg, counts', [
+    (None, [1.0], {'other_talker.GP': 1, 'other_talker.HE': 1, 'other_talker.23': 1}),
+    ('any', [1.0, 2.0, 3.0, 4.0], {}),
+    ('GN,GP', [1.0, 2.0], {'other_talker.HE': 1, 'other_talker.23': 1}),
+    ('23', [4.0], {'other_talker.GN': 1, 'other_talker.GP': 1, 'other_talker.HE': 1})])
+def test_several_talkers_are_read_as_one(talker, headings_deg, counts):
+    sentences = [sentence(f'{name}HDT,{k}.0,T')
+                 for k, name in enumerate(('GN', 'GP', 'HE', '23'), 1)]
+    headings, counted = decode(*sentences, sentence='HDT', talker=talker)
+    assert headings.heading_deg.tolist() == headings_deg and counted == counts
+
+
 def test_learning_holds_what_it_hears_and_loses_nothing():
     decoder = NmeaDecoder(DriverSettings(learn_s=2.0))
     assert len(decoder.feed(sentence('GPZDA,1'), 0)) == 0

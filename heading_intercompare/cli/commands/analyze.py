@@ -84,8 +84,8 @@ _SHARED_OPTIONS = {
 _ROLE_OPTIONS = {
     'sentence': 'kind of sentence in the log of the {}: ' + ', '.join(SENTENCES)
                 + ' (default: the first present)',
-    'talker': 'talker of the {}, such as HE (default: the first present), or its stream in a file '
-              'with several, such as a source of NMEA 2000',
+    'talker': 'talker of the {}, such as HE, several as GN,GP, or any (default: the first '
+              'present), or its stream in a file with several, such as a source of NMEA 2000',
     'instrument': 'word of the lines of the {}, if a log has several instruments',
 }
 
@@ -112,7 +112,7 @@ def add_log_arguments(parser: argparse.ArgumentParser,
             parser.add_argument(f'--{role}-{name}', metavar=name[0].upper(),
                                 help=words.format(role.upper()))
     for name, (words, choices) in _SHARED_OPTIONS.items():
-        option, value_type = name.replace('_', '-'), float if name.endswith('_deg') else None
+        option, value_type = name.replace('_', '-'), float if name.endswith('_deg') else str
         parser.add_argument(f'--{option}', metavar=None if choices else name[0].upper(),
                             choices=choices, type=value_type,
                             help=words if len(roles) == 1 else
