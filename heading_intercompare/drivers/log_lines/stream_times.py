@@ -111,16 +111,24 @@ class StreamTimes:
         self._days = days
         self._ranks = {f'{kind},'.encode(): TIME_SENTENCES.index(kind) for kind in kinds}
         self._rank = len(TIME_SENTENCES)
+        #: The addresses of sentences that have told a valid time.
+        self._valid: set[bytes] = set()
         self.newest_ns: int | None = None
 
     def tells(self, text: bytes) -> bool:
-        """Tell whether a sentence is one whose time is used; before a valid one, any of them."""
+        """
+        Tell whether a sentence is one whose time is used.
+
+        Until one is valid, all are. Then those are not whose talker has never told a valid time.
+        """
         rank = self._ranks.get(text[2:6])
         if rank is None or rank > self._rank:
             return False
-        if rank < self._rank and _tells_time(text, rank):
+        address = text[:5]
+        if address not in self._valid and _tells_time(text, rank):
+            self._valid.add(address)
             self._rank = rank
-        return rank == self._rank or self._rank == len(TIME_SENTENCES)
+        return address in self._valid or not self._valid
 
     def read(self, text: bytes, received_ns: int | None) -> int:
         """

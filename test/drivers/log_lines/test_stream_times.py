@@ -138,9 +138,10 @@ def test_only_the_best_of_the_sentences_that_tell_the_time_is_used(tmp_path):
     assert find_kind([whole[:cut], whole[cut:]]) == 'ZDA' and find_kind([b'HDT,']) is None
 
 
-def test_a_valid_time_goes_before_a_better_kind_that_is_never_valid(tmp_path):
-    """A ZDA with a year of two digits, after an RMC that is sound; as a log, and as a stream."""
-    text = ''.join(telling('RMC', k) + sentence('GPZDA,000000,28,02,26,,')
+@pytest.mark.parametrize('sound, talker', [('RMC', 'GP'), ('ZDA', 'II')])
+def test_a_valid_time_goes_before_one_that_is_never_valid(sound, talker, tmp_path):
+    """A ZDA with a year of two digits after a sound RMC or ZDA; as a log, and as a stream."""
+    text = ''.join(telling(sound, k) + sentence(f'{talker}ZDA,000000,28,02,26,,')
                    + sentence(f'HEHDT,{k + 10}.0,T') for k in SECONDS)
     (tmp_path / 'a.log').write_text(text)
     headings, counts = read_log(tmp_path / 'a.log', DriverSettings(time='validity'))
