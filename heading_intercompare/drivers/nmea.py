@@ -39,10 +39,10 @@ from .log_lines.times import day_time_ns, receiver_log_ns
 from .sentence_choice import (
     accepts,
     choose_instrument,
+    choose_naming,
     find_sentence,
     Heard,
     Listening,
-    name_sentence,
     TalkerTurns,
 )
 from .sentences import (
@@ -199,6 +199,7 @@ class NmeaDecoder:
             SENTENCES, settings.learn_s, _MOST_HELD if settings.sentence == 'auto' else 0,
             None if files is None else find_sentence(files.bare_blocks(), settings))
         self._instrument = choose_instrument(settings)
+        self._identify = choose_naming(settings.talker)
         self._days, self._stamps = start_stamps(settings, files)
         self._times = StreamTimes(self._days, self._time_sentences(files))
         self._words = WordCounts()
@@ -302,7 +303,7 @@ class NmeaDecoder:
         frames = self._framer.feed(data, received_ns)
         if self._bursts is not None and received_ns is not None:
             self._late_s = {received_ns: late_s, **dict(list(self._late_s.items())[:1])}
-            self._in_read = Counter((name_sentence(text, self._settings.talker), came_ns)
+            self._in_read = Counter((self._identify(text), came_ns)
                                     for came_ns, _, text, _, _ in frames)
         for frame in frames:
             self._take(frame)
@@ -349,7 +350,7 @@ class NmeaDecoder:
             return
         if not checked and self._from_file and not prefix.strip():
             text, suffix = self._stamps.cut(text)
-        name = name_sentence(text, self._settings.talker)
+        name = self._identify(text)
         if not (checked or self._lenient or may_lack_checksum(name)):
             self._counts['no_checksum'] += 1
             return

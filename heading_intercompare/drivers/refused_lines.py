@@ -63,7 +63,8 @@ _ADVICE = {
     'other_sentence': 'choose another kind of sentence with `sentence`',
     'other_instrument': 'choose another word of the line with `instrument`',
     'not_heading': f'a heading sentence is one of {", ".join(SENTENCES)}; give another log',
-    'no_sentence': 'a line needs a sentence that begins with $ or !; give another log',
+    'no_sentence': 'a line needs a sentence that begins with $ or !, or a log of a receiver with '
+                   '# or %; give another log',
 }
 _OTHER_ADVICE = 'the sensor sends no valid heading; choose another sentence with `sentence`'
 

@@ -26,7 +26,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, field
 from itertools import chain
-from typing import Iterable, Iterator, Sequence
+from typing import Callable, Iterable, Iterator, Sequence
 
 from heading_intercompare.core.records import ColumnBuffer
 
@@ -51,28 +51,30 @@ def accepts(name: Name, settings: DriverSettings) -> bool:
             and (settings.talker is None or not name.talker or settings.talker == name.talker))
 
 
-def name_sentence(text: bytes, talker: str | None) -> Name | None:
+def choose_naming(talker: str | None) -> Callable[[bytes], Name | None]:
     """
-    Return the name of a heading sentence; without its talker if it is one of several to read.
+    Return what names a heading sentence; a name lacks its talker if it is one of several to read.
 
     Parameters
     ----------
-    text
-        The text between `$` and `*`.
     talker
         The talkers to read as one: several with commas between, or 'any'; another one joins none.
 
     Examples
     --------
-    >>> [name_sentence(b'GNHDT,1.0,T', talker) for talker in ('GN', 'GP,GN')]
+    >>> [choose_naming(talker)(b'GNHDT,1.0,T') for talker in ('GN', 'GP,GN')]
     [Name(kind='HDT', talker='GN'), Name(kind='HDT', talker='')]
 
     """
-    name = identify(text)
-    if name is None or talker is None or talker != 'any' and (
-            ',' not in talker or name.talker not in talker.split(',')):
-        return name
-    return Name(name.kind, '')
+    if talker is None or talker != 'any' and ',' not in talker:
+        return identify
+    talkers = talker.split(',')
+
+    def name_together(text: bytes) -> Name | None:
+        name = identify(text)
+        return (Name(name.kind, '') if name and (talker == 'any' or name.talker in talkers)
+                else name)
+    return name_together
 
 
 class TalkerTurns:
@@ -219,7 +221,7 @@ def find_sentence(blocks: Iterable[bytes], settings: DriverSettings) -> Name | N
     """
     lenient = settings.checksum == 'if_present'
     kinds = [kind for kind in SENTENCES if settings.sentence in ('auto', kind)]
-    choice = choose_instrument(settings)
+    choice, naming = choose_instrument(settings), choose_naming(settings.talker)
     best, tail, span = None, b'', 0
     for block in chain(blocks, (b'\n',)):
         text = tail + block
@@ -242,7 +244,7 @@ def find_sentence(blocks: Iterable[bytes], settings: DriverSettings) -> Name | N
             begin = text.rfind(b'\n', 0, at) + 1
             at = text.find(b'\n', at + span) + 1 or len(text)
             span = _BLOCK
-            for name in _names(text[begin:at], lenient, choice, settings.talker):
+            for name in _names(text[begin:at], lenient, choice, naming):
                 if name.kind in kinds and accepts(name, settings):
                     best = name
                     kinds = kinds[:kinds.index(name.kind)]
@@ -258,13 +260,13 @@ def choose_instrument(settings: DriverSettings) -> InstrumentChoice | None:
     return InstrumentChoice(str(settings.instrument))
 
 
-def _names(text: bytes, lenient: bool, choice: InstrumentChoice | None, talker: str | None
-           ) -> Iterator[Name]:
+def _names(text: bytes, lenient: bool, choice: InstrumentChoice | None,
+           identify_sentence: Callable[[bytes], Name | None]) -> Iterator[Name]:
     """Yield the heading sentences of whole lines, in the order of the log."""
     framer = Framer(with_lines=choice is not None)
     for _, prefix, sentence, checked, suffix in framer.feed(text, None) + framer.flush():
         if choice is not None and not choice.accepts(prefix, suffix):
             continue
-        name = name_sentence(sentence, talker)
+        name = identify_sentence(sentence)
         if name is not None and (checked or lenient or may_lack_checksum(name)):
             yield name

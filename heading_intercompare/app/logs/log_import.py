@@ -145,7 +145,7 @@ def import_log(path: str, driver: DriverSettings,
     log = ImportedLog(path=path, headings=Headings.concatenate(chunks),
                       sha256=hash_files(reader.paths), size=reader.size, sentence=reader.sentence,
                       not_taken=reader.counts, driver=driver, files=len(reader.paths),
-                      remarks=[_name_options(remark, role) for remark in reader.remarks])
+                      remarks=[name_options(remark, role) for remark in reader.remarks])
     if role is not None and not len(log.headings):
         raise DriverError(_no_heading(log, role))
     return log
