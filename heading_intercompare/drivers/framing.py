@@ -50,8 +50,8 @@ _PIECE = re.compile(
     rb'|[\r\n]+)')
 #: A log of a receiver: its text with the sign before it, its checksum.
 _LOG = re.compile(rb'([#%][A-Z][A-Z0-9]*A,[^;*#%]*;[^*]*)\*([0-9A-Fa-f]{8})(?![0-9A-Fa-f])')
-_SHORT_CHECKSUM = re.compile(rb'\*([0-9A-Fa-f])(?![0-9A-Fa-f])(.*)', re.DOTALL)
-_LONG_CHECKSUM = re.compile(rb'([0-9A-Fa-f]{6})(?![0-9A-Fa-f])(.*)', re.DOTALL)
+#: A checksum of another length: of 32 bits, or without its leading zero; the rest of the line.
+_ODD_CHECKSUM = re.compile(rb'([0-9A-Fa-f]{8}|[0-9A-Fa-f])(?![0-9A-Fa-f])(.*)', re.DOTALL)
 _HEX = {f'{a}{b}'.encode(): int(a + b, 16)
         for a in '0123456789abcdefABCDEF' for b in '0123456789abcdefABCDEF'}
 
@@ -103,6 +103,15 @@ def _checksums(texts: list[bytes]) -> list[int]:
 def _long_checksum(text: bytes) -> int:
     """Return the checksum of 32 bits that NovAtel and Unicore use: neither end is inverted."""
     return zlib.crc32(text, 0xFFFFFFFF) ^ 0xFFFFFFFF
+
+
+def _suffix_of_odd(text: bytes, computed: int, tail: bytes) -> bytes | None:
+    """Return what follows the checksum of another length in a tail; None unless it agrees."""
+    match = _ODD_CHECKSUM.match(tail)
+    if match is None:
+        return None
+    expected = _long_checksum(text) if len(match[1]) > 1 else computed
+    return match[2].strip() if int(match[1], 16) == expected else None
 
 
 def _find_log(line: bytes) -> re.Match[bytes] | None:
@@ -223,7 +232,7 @@ class Framer:
         if not ends:
             pieces.append(pieces.pop()[:1] + (b'', b'', b'', b'', b''))
         frames: list[Frame] = []
-        counts, n, before = self.counts, 0, b''
+        n, before = 0, b''
         for (prefix, start, body, checksum, after, rest), computed in zip(
                 pieces, _checksums([piece[2] for piece in pieces])):
             prefix = prefix or before
@@ -235,29 +244,30 @@ class Framer:
                 continue
             came_ns = starts_ns[n] if n < len(starts_ns) else received_ns
             n += 1
-            if len(body) > MAX_SENTENCE:
-                counts['too_long'] += 1
-            elif checksum:
-                if _HEX[checksum] == computed:
-                    frames.append((came_ns, prefix, body, True, after.strip()))
-                    continue
-                long = _LONG_CHECKSUM.match(after)
-                if long and int(checksum + long[1], 16) == _long_checksum(body):
-                    frames.append((came_ns, prefix, body, True, long[2].strip()))
-                else:
-                    counts['bad_checksum'] += 1
-            elif not rest:
-                counts['cut'] += 1
-            elif rest[:1] == b'*':
-                short = _SHORT_CHECKSUM.match(rest)
-                if short and int(short[1], 16) == computed:
-                    frames.append((came_ns, prefix, body, True, short[2].strip()))
-                else:
-                    counts['bad_checksum'] += 1
-            else:
-                frames.append((came_ns, prefix, body, False, b''))
+            if checksum and _HEX[checksum] == computed and len(body) <= MAX_SENTENCE:
+                frames.append((came_ns, prefix, body, True, after.strip()))
+                continue
+            tail = b'*' + checksum + after if checksum else rest
+            suffix = self._examine(body, computed, tail)
+            if suffix is not None:
+                frames.append((came_ns, prefix, body, tail[:1] == b'*', suffix))
         self._prefix = prefix
         return frames
+
+    def _examine(self, text: bytes, computed: int, tail: bytes) -> bytes | None:
+        """Return what follows a text with no checksum of two digits that agrees, or count it."""
+        if len(text) > MAX_SENTENCE:
+            self.counts['too_long'] += 1
+        elif tail[:1] == b'*':
+            suffix = _suffix_of_odd(text, computed, tail[1:])
+            if suffix is not None:
+                return suffix
+            self.counts['bad_checksum'] += 1
+        elif tail:
+            return b''
+        else:
+            self.counts['cut'] += 1
+        return None
 
 
 def split(line: bytes) -> tuple[bytes, bytes, bytes] | None:

@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from itertools import chain
-from typing import Callable, Iterable, Sequence
+from typing import Callable, Iterable, Iterator, Sequence
 
 from heading_intercompare.drivers.framing import Framer
 
@@ -55,15 +55,22 @@ def find_kind(blocks: Iterable[bytes], lenient: bool = False) -> str | None:
         text, tail = text[:end], text[end:][-_MOST_TAIL:]
         if not any(token in text for token, rank in _RANKS.items() if rank < best):
             continue
-        for _, _, sentence, checked, _ in Framer().feed(text, None):
-            rank = _RANKS.get(sentence[2:6], best)
-            if rank < best and (checked or lenient):
-                present = min(present, rank)
-                best = rank if _tells_time(sentence, rank) else best
+        for rank, sentence in _time_sentences(text, lenient):
+            present = min(present, rank)
+            if rank < best and _tells_time(sentence, rank):
+                best = rank
         if best == 0:
             break
     best = present if best == len(TIME_SENTENCES) else best
     return TIME_SENTENCES[best] if best < len(TIME_SENTENCES) else None
+
+
+def _time_sentences(text: bytes, lenient: bool) -> Iterator[tuple[int, bytes]]:
+    """Yield the sentences of whole lines that tell the time, each with the rank of its kind."""
+    for _, _, sentence, checked, _ in Framer().feed(text, None):
+        rank = _RANKS.get(sentence[2:6])
+        if rank is not None and (checked or lenient):
+            yield rank, sentence
 
 
 def _tells_time(text: bytes, rank: int) -> bool:

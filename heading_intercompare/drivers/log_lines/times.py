@@ -184,19 +184,18 @@ def receiver_log_ns(fields: list[bytes], week: int = 0) -> int:
         If the receiver does not know the time of GPS finely, or it is missing or impossible.
 
     """
+    unit_ns = SECOND_NS
     if not week and fields[0][:1] == b'%':
         week = 1
-    of_unicore = not week and fields[2].isalpha()
-    if not week:
-        week = 4 if of_unicore else 5
-        if not fields[week - 1].startswith(b'FINE') or of_unicore and fields[2] != b'GPS':
+    elif not week:
+        week, unit_ns = (4, 1_000_000) if fields[2] == b'GPS' else (5, SECOND_NS)
+        if not fields[week - 1].startswith(b'FINE'):
             raise ValueError('time status')
     second = _is_decimal(fields[week + 1])
     if second is None or not fields[week].isdigit():
         raise ValueError('GPS time')
-    of_week_ns = (int(second[1]) * 1_000_000 if of_unicore else
-                  int(second[1]) * SECOND_NS + fraction_ns(second[2]))
-    return gps_ns(int(fields[week]), of_week_ns)
+    return gps_ns(int(fields[week]),
+                  int(second[1]) * unit_ns + fraction_ns(second[2]) * unit_ns // SECOND_NS)
 
 
 def gga_ns(fields: list[bytes]) -> int:

@@ -232,8 +232,8 @@ def test_a_text_that_is_no_log_shows_its_first_line(logs, tmp_path, capsys):
     text.write_text('\n2014-08-01 calm\n')
     empty.touch()
     start = ("first refused line: '2014-08-01 calm'; recognised in it: no stamp, no sentence; "
-             'a line needs a sentence that begins with $ or !, or a log of a receiver with # or %; '
-             'give another log')
+             'a line needs a sentence that begins with $ or !, or a log of a receiver with # or '
+             '%; give another log')
     assert refusal(capsys, 'analyze', *QUIET_NORMS, logs[0], text) == (
         f'{text}: is not a log of NMEA sentences or headings, but {logs[0]} is: {start}')
     assert refusal(capsys, 'analyze', *QUIET_NORMS, text, text) == (
