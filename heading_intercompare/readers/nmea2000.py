@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-Logs of NMEA 2000: candump, canboat's plain form, also in a raw log of Signal K, and its JSON.
+Logs of NMEA 2000: candump, canboat's plain form and its JSON, the text forms of gateways.
 
 They give vessel headings (PGN 127250), and the motion of the ship (129025, 129026, 127251,
 129029). A stream is a source address of the bus.
@@ -35,8 +35,12 @@ from heading_intercompare.core.motion.moved_rows import (
     make_velocity,
     MovedRow,
 )
+from heading_intercompare.drivers.log_lines.days import Days
+from heading_intercompare.drivers.log_lines.line_stamps import LineStamps, read_offset
+from heading_intercompare.drivers.refused_lines import advise, name_options
+from heading_intercompare.drivers.sentences import Rejected
 
-from .stream_recording import Collected
+from .stream_recording import Collected, ReaderError, StreamOptions, UNSTATED
 
 #: From here on a field says: not available, out of range, reserved.
 _NO_UNSIGNED, _NO_SIGNED = 65533, 32765
@@ -247,7 +251,8 @@ class FrameForm(NamedTuple):
         Who writes it.
     line
         Finds a line, with named parts: `stamp` (day and time), or `s` and `decimals` of the time
-        since 1970; `identifier` in hexadecimal, or `pgn` and `source`; `data` in hexadecimal.
+        since 1970, or `hour`, `minute` and `second` of a day; `identifier` in hexadecimal, or
+        `pgn` and `source`, or `pgn_hex` and `source_hex`; `data` in hexadecimal.
 
     """
 
@@ -271,6 +276,15 @@ FRAME_FORMS = (
     FrameForm('canboat', re.compile(
         rb'^(?:\d+;A;)?(?P<stamp>\d{4}-\d\d-\d\d[TZ -]\d\d:\d\d:\d\d(?:\.\d+)?Z?),\d,'
         rb'(?P<pgn>\d+),(?P<source>\d+),\d+,\d+,' + _BYTES + rb'\s*$', re.MULTILINE)),
+    # The time of day, received or transmitted, identifier, bytes.
+    FrameForm('Yacht Devices RAW', re.compile(
+        rb'^(?P<hour>\d\d):(?P<minute>\d\d):(?P<second>\d\d(?:\.\d+)?) [RT] '
+        rb'(?P<identifier>[0-9A-Fa-f]{8}) ' + _BYTES + rb'\s*$', re.MULTILINE)),
+    # The time of day; source, destination and priority; PGN; all bytes of the message.
+    FrameForm('Actisense N2K ASCII', re.compile(
+        rb'^A(?P<hour>\d\d)(?P<minute>\d\d)(?P<second>\d\d\.\d+) '
+        rb'(?P<source_hex>[0-9A-Fa-f]{2})[0-9A-Fa-f]{2}[0-7] (?P<pgn_hex>[0-9A-Fa-f]{5}) '
+        + _BYTES + rb'\s*$', re.MULTILINE)),
 )
 """The forms of logs of frames."""
 
@@ -388,15 +402,32 @@ def _read_blocks(path: str, take: Callable[[bytes], None]) -> None:
     take(rest)
 
 
-def read_frames(form: FrameForm, path: str) -> Collected:
+def read_frames(form: FrameForm, path: str, options: StreamOptions = UNSTATED) -> Collected:
     """
     Read a log of frames.
 
     The bits of a frame's identifier give the PGN and the source. Messages of several frames may be
     joined or not; with at most 8 bytes they are not. Such a message has the stamp of its last
     frame.
+
+    Parameters
+    ----------
+    form
+        How the frames are written.
+    path
+        The log.
+    options
+        Date and zone of a log with times of day.
+
+    Raises
+    ------
+    OSError
+        If the file cannot be read.
+    ReaderError
+        If nothing tells the date of its times of day.
+
     """
-    collected, packets = Collected(), FastPackets()
+    collected, packets, stamps = Collected(), FastPackets(), _FrameStamps(path, options)
 
     def take(block: bytes) -> None:
         for line in form.line.finditer(block):
@@ -404,8 +435,7 @@ def read_frames(form: FrameForm, path: str) -> Collected:
             pgn, source = _address(parts)
             if pgn != PGN and pgn not in MOTION_PGNS:
                 continue
-            stamp_ns = _stamp(parts['stamp'].decode()) if parts['stamp'] else (
-                int(parts['s']) * _SECOND_NS + int(parts['decimals'].ljust(9, b'0')))
+            stamp_ns = stamps.read(parts)
             data = bytes.fromhex(parts['data'].decode().replace(',', ''))
             if pgn == PGN:
                 _take(collected, source, stamp_ns, decode_vessel_heading(data))
@@ -415,12 +445,49 @@ def read_frames(form: FrameForm, path: str) -> Collected:
     _read_blocks(path, take)
     if broken := packets.flush():
         collected.not_taken[f'PGN {_FAST_PGN}.incomplete'] += broken
+    collected.oddities += filter(None, (stamps.origin,))
     return collected
+
+
+class _FrameStamps:
+    """Reads the stamps of the lines of one log of frames."""
+
+    def __init__(self, path: str, options: StreamOptions) -> None:
+        settings = options.stamps
+        self._path = path
+        self._days = Days(settings.date, zone=None if settings.stamp_zone is None
+                          else read_offset(settings.stamp_zone))
+        self._days.begin_file(path)
+        self._clock = LineStamps(settings, self._days, lambda: None)
+
+    @property
+    def origin(self) -> str:
+        """Return where the date of times of day came from, in words; '' if none was needed."""
+        return self._days.origin
+
+    def read(self, parts: Mapping[str, bytes]) -> int | None:
+        """Return the stamp of a line, nanoseconds UTC; None if it is none."""
+        if parts.get('hour'):
+            return self._read_clock(b'%b:%b:%b' % (
+                parts['hour'], parts['minute'], parts['second']))
+        if parts.get('stamp'):
+            return _stamp(parts['stamp'].decode())
+        return int(parts['s']) * _SECOND_NS + int(parts['decimals'].ljust(9, b'0'))
+
+    def _read_clock(self, text: bytes) -> int | None:
+        try:
+            return self._clock.own_ns(text, b'')
+        except Rejected as rejected:
+            if rejected.reason == 'no_date':
+                raise ReaderError(self._path, name_options(advise('no_date'), None)) from None
+            return None
 
 
 def _address(parts: Mapping[str, bytes]) -> tuple[int, int]:
     """Return the PGN and the source of a frame."""
-    if 'identifier' not in parts:
+    if 'pgn_hex' in parts:
+        return int(parts['pgn_hex'], 16), int(parts['source_hex'], 16)
+    if 'pgn' in parts:
         return int(parts['pgn']), int(parts['source'])
     number = int(parts['identifier'], 16)
     return number >> 8 & 0x1FFFF, number & 0xFF

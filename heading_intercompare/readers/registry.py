@@ -137,7 +137,7 @@ FORMATS = (
     Format('NMEA 2000, canboat JSON', _of_head(nmea2000.is_canboat_json),
            _as_is(nmea2000.read_canboat_json)),
     *(Format(f'NMEA 2000, {form.program}', _of_head(form.is_in),
-             _as_is(partial(nmea2000.read_frames, form))) for form in nmea2000.FRAME_FORMS),
+             partial(nmea2000.read_frames, form)) for form in nmea2000.FRAME_FORMS),
     Format('Signal K deltas', _of_head(json_lines.is_signalk), _as_is(json_lines.read_signalk)),
     Format('gpsd reports', _of_head(json_lines.is_gpsd), _as_is(json_lines.read_gpsd)),
     Format('OpenRVDAS records', _of_head(json_lines.is_openrvdas),

@@ -29,6 +29,7 @@ import re
 
 import pytest
 
+from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.readers.nmea2000 import (
     decode_vessel_heading,
     FRAME_FORMS,
@@ -36,9 +37,10 @@ from heading_intercompare.readers.nmea2000 import (
     read_canboat_json,
     read_frames,
 )
+from heading_intercompare.readers.stream_recording import ReaderError, StreamOptions
 
-CANDUMP, CANBOAT = FRAME_FORMS
-read_candump, read_canboat_plain = (partial(read_frames, form) for form in FRAME_FORMS)
+CANDUMP, CANBOAT, YACHT_DEVICES, ACTISENSE = FRAME_FORMS
+read_candump, read_canboat_plain = (partial(read_frames, form) for form in FRAME_FORMS[:2])
 T_NS = 1436509052249713000
 DEG = math.degrees(1e-4)
 
@@ -137,6 +139,51 @@ def test_a_raw_log_of_signal_k_has_the_lines_of_canboat(tmp_path):
     text = '1436509052248;N;$HEHDT,57.3,T*15\n' + text
     assert CANBOAT.is_in(text.encode())
     assert read(tmp_path, read_canboat_plain, text) == (EXPECTED, NOT_TAKEN)
+
+
+def write_yacht_devices(clock, source, data):
+    """Return a line of a RAW stream of Yacht Devices."""
+    return f'{clock} R {identifier(source)} {data.hex(" ").upper()}\r\n'
+
+
+def write_actisense(clock, source, data):
+    """Return a line of N2K ASCII of Actisense; 1F112 is the PGN of a vessel heading."""
+    return f'A{clock.replace(":", "")} {source:02X}FF2 1F112 {data.hex().upper()}\r\n'
+
+
+GATEWAYS = [(YACHT_DEVICES, write_yacht_devices), (ACTISENSE, write_actisense)]
+
+
+@pytest.mark.parametrize('form, write', GATEWAYS, ids=['Yacht Devices', 'Actisense'])
+@pytest.mark.parametrize('zone, hour', [(None, 6), ('+02:00', 8)])
+def test_gateways_write_the_time_of_day(tmp_path, form, write, zone, hour):
+    text = ''.join(write(f'{hour:02d}:17:32.{249 + n}', source, data)
+                   for n, (source, data) in enumerate(FRAMES))
+    assert [*filter(lambda other: other.is_in(text.encode()), FRAME_FORMS)] == [form]
+    options = StreamOptions(DriverSettings(date='2015-07-10', stamp_zone=zone))
+    streams, not_taken = read(tmp_path, partial(read_frames, form, options=options), text)
+    first_ns = T_NS // 10 ** 6 * 10 ** 6
+    assert streams == {'23': [(first_ns, pytest.approx(10000 * DEG))],
+                       '35': [(first_ns + 2 * 10 ** 6, pytest.approx(20500 * DEG))]}
+    assert not_taken == NOT_TAKEN
+
+
+@pytest.mark.parametrize('form, write', GATEWAYS, ids=['Yacht Devices', 'Actisense'])
+def test_a_gateway_passes_midnight(tmp_path, form, write):
+    text = ''.join(write(clock, 0x23, payload(10000))
+                   for clock in ('23:59:59.500', '00:00:00.500', '00:00:01.500'))
+    path = tmp_path / 'log_2015-07-09.txt'
+    path.write_text(text)
+    collected = read_frames(form, str(path))
+    stamps = collected.streams()['35'].stamp_ns
+    assert stamps.tolist() == [1436486399500000000 + n * 10 ** 9 for n in range(3)]
+    assert collected.oddities == ['date by the name of the file']
+
+
+@pytest.mark.parametrize('form, write', GATEWAYS, ids=['Yacht Devices', 'Actisense'])
+def test_times_of_day_without_a_date_are_refused_with_the_option(tmp_path, form, write):
+    with pytest.raises(ReaderError, match='n2k.log: the stamps have no date: set --date to that'):
+        read(tmp_path, partial(read_frames, form), write('06:17:32.249', 5, payload(10000)))
 
 
 def test_names_of_fields_in_camel_case_are_those_of_canboat(tmp_path):
