@@ -266,7 +266,8 @@ def refuse_unreadable(path: str | os.PathLike[str]) -> None:
     if any(head) and not head.startswith(_MCAP) and '.mcap' not in name:
         raise ReaderError(path, f'has no form that can be read: it begins with {_show(head)}. '
                           'A log has sentences such as $HEHDT, a table a header with the names of '
-                          'its columns; docs/bags.md lists all forms')
+                          'its columns (analyze takes any two as --ts and --rs); docs/bags.md '
+                          'lists all forms')
 
 
 def _show(head: bytes) -> str:
