@@ -78,8 +78,8 @@ def find_logs(inputs: Sequence[str], drivers: Mapping[str, DriverSettings] | Non
     _refuse_names(inputs)
     streams = len(inputs) == 2 and not recordings
     options = [options_for(drivers[role]) if drivers else UNSTATED for role in ROLES]
-    logs = [path for path, stated in zip(inputs, [*options, *options[:1] * len(inputs)])
-            if has_one_sensor(path) or streams and has_streams(path, stated)]
+    logs = [path for n, path in enumerate(inputs)
+            if has_one_sensor(path) or streams and has_streams(path, options[n])]
     if not logs:
         _check_texts(inputs)
         return None
@@ -99,10 +99,14 @@ def find_logs(inputs: Sequence[str], drivers: Mapping[str, DriverSettings] | Non
         raise ValueError(f'{inputs[0]}: is one of {len(inputs)} logs: {_USE}; give the files of '
                          'one sensor as their folder, or as a pattern in quotes')
     ts, rs = inputs
-    if not apart and (ts == rs or (os.path.exists(ts) and os.path.exists(rs)
-                                   and os.path.samefile(ts, rs))):
+    if not apart and _is_same_file(ts, rs):
         raise ValueError(f'{rs}: is given as TS and as RS: {_USE}; if it is of both, {_APART}')
     return ts, rs
+
+
+def _is_same_file(path: str, other: str) -> bool:
+    return path == other or (os.path.exists(path) and os.path.exists(other)
+                             and os.path.samefile(path, other))
 
 
 def _refuse_names(inputs: Sequence[str]) -> None:
