@@ -124,6 +124,16 @@ def count_recorded(bag, topic='/ts/heading') -> int:
     return info.count if info else 0
 
 
+def kill_and_restart(processes, node, bag) -> int:
+    """Kill a node, and start it again; return how many states of the verdict are in the bag."""
+    name = node.file or node.label
+    processes.running[name].kill()
+    processes.running[name].wait()
+    n_states = count_recorded(bag, '/compliance/verdict')
+    processes.start(node)
+    return n_states
+
+
 DRIVERS_LAST = ('recorder', 'intercompare', 'ts_driver', 'rs_driver')
 
 
@@ -437,11 +447,8 @@ def test_a_comparison_that_is_killed_goes_on_and_misses_nothing(
         processes.start(node)
     for n in kills:
         wait_for(lambda n=n: count_recorded(bag) >= n)
-        processes.running['intercompare'].kill()
-        processes.running['intercompare'].wait()
-        n_starts = count_recorded(bag, '/compliance/verdict')
-        processes.start(made['intercompare'])
-    wait_for(lambda: count_recorded(bag, '/compliance/verdict') > n_starts)
+        n_states = kill_and_restart(processes, made['intercompare'], bag)
+    wait_for(lambda: count_recorded(bag, '/compliance/verdict') > n_states)
     end_trial(processes)
     written, = reports.iterdir()
     report = json.loads(written.read_text('utf-8'))
@@ -480,11 +487,8 @@ def test_a_compliance_apart_that_is_killed_goes_on_and_the_verdict_is_that_of_th
         processes.start(node)
     for n in (250, 500, 750):
         wait_for(lambda n=n: count_recorded(bag) >= n)
-        processes.running['compliance'].kill()
-        processes.running['compliance'].wait()
-        n_starts = count_recorded(bag, '/compliance/verdict')
-        processes.start(made['compliance'])
-    wait_for(lambda: count_recorded(bag, '/compliance/verdict') > n_starts)
+        n_states = kill_and_restart(processes, made['compliance'], bag)
+    wait_for(lambda: count_recorded(bag, '/compliance/verdict') > n_states)
     end_trial(processes, 'synchronizer', 'compliance')
     written, = reports.iterdir()
     report = json.loads(written.read_text('utf-8'))
