@@ -52,7 +52,6 @@ _HEADER = np.dtype([('order', '<u2'), ('options', '<u2'), ('sec', '<i4'), ('nano
 _BIG, _LITTLE = 0x0000, 0x0100
 
 
-
 @dataclass(frozen=True, slots=True, eq=False)
 class FieldColumn:
     """

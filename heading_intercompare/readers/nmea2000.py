@@ -35,8 +35,7 @@ from heading_intercompare.core.motion.moved_rows import (
     make_velocity,
     MovedRow,
 )
-from heading_intercompare.drivers.log_lines.days import Days
-from heading_intercompare.drivers.log_lines.line_stamps import LineStamps, read_offset
+from heading_intercompare.drivers.log_lines.log_clocks import start_stamps_of_file
 from heading_intercompare.drivers.refused_lines import advise, name_options
 from heading_intercompare.drivers.sentences import Rejected
 
@@ -453,12 +452,8 @@ class _FrameStamps:
     """Reads the stamps of the lines of one log of frames."""
 
     def __init__(self, path: str, options: StreamOptions) -> None:
-        settings = options.stamps
         self._path = path
-        self._days = Days(settings.date, zone=None if settings.stamp_zone is None
-                          else read_offset(settings.stamp_zone))
-        self._days.begin_file(path)
-        self._clock = LineStamps(settings, self._days, lambda: None)
+        self._days, self._clock = start_stamps_of_file(options.stamps, path)
 
     @property
     def origin(self) -> str:

@@ -365,7 +365,7 @@ def open_log_of_streams(path: str | os.PathLike[str],
     elif form.read is None:
         raise ReaderError(path, f'is a bag ({form.name}), no log: give it to analyze, with --ts '
                           'and --rs')
-    if not has_streams(path, options):
+    if form is None or form is _LOG:
         return None
     recording = open_recording(path, options=options)
     return recording if isinstance(recording, StreamRecording) else None

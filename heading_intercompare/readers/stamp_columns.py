@@ -30,13 +30,8 @@ from heading_intercompare.bags.csv.stamp_cells import (
     scale,
 )
 from heading_intercompare.core.units.given_stamps import find_unit, is_of_satellite_time
-from heading_intercompare.drivers.log_lines.days import Days
 from heading_intercompare.drivers.log_lines.line_formats import compile_form, FORMATS
-from heading_intercompare.drivers.log_lines.line_stamps import (
-    find_date_order,
-    LineStamps,
-    read_offset,
-)
+from heading_intercompare.drivers.log_lines.log_clocks import start_stamps_of_file
 from heading_intercompare.drivers.log_lines.times import DAY_NS, SECOND_NS
 from heading_intercompare.drivers.refused_lines import advise, name_options
 from heading_intercompare.drivers.sentences import Rejected
@@ -190,11 +185,8 @@ class StampColumns:
         self._numeric = (settings.stamp_format in ('auto', 'epoch')
                          and settings.stamp_pattern is None)
         self._auto = settings.stamp_format == 'auto'
-        self._days = Days(settings.date, zone=None if settings.stamp_zone is None
-                          else read_offset(settings.stamp_zone))
-        self._days.begin_file(path)
-        self._stamps = LineStamps(settings, self._days, lambda: find_date_order(
-            cell.encode() + b'\n' for cell in self._cells()))
+        self._days, self._stamps = start_stamps_of_file(
+            settings, path, lambda: (cell.encode() + b'\n' for cell in self._cells()))
         self._unit: _Unit | None = None
         self._has_looked = False
 

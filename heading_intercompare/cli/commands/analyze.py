@@ -390,9 +390,10 @@ def _check_input_options(arguments: argparse.Namespace, settings: Settings, of_l
     several = settings.sensors is not None
     form = 'NAME=LOG' if several else 'one'
     wrong = dict.fromkeys(LOG_OPTIONS, f'is for logs, and no INPUT is {form}; leave it out')
-    options = options_of(settings, driver)
-    if not of_logs and any(has_streams(path, options) for path in arguments.inputs):
-        wrong = {option: why for option, why in wrong.items() if option not in _OF_TABLES}
+    of_tables = [option for option in _OF_TABLES if getattr(arguments, option) is not None]
+    if of_tables and not of_logs and any(has_streams(path, options_of(settings, driver))
+                                         for path in arguments.inputs):
+        wrong = {option: why for option, why in wrong.items() if option not in of_tables}
     if of_logs:
         wrong = dict.fromkeys(('ts', 'rs', 'dask'),
                               'is for bags, and these INPUTs are logs; leave it out')

@@ -16,6 +16,9 @@
 
 from __future__ import annotations
 
+from datetime import tzinfo
+from typing import Callable, Iterable
+
 from heading_intercompare.drivers.settings import DriverSettings
 
 from .days import Days
@@ -39,13 +42,37 @@ def start_stamps(settings: DriverSettings, files: LogFiles | None = None, *,
         As for `LineStamps`.
 
     """
-    zone = None if settings.stamp_zone is None else read_offset(settings.stamp_zone)
     if files is None:
-        days = Days(settings.date, zone=zone)
+        days = Days(settings.date, zone=_read_zone(settings))
         return days, LineStamps(settings, days)
-    days = Days(settings.date, lambda: find_first_time(files.bare_blocks()), zone)
+    days = Days(settings.date, lambda: find_first_time(files.bare_blocks()), _read_zone(settings))
     return days, LineStamps(settings, days, lambda: find_date_order(files.bare_blocks()),
                             of_log=of_log)
+
+
+def start_stamps_of_file(settings: DriverSettings, path: str,
+                         texts: Callable[[], Iterable[bytes]] = lambda: (),
+                         ) -> tuple[Days, LineStamps]:
+    """
+    Return what reads the stamps of a file of another program, such as the cells of a table.
+
+    Parameters
+    ----------
+    settings
+        With the form of the stamps, and the date of a file without one.
+    path
+        The file, whose name may tell the date.
+    texts
+        Returns all its stamps, which may tell whether the day or the month comes first.
+
+    """
+    days = Days(settings.date, zone=_read_zone(settings))
+    days.begin_file(path)
+    return days, LineStamps(settings, days, lambda: find_date_order(texts()))
+
+
+def _read_zone(settings: DriverSettings) -> tzinfo | None:
+    return None if settings.stamp_zone is None else read_offset(settings.stamp_zone)
 
 
 def choose_time_sentences(files: LogFiles | None, settings: DriverSettings) -> tuple[str, ...]:
