@@ -182,10 +182,16 @@ class Synchronizer(GraphNode):
         self._seen_s = time.monotonic()
         self._end_s = self._seen_s + self._own.end_wait_s
 
-    def describe_rest(self) -> str:
-        """Return what is not published yet: pairs for which a subscriber had no room."""
+    def give_up(self) -> str:
+        """Pair the last headings that came, so that each has its fate in the account."""
+        if not self._flushed:
+            self._flush()
         n = sum(outlet.n_waiting for outlet in self._outlets.values())
         return f'{n} pairs are not published' if n else 'headings still come'
+
+    def _flush(self) -> None:
+        self._flushed = True
+        self._pair(self._headings.take(last=True), last=True)
 
     def _finish_if_quiet(self) -> None:
         now_s = time.monotonic()
@@ -194,8 +200,7 @@ class Synchronizer(GraphNode):
         if now_s < min(self._end_s, self._seen_s + _LAST_S):
             return
         if not self._flushed:
-            self._flushed = True
-            self._pair(self._headings.take(last=True), last=True)
+            self._flush()
         if not any(outlet.n_waiting for outlet in self._outlets.values()):
             self.ended = True
             self._beat()

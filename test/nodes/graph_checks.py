@@ -39,6 +39,15 @@ def log(path, n, first_s, heading_deg):
     return f'file:{path}'
 
 
+def count_recorded(bag, topic='/ts/heading') -> int:
+    """Return how many messages of a topic are in a bag that may be open."""
+    try:
+        info = BagReader(bag).topics.get(topic)
+    except (OSError, ValueError):
+        return 0
+    return info.count if info else 0
+
+
 def offline(path, **settings):
     """Return the verdict on a bag."""
     comparison = Intercomparison(Settings.from_mapping({**NORMS, **settings}))

@@ -34,6 +34,7 @@ from threading import Event, Thread
 import time
 
 from deadlines import Stopwatch
+from nodes.graph_checks import count_recorded
 from nodes.launch_files import nodes
 from nodes.lines import free_port, sentence
 from nodes.processes import Processes, wait_for
@@ -126,12 +127,14 @@ class Graph:
         self.resident: dict[str, list[int]] = {name: [] for name in NODES}
 
     def start(self) -> None:
-        """Start all nodes, then the ship."""
+        """Start all nodes, then the ship; return when pairs are recorded."""
         for node in self.plan.values():
             self.processes.start(node)
         wait_for(lambda: all(is_bound(port) for port in self.ship.ports.values())
                  and any(self.folder.glob('heading_*')))
         self.ship.start()
+        bag, = self.folder.glob('heading_*')
+        wait_for(lambda: count_recorded(bag, '/pairs') > 0)
 
     def pause(self, span_s: float, mortal: str = '') -> None:
         """Let time pass, in which no node may die by itself, except one."""
@@ -164,6 +167,8 @@ class Graph:
         self.start_again(name)
         if name.endswith('_driver'):
             wait_for(lambda: is_bound(self.ship.ports[name[:2]]))
+        if name == 'intercompare':
+            wait_for(lambda: 'a run must last' in (self.folder / f'{name}.log').read_text())
         # What others had not taken while they were stopped dies with a driver.
         since_ns = began_ns - round(UNCERTAIN_S * 1e9)
         if self.stopped_ns[1] > since_ns:
@@ -246,13 +251,20 @@ def count_uncountable(graph: Graph, name: str) -> int:
     driver = graph.down_ns[f'{name}_driver']
     most = sum(count_sent(graph, name, lo_ns, hi_ns + UNCERTAIN_S * 1e9)
                for lo_ns, hi_ns in driver)
-    for lo_ns, hi_ns in graph.down_ns['intercompare']:
-        # Its successor counts what came in between by the numbers of the one driver there is.
-        others = [(ns, GHOST_S) for _, ns in driver]
-        others += [(ns, SETTLED_S) for _, ns in graph.down_ns['intercompare']]
-        if any(0 < hi_ns - ns < span_s * 1e9 for ns, span_s in others):
-            most += count_sent(graph, name, lo_ns, hi_ns + 2 * UNCERTAIN_S * 1e9)
-    return most
+    return most + sum(count_sent(graph, name, lo_ns, hi_ns + 2 * UNCERTAIN_S * 1e9)
+                      for lo_ns, hi_ns in find_uncounted_restarts(graph, name))
+
+
+def find_uncounted_restarts(graph: Graph, name: str) -> list[tuple[int, int]]:
+    """
+    Return when the comparison was down and its successor could not count what came in between.
+
+    It counts by the numbers of the one driver there is, so not while DDS shows a dead one too.
+    """
+    others = [(ns, GHOST_S) for _, ns in graph.down_ns[f'{name}_driver']]
+    others += [(ns, SETTLED_S) for _, ns in graph.down_ns['intercompare']]
+    return [(lo_ns, hi_ns) for lo_ns, hi_ns in graph.down_ns['intercompare']
+            if any(0 < hi_ns - ns < span_s * 1e9 for ns, span_s in others)]
 
 
 def count_early(graph: Graph, name: str) -> int:
@@ -275,8 +287,10 @@ def check_account(graph: Graph, report: dict) -> None:
         missing = graph.ship.sent[name] - count_early(graph, name) - received - lost
         assert 0 <= missing <= count_uncountable(graph, name), (name, runs, graph.done)
     assert report['ledger_complete'] == (not report['ledger_problems'])
-    # What pairs goes on with the same account.
-    assert report['ledger_problems'] == []
+    # What pairs goes on with the same account, but for restarts that it cannot count.
+    uncounted = {lo_ns for name in ('ts', 'rs')
+                 for lo_ns, _ in find_uncounted_restarts(graph, name)}
+    assert len(report['ledger_problems']) <= len(uncounted), report['ledger_problems']
 
 
 @pytest.mark.slow

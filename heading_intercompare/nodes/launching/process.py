@@ -197,7 +197,7 @@ def end(executor: StockExecutor, nodes: Sequence[GraphNode], linger_s: float = 0
             executor.spin_once(0.05)
         if not node.ended:
             node.get_logger().error(f'ends after {_END_S:g} s all the same, although '
-                                    f'{node.describe_rest()}')
+                                    f'{node.give_up()}')
         deadline_s = time.monotonic() + linger_s
         while time.monotonic() < deadline_s:
             executor.spin_once(0.05)

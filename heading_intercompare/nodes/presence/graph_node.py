@@ -57,8 +57,8 @@ class GraphNode(Node):
         """Begin to shut down."""
         raise NotImplementedError
 
-    def describe_rest(self) -> str:
-        """Return what is not published or written yet, in words."""
+    def give_up(self) -> str:
+        """Leave what is not published or written; return in words what that is."""
         return 'something is not published or written'
 
     def get_logger(self) -> RcutilsLogger:

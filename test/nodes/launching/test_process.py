@@ -25,13 +25,17 @@ import sys
 import time
 
 from deadlines import DEADLINE_S
+from nodes.rclpy_objects import heading_messages
 from nodes.ros_nodes import EITHER_EXECUTOR, NORMS
+import numpy as np
 import pytest
+from sensor_msgs.msg import Imu
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
-from heading_intercompare.core.records import Pairs
+from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.core.verdict.verdict_document import SCHEMA
 from heading_intercompare.nodes.compliance import Compliance
+from heading_intercompare.nodes.interface import qos
 from heading_intercompare.nodes.interface.parameters import make_overrides
 from heading_intercompare.nodes.launching import process
 from heading_intercompare.nodes.launching.process import error_words, run, Stop
@@ -43,6 +47,8 @@ from heading_intercompare.nodes.spinning.executors import EXECUTOR
 from heading_intercompare.nodes.synchronizer import Synchronizer
 
 pytestmark = pytest.mark.process
+
+T0_NS = 1_700_000_000_000_000_000
 
 
 def signalled(make, *numbers, **values):
@@ -232,3 +238,21 @@ def test_pairs_that_find_no_room_are_named_at_the_end(ros, monkeypatch, capfd):
     assert not node.ended
     assert ('ends after 0.5 s all the same, although 3 pairs are not published'
             in capfd.readouterr().err)
+
+
+def test_a_synchronizer_that_cannot_end_in_time_leaves_no_reading_without_its_fate(
+        ros, monkeypatch, rng):
+    """Its computer is busy, and headings still come: what came is paired and judged."""
+    monkeypatch.setattr(process, '_END_S', 0.5)
+    judge = ros.ours(partial(Compliance, True), **NORMS)
+    node = ros.ours(partial(Synchronizer, judge), **NORMS, subscribers=0)
+    publisher = ros.plain.create_publisher(Imu, 'ts/heading', qos.HEADINGS_OUT)
+    ros.spin_until(lambda: publisher.get_subscription_count() == 1)
+    stamps = T0_NS + np.arange(20) * 100_000_000
+    for message in heading_messages(Headings.of(stamps, rng.uniform(0.0, 360.0, 20)), 'x'):
+        publisher.publish(message)
+    ros.spin_until(lambda: node._headings.intakes['ts'].received == 20)
+    process.end(ros.executor, [node, judge], destroy=lambda _: None)
+    assert not node.ended and judge.ended
+    ledger = judge.comparison.pairs['ts', 'rs'].maker.pairer.ledger
+    assert ledger.total.counts['ts_unpaired'] == 20
