@@ -108,6 +108,31 @@ def wrap360(angle_deg: ArrayLike) -> np.ndarray:
     return np.where(d >= 360.0, 0.0, d) + 0.0
 
 
+def headings_from_signed(heading_deg: ArrayLike) -> np.ndarray:
+    """
+    Return headings that count from -180 as headings from 0.
+
+    Parameters
+    ----------
+    heading_deg : array_like, shape (n,)
+        Headings as a file has them, degrees.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        The same, plus 360 from -180 to below 0; nan where they are not finite.
+
+    Examples
+    --------
+    >>> headings_from_signed([-10.0, 350.0, 400.0, float('inf')]).tolist()
+    [350.0, 350.0, 400.0, nan]
+
+    """
+    heading = np.asarray(heading_deg, dtype=np.float64)
+    finite = np.where(np.isfinite(heading), heading, np.nan)
+    return np.where((finite >= -180.0) & (finite < 0.0), wrap360(finite), finite)
+
+
 def unwrap_deg(heading_deg: ArrayLike) -> np.ndarray:
     """
     Return the headings as a continuous angle: each plus whole turns, so that no step is a half.

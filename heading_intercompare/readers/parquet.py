@@ -24,7 +24,7 @@ import pyarrow
 import pyarrow.parquet
 
 from heading_intercompare.bags.csv.stamp_cells import looks_like_unit
-from heading_intercompare.core.angles import wrap360
+from heading_intercompare.core.angles import headings_from_signed
 from heading_intercompare.core.pairing.interpolation_kernel import LARGEST_FACTOR
 from heading_intercompare.core.records import Headings, Integers, Pairs, Reals
 from heading_intercompare.core.units.angle_units import find_named_unit
@@ -219,10 +219,5 @@ class PairsParquet:
                 lag = _reals(path, name, batch.column(name))
                 lag_ns = np.round(np.nan_to_num(lag) * unit_ns).astype(np.int64)
                 break
-        return Pairs.of(stamps, _fold(ts_deg), _fold(rs_deg), lag_ns, *factors)
-
-
-def _fold(heading_deg: Reals) -> Reals:
-    """Return headings that count from -180 as degrees from 0; nan if not finite."""
-    finite_deg = np.where(np.isfinite(heading_deg), heading_deg, np.nan)
-    return np.where((finite_deg >= -180.0) & (finite_deg < 0.0), wrap360(finite_deg), finite_deg)
+        return Pairs.of(stamps, headings_from_signed(ts_deg), headings_from_signed(rs_deg),
+                        lag_ns, *factors)

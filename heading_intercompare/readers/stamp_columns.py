@@ -22,13 +22,17 @@ from itertools import islice
 import re
 from typing import Iterator, NamedTuple, Sequence
 
+import numpy as np
+
 from heading_intercompare.bags.csv.csv_rows import CsvRows
+from heading_intercompare.bags.csv.plain_rows import Decimals, Flags, PlainRows
 from heading_intercompare.bags.csv.stamp_cells import (
     DAY_ZERO_NS,
     looks_like_days,
     nanoseconds,
     scale,
 )
+from heading_intercompare.core.records import Integers
 from heading_intercompare.core.units.given_stamps import find_unit, is_of_satellite_time
 from heading_intercompare.drivers.log_lines.line_formats import compile_form, FORMATS
 from heading_intercompare.drivers.log_lines.log_clocks import start_stamps_of_file
@@ -52,6 +56,9 @@ _WORD = re.compile(r'[A-Z]?[a-z]+|[A-Z]+')
 _NUMBER = re.compile(r'\d+(?:[.,]\d*)?(?:[eE]\+?\d+)?', re.ASCII)
 _SIX_DIGITS = re.compile(r'(\d\d)(\d\d)(\d\d)((?:[.,]\d*)?)', re.ASCII)
 _EIGHT_DIGITS = re.compile(r'((?:19|20)\d\d)(\d\d)(\d\d)', re.ASCII)
+#: The seconds of a time of day, and their decimals.
+_SECONDS = re.compile(r'(?<![\d:])\d{1,2}:\d\d:(\d\d)((?:[.,]\d+)?)(?![\d:.,])', re.ASCII)
+_NO_TIME: Integers = np.zeros(1, np.int64)
 _CLOCK = compile_form(next(form.pattern for form in FORMATS if form.name == 'clock'), 'alone')
 _HINTS = (
     (_NUMBER, 'write every digit of a number, and its unit at the end of the name of the column '
@@ -185,6 +192,7 @@ class StampColumns:
         self._numeric = (settings.stamp_format in ('auto', 'epoch')
                          and settings.stamp_pattern is None)
         self._auto = settings.stamp_format == 'auto'
+        self._has_known_form = settings.stamp_pattern is None
         self._days, self._stamps = start_stamps_of_file(
             settings, path, lambda: (cell.encode() + b'\n' for cell in self._cells()))
         self._unit: _Unit | None = None
@@ -219,6 +227,116 @@ class StampColumns:
                             f'{cell[:_SHOWN]!r} is no stamp that can be read: '
                             f'{_advise(reason, cell)}; or name another column with --time-column')
         raise Rejected(reason)
+
+    def read_many(self, rows: CsvRows, plain: PlainRows, not_taken: Counter[str],
+                  ) -> tuple[Integers, Flags]:
+        """
+        Return the stamps of many rows, as `read` returns them one by one.
+
+        Parameters
+        ----------
+        rows
+            The table.
+        plain
+            Its next rows, n of them.
+        not_taken
+            Takes the reasons of the rows that have no stamp.
+
+        Returns
+        -------
+        stamp_ns : ndarray of int64, shape (n,)
+            Nanoseconds UTC.
+        stamped : ndarray of bool, shape (n,)
+            Which rows have one.
+
+        Raises
+        ------
+        ReaderError
+            If the unit of the times is in doubt.
+
+        """
+        stamp_ns, stamped = np.zeros(len(plain), np.int64), np.zeros(len(plain), bool)
+
+        def read(at: int) -> None:
+            rows.line = plain.line + at
+            try:
+                stamp_ns[at], stamped[at] = self.read(rows, plain.row(at)), True
+            except Rejected as rejected:
+                not_taken[rejected.reason] += 1
+
+        place = self._places[-1]
+        if self._numeric and len(self._places) == 1:
+            numbers = plain.decimals(place, rows.mark)
+            unit = self._find_unit() if (numbers.plain & (numbers.sign == 0)).any() else None
+            if unit is not None:
+                stamp_ns, stamped = _read_numbers(numbers, unit)
+                for at in np.flatnonzero(~stamped).tolist():
+                    read(at)
+                return stamp_ns, stamped
+        for lo, hi in self._find_alike(plain):
+            for first, last, elapsed_ns in self._find_minutes(plain, lo, hi):
+                read(first)
+                if stamped[first] and last - first > 1:
+                    stamp_ns[first + 1:last] = stamp_ns[first] + elapsed_ns[1:]
+                    stamped[first + 1:last] = True
+                    # The day of the next time of day follows the last one.
+                    read(last - 1)
+                else:
+                    for at in range(first + 1, last):
+                        read(at)
+        return stamp_ns, stamped
+
+    def _find_alike(self, plain: PlainRows) -> Iterator[tuple[int, int]]:
+        """Yield the runs of rows whose stamps have the same length."""
+        changes = np.zeros(len(plain) - 1, bool)
+        for place in self._places:
+            changes |= np.diff(plain.lengths(place)) != 0
+        edges = [0, *(np.flatnonzero(changes) + 1).tolist(), len(plain)]
+        return zip(edges, edges[1:])
+
+    def _find_minutes(self, plain: PlainRows, lo: int, hi: int,
+                      ) -> Iterator[tuple[int, int, Integers]]:
+        """
+        Yield the runs of rows whose stamps differ in seconds alone.
+
+        Yields
+        ------
+        first, last : int
+            The first row of a run, and the one after it.
+        elapsed_ns : ndarray of int64, shape (last - first,)
+            From the stamp of the first row to that of each row.
+
+        """
+        digits = self._find_seconds(plain.row(lo)) if hi - lo > 1 else None
+        if digits is None:
+            yield from ((at, at + 1, _NO_TIME) for at in range(lo, hi))
+            return
+        seconds_at, fraction_at = digits
+        *others, last = [plain.texts(place, lo, hi) for place in self._places]
+        seconds, good = last.whole(seconds_at)
+        fraction, good_fraction = last.whole(fraction_at)
+        good &= good_fraction & (seconds < 60)
+        elapsed_ns = seconds * SECOND_NS + fraction * 10 ** (9 - len(fraction_at))
+        alike = good[1:] & good[:-1] & last.equal_before([*seconds_at, *fraction_at])
+        for texts in others:
+            alike &= texts.equal_before([])
+        edges = [0, *(np.flatnonzero(~alike) + 1).tolist(), hi - lo]
+        for first, after in zip(edges, edges[1:]):
+            yield lo + first, lo + after, elapsed_ns[first:after] - elapsed_ns[first]
+
+    def _find_seconds(self, row: Sequence[str]) -> tuple[list[int], list[int]] | None:
+        """Return where the last cell of a stamp has seconds and decimals; None if unsure."""
+        cell = row[self._places[-1]].strip(' ')
+        times = [*_SECONDS.finditer(cell)] if self._has_known_form and cell.isascii() else []
+        match = (times[0] if len(times) == 1
+                 else _SIX_DIGITS.fullmatch(cell) if len(self._places) == 2 else None)
+        if match is None:
+            return None
+        *_, seconds, decimals = range(1, match.re.groups + 1)
+        lo, hi = match.span(decimals)
+        while lo < hi and not cell[lo].isdigit():
+            lo += 1
+        return ([*range(*match.span(seconds))], [*range(lo, hi)]) if hi - lo <= 9 else None
 
     def _text(self, row: Sequence[str]) -> str:
         """Return the cells of a stamp as one text; '' if one of them is empty."""
@@ -328,3 +446,13 @@ def _read_number(number: str, unit: _Unit) -> int:
     if not (0 <= ns < 2 ** 63 if unit.named else is_of_satellite_time(ns)):
         raise ValueError(number)
     return ns
+
+
+def _read_numbers(numbers: Decimals, unit: _Unit) -> tuple[Integers, Flags]:
+    """Return numbers of a unit as nanoseconds, and which of them `_read_number` reads so."""
+    places = len(str(unit.ns)) - 1
+    stamp_ns, good = numbers.scaled(places)
+    good &= (numbers.sign == 0) & (unit.ns == 10 ** places and not unit.zero_ns)
+    if not unit.named:
+        good &= is_of_satellite_time(stamp_ns)
+    return stamp_ns, good

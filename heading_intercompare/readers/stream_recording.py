@@ -130,7 +130,10 @@ class Collected:
         """Take many angles of a stream."""
         self.kinds.setdefault(stream, kind)
         self._units.setdefault(stream, unit)
-        self._angles.setdefault(stream, []).append(angles)
+        chunks = self._angles.setdefault(stream, [])
+        if rows := self._angle_rows.get(stream):
+            chunks.append(Headings(*rows.drain()))
+        chunks.append(angles)
 
     def add_motion(self, row: MovedRow | None, stream: str, stamp_ns: int, *, rank: int = 0,
                    why_none: str = '') -> None:
@@ -171,7 +174,7 @@ class Collected:
         """Take what a later file of the same streams holds."""
         for stream, headings in later._heading_streams().items():
             self.add_chunk(stream, later.kinds[stream], headings)
-        for stream, (angles, unit) in later._unread().items():
+        for stream, angles, unit in later._unread():
             self.add_angles(stream, later.kinds[stream], angles, unit)
         for what, streams in later.motion().items():
             for stream, rows in streams.items():
@@ -184,7 +187,7 @@ class Collected:
     def start_ns(self) -> int:
         """Return the least stamp of the headings; 0 if there are none."""
         streams = [*self._heading_streams().values(),
-                   *(angles for angles, _ in self._unread().values())]
+                   *(angles for _, angles, _ in self._unread())]
         return min((int(headings.stamp_ns.min()) for headings in streams if len(headings)),
                    default=0)
 
@@ -221,7 +224,10 @@ class Collected:
 
         """
         unsure = {}
-        for name, (angles, named) in self._unread().items():
+        for name, angles, named in self._unread():
+            # Ten million rows are half a gigabyte: what is read is let go.
+            self._angles.pop(name, None)
+            self._angle_rows.pop(name, None)
             stated = unit_of(name)
             unit = named or 'deg' if stated == 'auto' else stated
             if stated == 'auto' and unit == 'deg':
@@ -233,8 +239,9 @@ class Collected:
             for reason, lacking in (('empty_heading', missing), ('out_of_range', wrong)):
                 if n := int(np.count_nonzero(lacking)):
                     self.not_taken[reason] += n
-            self.add_chunk(name, self.kinds[name],
-                           Headings(angles.stamp_ns, heading_deg)[~missing & ~wrong])
+            headings = Headings(angles.stamp_ns, heading_deg)
+            taken = ~missing & ~wrong
+            self.add_chunk(name, self.kinds[name], headings if taken.all() else headings[taken])
         self._units.clear()
         return unsure
 
@@ -246,13 +253,11 @@ class Collected:
         return headings | {name: Headings.concatenate(chunks)
                            for name, chunks in self._chunks.items()}
 
-    def _unread(self) -> dict[str, tuple[Headings, str | None]]:
-        """Return the streams of angles, and the unit that the file tells of each."""
-        streams = {}
+    def _unread(self) -> Iterator[tuple[str, Headings, str | None]]:
+        """Yield the streams of angles, and the unit that the file tells of each."""
         for name, unit in self._units.items():
             angles = Headings(*self._angle_rows.get(name, ColumnBuffer()).columns())
-            streams[name] = Headings.concatenate([*self._angles.get(name, []), angles]), unit
-        return streams
+            yield name, Headings.concatenate([*self._angles.get(name, []), angles]), unit
 
 
 class StreamRecording:

@@ -20,9 +20,12 @@ import codecs
 import math
 import re
 
+import numpy as np
+
 from heading_intercompare.bags.csv.csv_rows import CsvRows
+from heading_intercompare.bags.csv.plain_rows import Flags, PlainRows
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.core.records import ColumnBuffer
+from heading_intercompare.core.records import ColumnBuffer, Headings, Integers
 from heading_intercompare.core.units.angle_units import find_named_unit
 from heading_intercompare.drivers.csv_log import COLUMNS_OF_LOG
 from heading_intercompare.drivers.sentences import Rejected
@@ -89,15 +92,21 @@ def read_table(path: str, options: StreamOptions = UNSTATED) -> Collected:
             headings = _HeadingCells(collected, rows, options)
             motion = _MotionRows(rows)
             n_stamps = 0
-            for row in rows:
+            for part in rows.parts():
+                if isinstance(part, PlainRows):
+                    stamp_ns, stamped = stamps.read_many(rows, part, collected.not_taken)
+                    n_stamps += int(np.count_nonzero(stamped))
+                    headings.take_many(stamp_ns, stamped, part)
+                    motion.take_many(stamp_ns, stamped, part)
+                    continue
                 try:
-                    stamp_ns = stamps.read(rows, row)
+                    row_ns = stamps.read(rows, part)
                 except Rejected as rejected:
                     collected.not_taken[rejected.reason] += 1
                     continue
                 n_stamps += 1
-                headings.take(stamp_ns, row)
-                motion.take(stamp_ns, row)
+                headings.take(row_ns, part)
+                motion.take(row_ns, part)
             motion.give(collected)
             collected.other_columns = [name for name in rows.names if name and name not in (
                 *stamps.names, *headings.names, *motion.names)]
@@ -135,23 +144,43 @@ class _HeadingCells:
                      if name in self._wanted and name not in self._collected.kinds), '')
 
     def take(self, stamp_ns: int, row: list[str]) -> None:
-        rows, collected = self._rows, self._collected
         for place, name, unit in self._columns:
-            cell = row[place] if place < len(row) else ''
-            try:
-                heading = float(rows.plain(cell)) if cell.strip() else None
-            except ValueError:
-                collected.not_taken['bad_field'] += 1
-                if name not in self._wrong:
-                    self._wrong[name] = (
-                        f'line {rows.line}: column {name}: {cell.strip()[:_SHOWN]!r} is no number '
-                        f'of a heading{rows.why_no_number(cell)}; choose another column with '
-                        '--ts and --rs')
-                continue
-            if heading is None or heading != heading:
-                collected.not_taken['empty_heading'] += 1
-            else:
-                collected.add_angle(name, 'csv', stamp_ns, heading, unit)
+            angle = self._read(name, row[place] if place < len(row) else '')
+            if angle is not None:
+                self._collected.add_angle(name, 'csv', stamp_ns, angle, unit)
+
+    def take_many(self, stamp_ns: Integers, stamped: Flags, plain: PlainRows) -> None:
+        for place, name, unit in self._columns:
+            angles, good = plain.reals(place, self._rows.mark)
+            empty = plain.empty(place)
+            if n_empty := int(np.count_nonzero(stamped & empty)):
+                self._collected.not_taken['empty_heading'] += n_empty
+            good &= stamped
+            for at in np.flatnonzero(stamped & ~good & ~empty).tolist():
+                self._rows.line = plain.line + at
+                angle = self._read(name, plain.row(at)[place])
+                if angle is not None:
+                    angles[at], good[at] = angle, True
+            if good.any():
+                self._collected.add_angles(name, 'csv', Headings(stamp_ns[good], angles[good]),
+                                           unit)
+
+    def _read(self, name: str, cell: str) -> float | None:
+        """Return the angle in a cell of a column; None, and count why, without one."""
+        try:
+            angle = float(self._rows.plain(cell)) if cell.strip() else math.nan
+        except ValueError:
+            self._collected.not_taken['bad_field'] += 1
+            if name not in self._wrong:
+                self._wrong[name] = (
+                    f'line {self._rows.line}: column {name}: {cell.strip()[:_SHOWN]!r} is no '
+                    f'number of a heading{self._rows.why_no_number(cell)}; choose another column '
+                    'with --ts and --rs')
+            return None
+        if math.isnan(angle):
+            self._collected.not_taken['empty_heading'] += 1
+            return None
+        return angle
 
 
 class _MotionRows:
@@ -162,14 +191,27 @@ class _MotionRows:
         self.names = [name for column in self._columns for name in column.names]
         self._places = [*map(rows.names.index, self.names)]
         self._buffer = ColumnBuffer(len(self._places))
+        self._chunks: list[list[np.ndarray]] = []
 
     def take(self, stamp_ns: int, row: list[str]) -> None:
         if self._places:
             self._buffer.add(stamp_ns, *(_number(self._rows, row, place)
                                          for place in self._places))
 
+    def take_many(self, stamp_ns: Integers, stamped: Flags, plain: PlainRows) -> None:
+        if not self._places:
+            return
+        columns: list[np.ndarray] = [stamp_ns[stamped]]
+        for place in self._places:
+            values, good = plain.reals(place, self._rows.mark)
+            values[~good] = math.nan
+            for at in np.flatnonzero(stamped & ~good & ~plain.empty(place)).tolist():
+                values[at] = _number(self._rows, plain.row(at), place)
+            columns.append(values[stamped])
+        self._chunks += [self._buffer.drain(), columns]
+
     def give(self, collected: Collected) -> None:
-        stamps, *columns = self._buffer.columns()
+        stamps, *columns = map(np.concatenate, zip(*self._chunks, self._buffer.columns()))
         for motion_column in self._columns:
             n = len(motion_column.names)
             values, columns = columns[:n], columns[n:]

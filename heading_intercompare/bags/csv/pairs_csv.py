@@ -21,13 +21,17 @@ import math
 import os
 from typing import Any, Callable, Iterable, Iterator, Sequence
 
+import numpy as np
+
 from heading_intercompare.bags.errors import BagError
+from heading_intercompare.core.angles import headings_from_signed
 from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.pairing.interpolation_kernel import LARGEST_FACTOR
 from heading_intercompare.core.records import Pairs
 
 from .csv_rows import CsvRows
 from .pairs_account import Fingerprint, PairsDigest
+from .plain_rows import PlainRows
 from .stamp_cells import (
     explain_stamp,
     looks_like_days,
@@ -49,13 +53,13 @@ _ROWS = 65536
 _SECOND_NS = 1_000_000_000
 _FIRST_BEYOND = 2**63
 _SHOWN = 40
+#: Of columns of decimal seconds.
+_DECIMALS_OF_SECOND = {'stamp_s': 9, 'lag_s': 9}
 
 
 def _heading(text: str) -> float:
     heading_deg = float(text) if text else math.nan
-    if -180.0 <= heading_deg < 0.0:
-        return heading_deg % 360.0
-    return heading_deg if math.isfinite(heading_deg) else math.nan
+    return heading_deg if 0.0 <= heading_deg < 360.0 else float(headings_from_signed(heading_deg))
 
 
 def _factor(text: str) -> float:
@@ -80,6 +84,9 @@ _LAGS: dict[str, tuple[Callable[[str], int], str]] = {
     'lag_s': (_lag_of_seconds, 'a decimal number of seconds, or empty'),
     'lag_ns': (_lag, 'a whole number of nanoseconds, or empty'),
 }
+
+
+_Columns = tuple[Sequence[Any] | np.ndarray, ...]
 
 
 class PairsCsv:
@@ -122,6 +129,10 @@ class PairsCsv:
         self.names = tuple(names)
         self._lag = next((name for name in _LAGS if name in names), None)
         self._places = [names.index(name) for name in (stamp, *_HEADINGS)]
+        self._lag_place = None if self._lag is None else names.index(self._lag)
+        self._factor_places = [names.index(name) if name in names else None for name in _FACTORS]
+        self._last_place = max(place for place in (
+            *self._places, self._lag_place, *self._factor_places) if place is not None)
         read = {stamp, *_HEADINGS, *_FACTORS, 'difference_deg', *STAMP_COLUMNS, *_LAGS}
         self.ignored = tuple(name for name in names if name and name not in read)
 
@@ -147,44 +158,94 @@ class PairsCsv:
     def __iter__(self) -> Iterator[Pairs]:
         """Yield the pairs in file order, at most 65536 rows each."""
         with self._rows:
-            most = _FIRST_ROWS
-            chunk: tuple[list[Any], ...] = ([], [], [], [], [], [])
-            for row in self._read():
-                for column, value in zip(chunk, row):
-                    column.append(value)
-                if len(chunk[0]) == most == _FIRST_ROWS:
-                    self._check_unit(chunk[0])
-                    most = _ROWS
-                if len(chunk[0]) == most:
-                    yield Pairs.of(*chunk)
-                    chunk = ([], [], [], [], [], [])
-            if chunk[0]:
-                if most == _FIRST_ROWS:
-                    self._check_unit(chunk[0])
-                yield Pairs.of(*chunk)
+            first: list[_Columns] = []
+            n_first = 0
+            for columns in self._read():
+                if n_first >= _FIRST_ROWS:
+                    yield Pairs.of(*columns)
+                    continue
+                first.append(columns)
+                n_first += len(columns[0])
+                if n_first >= _FIRST_ROWS:
+                    yield from self._begin(first)
+            if n_first < _FIRST_ROWS:
+                yield from self._begin(first)
+
+    def _begin(self, first: list[_Columns]) -> Iterator[Pairs]:
+        """Yield the first pairs, once they agree with the unit of their stamps."""
+        self._check_unit([int(ns) for columns in first for ns in columns[0][:_FIRST_ROWS]])
+        yield from (Pairs.of(*columns) for columns in first)
 
     def _check_unit(self, stamp_ns: list[int]) -> None:
         looks = {'stamp_s': looks_like_days, 'stamp_ns': looks_like_unit}.get(self._stamp)
         if looks and (why := looks(stamp_ns)):
             raise BagError(why, self._rows.path)
 
-    def _read(self) -> Iterator[tuple[int, float, float, int, float, float]]:
-        """Yield the fields of `Pairs` row by row."""
-        rows = self._rows
+    def _read(self) -> Iterator[_Columns]:
+        """Yield the columns of `Pairs`, of at most 65536 rows."""
+        single: tuple[list[Any], ...] = ([], [], [], [], [], [])
+        for part in self._rows.parts():
+            if isinstance(part, list):
+                for column, value in zip(single, self._read_row(part)):
+                    column.append(value)
+            if single[0] and (len(single[0]) == _ROWS or isinstance(part, PlainRows)):
+                yield single
+                single = ([], [], [], [], [], [])
+            if isinstance(part, PlainRows):
+                columns = self._read_many(part)
+                for lo in range(0, len(part), _ROWS):
+                    yield tuple(column[lo:lo + _ROWS] for column in columns)
+        if single[0]:
+            yield single
+
+    def _read_row(self, row: list[str]) -> tuple[int, float, float, int, float, float]:
+        """Return the fields of `Pairs` in a row."""
+        if len(row) <= self._last_place:
+            raise BagError(f'line {self._rows.line} has {len(row)} columns, fewer than the header',
+                           self._rows.path)
         at_stamp, at_ts, at_rs = self._places
-        at_lag = None if self._lag is None else rows.names.index(self._lag)
-        factors = [rows.names.index(name) if name in rows.names else None for name in _FACTORS]
-        last = max(place for place in (*self._places, at_lag, *factors) if place is not None)
-        for row in rows:
-            if len(row) <= last:
-                raise BagError(f'line {rows.line} has {len(row)} columns, fewer than the '
-                               'header', rows.path)
-            stamp_ns = self._read_stamp(row[at_stamp].strip())
-            ts_deg, rs_deg = self._read_headings(row[at_ts], row[at_rs])
-            lag_ns = 0 if at_lag is None else self._read_lag(row[at_lag])
-            rs_factor, ts_factor = self._read_factors(
-                ['' if place is None else row[place] for place in factors])
-            yield stamp_ns, ts_deg, rs_deg, lag_ns, rs_factor, ts_factor
+        stamp_ns = self._read_stamp(row[at_stamp].strip())
+        ts_deg, rs_deg = self._read_headings(row[at_ts], row[at_rs])
+        lag_ns = 0 if self._lag_place is None else self._read_lag(row[self._lag_place])
+        rs_factor, ts_factor = self._read_factors(
+            ['' if place is None else row[place] for place in self._factor_places])
+        return stamp_ns, ts_deg, rs_deg, lag_ns, rs_factor, ts_factor
+
+    def _read_many(self, plain: PlainRows) -> tuple[np.ndarray, ...]:
+        """Return the fields of `Pairs` in many rows."""
+        good = np.ones(len(plain), bool)
+
+        def reals_of(place: int | None, absent: float) -> np.ndarray:
+            """Return the reals of a column; those that are empty are `absent`."""
+            if place is None:
+                return np.full(len(plain), absent)
+            reals, numbers = plain.reals(place, self._rows.mark)
+            empty = plain.empty(place)
+            good[~(numbers | empty)] = False
+            return np.where(empty, absent, reals)
+
+        def times_of(place: int | None, name: str | None) -> np.ndarray:
+            """Return the times of a column; those that are empty are 0."""
+            if place is None:
+                return np.zeros(len(plain), np.int64)
+            behind = _DECIMALS_OF_SECOND.get(name or '', 0)
+            ns, exact = plain.decimals(place, self._rows.mark if behind else '').scaled(behind)
+            good[~(exact | plain.empty(place))] = False
+            return ns
+        stamp_ns = times_of(self._places[0], self._stamp)
+        ts_deg, rs_deg = (headings_from_signed(reals_of(place, math.nan))
+                          for place in self._places[1:])
+        lag_ns = times_of(self._lag_place, self._lag)
+        factors = [reals_of(place, 1.0) for place in self._factor_places]
+        for factor in factors:
+            good &= (factor > 0.0) & (factor <= LARGEST_FACTOR)
+        good &= (self._stamp != 'stamp_utc') & ~plain.empty(self._places[0])
+        columns = stamp_ns, ts_deg, rs_deg, lag_ns, *factors
+        for at in np.flatnonzero(~good).tolist():
+            self._rows.line = plain.line + at
+            for column, value in zip(columns, self._read_row(plain.row(at))):
+                column[at] = value
+        return columns
 
     def _read_stamp(self, text: str) -> int:
         kind = STAMP_COLUMNS[self._stamp]

@@ -58,9 +58,9 @@ def find_unit(low: float, high: float) -> tuple[str, int] | None:
                  if EARLIEST_NS <= low * unit[1] and high * unit[1] < _LATEST_NS), None)
 
 
-def is_of_satellite_time(stamp_ns: int) -> bool:
-    """Tell whether a stamp lies in the years 1990 to 2099, those of `find_unit`."""
-    return EARLIEST_NS <= stamp_ns < _LATEST_NS
+def is_of_satellite_time(stamp_ns: Any) -> Any:
+    """Tell of a stamp, or of many, whether it lies in 1990 to 2099, the years of `find_unit`."""
+    return (EARLIEST_NS <= stamp_ns) & (stamp_ns < _LATEST_NS)
 
 
 def integer_stamps(stamp_ns: ArrayLike) -> NDArray[np.int64]:

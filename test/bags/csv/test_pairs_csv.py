@@ -77,7 +77,7 @@ def test_what_is_written_is_read_back_to_the_bit(tmp_path, rng):
                      rng.integers(-10**9, 10**9, count), *rng.uniform(0.5, 1.0, (2, count)))
     write_pairs_csv(tmp_path / 'a.csv', [pairs[:1], pairs[1:]])
     chunks = list(read_pairs_csv(tmp_path / 'a.csv'))
-    assert [len(c) for c in chunks] == [65536, count - 65536]
+    assert max(map(len, chunks)) <= 65536 and sum(map(len, chunks)) == count
     assert Pairs.concatenate(chunks) == pairs
 
 
