@@ -361,23 +361,29 @@ def read_rows(text: str | None, kind: type,
         If a row is wrong, or a name comes twice; the message names the row.
 
     """
-    rules = {rule.name: rule for rule in list_settings(kind)}
     seen: set[str] = set()
     rows = [row for row in map(str.strip, re.split(r'[;\r\n]', text or ''))
             if row and not row.startswith('#')]
     for at, row in enumerate(rows, 1):
         try:
-            name, *assignments = shlex.split(row, comments=True)
+            name, settings = read_row(row, kind, words)
             if not _NAME.fullmatch(name):
                 raise ValueError(f'{name!r}: a name must begin with a letter, and have only '
                                  'letters, digits and _, at most 40')
             if name.lower() in seen:
                 raise ValueError(f'the name {name} is given twice')
-            settings = from_mapping(kind, _read_values(assignments, rules, words or {}))
         except ValueError as error:
             raise ValueError(f'row {at} ({row:.60}): {error}') from error
         seen.add(name.lower())
         yield name, settings
+
+
+def read_row(row: str, kind: type,
+             words: Mapping[str, tuple[str, Any]] | None = None) -> tuple[str, Any]:
+    """Return the first word of a row and its settings; see `read_rows`."""
+    name, *assignments = shlex.split(row, comments=True) or ('',)
+    rules = {rule.name: rule for rule in list_settings(kind)}
+    return name, from_mapping(kind, _read_values(assignments, rules, words or {}))
 
 
 def _read_values(assignments: list[str], rules: Mapping[str, Setting],

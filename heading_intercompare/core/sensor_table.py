@@ -57,6 +57,7 @@ class Sensor(Checked):
     installation_offset_u_deg: float = setting(
         0.0, 'standard uncertainty of that angle [deg]', 0.0, 180.0)
     sentence: str = setting('', 'kind of its sentence in a log; without one the first present')
+    own_sentence: str = setting('', 'its sentence in one line, if no kind is that of its maker')
     talker: str = setting('', 'its talker in a log; without one the first present')
     instrument: str = setting('', 'word of its lines in a log of several instruments')
     maker: str = setting('', 'maker, for the protocol')
@@ -182,5 +183,5 @@ def simulated_topics(table: str | None, others: Collection[str], ts_topic: str,
 
 def describe_driver(sensor: Sensor) -> dict[str, Any]:
     """Return the settings of a driver that the row of a sensor gives."""
-    return {name: value for name in ('sentence', 'talker', 'instrument')
+    return {name: value for name in ('sentence', 'own_sentence', 'talker', 'instrument')
             if (value := getattr(sensor, name))}

@@ -26,6 +26,7 @@ bits.
 
 from __future__ import annotations
 
+from binascii import crc_hqx
 from collections import Counter
 from functools import reduce
 from operator import xor
@@ -50,8 +51,9 @@ _PIECE = re.compile(
     rb'|[\r\n]+)')
 #: A log of a receiver: its text with the sign before it, its checksum.
 _LOG = re.compile(rb'([#%][A-Z][A-Z0-9]*A,[^;*#%]*;[^*]*)\*([0-9A-Fa-f]{8})(?![0-9A-Fa-f])')
-#: A checksum of another length: of 32 bits, or without its leading zero; the rest of the line.
-_ODD_CHECKSUM = re.compile(rb'([0-9A-Fa-f]{8}|[0-9A-Fa-f])(?![0-9A-Fa-f])(.*)', re.DOTALL)
+#: A checksum of another length: of 32 or 16 bits, or without its leading zero; what follows it.
+_ODD_CHECKSUM = re.compile(
+    rb'([0-9A-Fa-f]{8}|[0-9A-Fa-f]{4}|[0-9A-Fa-f])(?![0-9A-Fa-f])(.*)', re.DOTALL)
 _HEX = {f'{a}{b}'.encode(): int(a + b, 16)
         for a in '0123456789abcdefABCDEF' for b in '0123456789abcdefABCDEF'}
 
@@ -110,7 +112,9 @@ def _suffix_of_odd(text: bytes, computed: int, tail: bytes) -> bytes | None:
     match = _ODD_CHECKSUM.match(tail)
     if match is None:
         return None
-    expected = _long_checksum(text) if len(match[1]) > 1 else computed
+    # That of 16 bits is the CRC of XMODEM, as VectorNav writes it.
+    expected = (computed if len(match[1]) == 1 else
+                crc_hqx(text, 0) if len(match[1]) == 4 else _long_checksum(text))
     return match[2].strip() if int(match[1], 16) == expected else None
 
 
@@ -137,8 +141,9 @@ class Framer:
     counts
         Lines and pieces that gave no sentence, by reason. `no_sentence`: a line without `$` or
         `!` (blank lines do not count). `cut`: a sentence without a checksum, cut off by another
-        one or by the end of the stream. `bad_checksum`: the checksum is wrong or not two hex
-        digits, nor one without its zero, nor eight of 32 bits. `too_long`: more than 1024 bytes.
+        one or by the end of the stream. `bad_checksum`: the checksum is wrong, or neither
+        two hex digits, nor one without its zero, nor four or eight of a CRC. `too_long`: more
+        than 1024 bytes.
 
     """
 

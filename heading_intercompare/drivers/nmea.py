@@ -35,7 +35,7 @@ from .log_lines.log_clocks import choose_time_sentences, start_stamps
 from .log_lines.log_files import LogFiles
 from .log_lines.log_order import open_log
 from .log_lines.stream_times import StreamTimes, TIME_SENTENCES
-from .log_lines.times import day_time_ns, receiver_log_ns
+from .log_lines.times import DATED_CLOCKS, day_time_ns, receiver_log_ns
 from .sentence_choice import (
     accepts,
     choose_instrument,
@@ -46,15 +46,15 @@ from .sentence_choice import (
     TalkerTurns,
 )
 from .sentences import (
-    FORMS,
+    field_of,
+    find_time,
     heading_of,
     may_lack_checksum,
     Name,
     Rejected,
     split_fields,
-    time_field,
 )
-from .settings import DriverError, DriverSettings, SENTENCES
+from .settings import DriverError, DriverSettings
 
 #: Steps and latencies remembered, and how many of them are needed.
 _REMEMBERED, _NEEDED = 31, 3
@@ -196,10 +196,10 @@ class NmeaDecoder:
         self._in_read: Counter[tuple[Name | None, int | None]] = Counter()
         self._from_file = files is not None
         self._listening = Listening(
-            SENTENCES, settings.learn_s, _MOST_HELD if settings.sentence == 'auto' else 0,
+            settings.kinds, settings.learn_s, _MOST_HELD if settings.kind == 'auto' else 0,
             None if files is None else find_sentence(files.bare_blocks(), settings))
-        self._instrument = choose_instrument(settings)
-        self._identify = choose_naming(settings.talker)
+        self._instrument, self._own = choose_instrument(settings), settings.own
+        self._identify = choose_naming(settings)
         self._days, self._stamps = start_stamps(settings, files)
         self._times = StreamTimes(self._days, self._time_sentences(files))
         self._words = WordCounts()
@@ -333,7 +333,7 @@ class NmeaDecoder:
 
     def _reason_not_chosen(self, name: Name) -> str:
         """Return the reason under which to count a heading sentence that was not chosen."""
-        kind = self.chosen.kind if self.chosen else self._settings.sentence
+        kind = self.chosen.kind if self.chosen else self._settings.kind
         reason = (f'other_talker.{name.talker}' if name.kind == kind or kind == 'auto'
                   else f'other_sentence.{name.kind}')
         if reason not in self._counts:
@@ -351,7 +351,7 @@ class NmeaDecoder:
         if not checked and self._from_file and not prefix.strip():
             text, suffix = self._stamps.cut(text)
         name = self._identify(text)
-        if not (checked or self._lenient or may_lack_checksum(name)):
+        if not (checked or self._lenient or may_lack_checksum(name, self._own)):
             self._counts['no_checksum'] += 1
             return
         if name is None:
@@ -421,7 +421,7 @@ class NmeaDecoder:
     def _heading(self, name: Name, text: bytes) -> float:
         if name.kind == 'PSXN,23' and self._psxn_quality == b'2':
             raise Rejected('invalid_quality')
-        return heading_of(text, self._settings.variation_deg)
+        return heading_of(text, self._settings.variation_deg, self._own)
 
     def _read_valid(self, name: Name, text: bytes, prefix: bytes, suffix: bytes,
                     received_ns: int | None) -> tuple[int, float]:
@@ -478,17 +478,20 @@ class NmeaDecoder:
     def _own_time_ns(self, name: Name, text: bytes, prefix: bytes, suffix: bytes,
                      received_ns: int | None) -> int | None:
         """Return the time that a heading sentence tells itself, if any; raises Rejected."""
-        at = time_field(name, text)
+        at, clock = find_time(name, text, self._own)
         try:
-            if text[:1] in (b'#', b'%'):
-                return receiver_log_ns(split_fields(text), FORMS[name.kind].week)
+            fields = split_fields(text)
+            if clock == 'week':
+                return receiver_log_ns(fields, at)
             if not at:
                 return None
-            time_of_day_ns = day_time_ns(text.split(b',')[at])
+            if clock in DATED_CLOCKS:
+                return DATED_CLOCKS[clock](field_of(fields, at))
+            time_of_day_ns = day_time_ns(field_of(fields, at))
             if self._stamp_format != 'none':
                 received_ns = self._near_ns(prefix, suffix)
             elif self._from_file:
                 received_ns = None
             return self._times.place(time_of_day_ns, received_ns)
-        except ValueError:
+        except (ValueError, IndexError):
             raise Rejected('no_validity_time') from None

@@ -28,14 +28,17 @@ from .log_lines.line_stamps import LineStamps
 from .log_lines.log_files import head_of
 from .log_lines.log_order import open_log
 from .nmea import NmeaDecoder
-from .sentences import identify, Rejected
+from .sentence_choice import choose_naming
+from .sentences import Rejected
 from .settings import DriverSettings, SENTENCES
 
-ROLE_SETTINGS = ('sentence', 'talker', 'instrument')
+ROLE_SETTINGS = ('sentence', 'own_sentence', 'talker', 'instrument')
 """Settings that choose the lines of one sensor; each sensor has options of its own for them."""
 
 _LONGEST_SHOWN = 160
 _OTHERS = ('other_talker', 'other_sentence', 'other_instrument')
+#: Reasons that a wrong number of a field gives.
+_OF_FIELDS = ('bad_field', 'empty_heading', 'invalid_quality', 'out_of_range', 'too_few_fields')
 _LEAST = ('not_heading', 'no_sentence')
 
 #: Reason -> what to set, with the names of settings between backticks.
@@ -62,7 +65,8 @@ _ADVICE = {
     'other_talker': 'choose another talker with `talker`',
     'other_sentence': 'choose another kind of sentence with `sentence`',
     'other_instrument': 'choose another word of the line with `instrument`',
-    'not_heading': f'a heading sentence is one of {", ".join(SENTENCES)}; give another log',
+    'not_heading': f'a heading sentence is one of {", ".join(SENTENCES)}; describe another one '
+                   'with `own_sentence`, or give another log',
     'no_sentence': 'a line needs a sentence that begins with $ or !, or a log of a receiver with '
                    '# or %; give another log',
 }
@@ -108,6 +112,9 @@ def explain_no_heading(path: str, settings: DriverSettings, counts: Mapping[str,
     line, of_csv = _first_line(path, settings, reason)
     shown = _show(line)
     advice = advise(reason)
+    if settings.own_sentence is not None and reason in _OF_FIELDS:
+        advice = ('correct the numbers of fields in `own_sentence`: the field up to the first '
+                  'comma has number 0')
     if of_csv:
         advice = 'correct the file, or choose another source with `talker`'
     recognised = 'a row of a csv of headings' if of_csv else _recognise(line, settings)
@@ -175,6 +182,6 @@ def _recognise(line: bytes, settings: DriverSettings) -> str:
                      rejected.reason, 'a stamp that no instant has, or whose zone is unknown')
     if not text:
         return f'{stamp}, no sentence'
-    name = identify(text)
+    name = choose_naming(settings)(text)
     kind = text.split(b',')[0].decode('ascii', 'replace')[:20]
     return f'{stamp}, the sentence {kind}' + ('' if name else ', which gives no heading')

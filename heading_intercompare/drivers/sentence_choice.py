@@ -40,38 +40,41 @@ _GNSS_TALKERS = frozenset(('GN', 'GP', 'GL', 'GA', 'GB', 'BD', 'GQ', 'QZ', 'GI')
 #: Sentences of a turn of a talker, at least; those of two receivers alternate one by one.
 _LEAST_TURN = 3
 
-_TOKENS = {kind: f'{kind},'.encode() for kind in SENTENCES}
 #: Bytes framed at once; of the first line that may hold a heading no more than that line.
 _BLOCK = 1 << 16
 
 
 def accepts(name: Name, settings: DriverSettings) -> bool:
     """Tell whether the settings allow this sentence."""
-    return (settings.sentence in ('auto', name.kind)
+    return (settings.kind in ('auto', name.kind)
             and (settings.talker is None or not name.talker or settings.talker == name.talker))
 
 
-def choose_naming(talker: str | None) -> Callable[[bytes], Name | None]:
+def choose_naming(settings: DriverSettings) -> Callable[[bytes], Name | None]:
     """
     Return what names a heading sentence; a name lacks its talker if it is one of several to read.
 
     Parameters
     ----------
-    talker
-        The talkers to read as one: several with commas between, or 'any'; another one joins none.
+    settings
+        A sentence that the user describes, and the talkers to read as one: several with commas
+        between, or 'any'; another one joins none.
 
     Examples
     --------
-    >>> [choose_naming(talker)(b'GNHDT,1.0,T') for talker in ('GN', 'GP,GN')]
+    >>> [choose_naming(DriverSettings(talker=talker))(b'GNHDT,1.0,T')
+    ...  for talker in ('GN', 'GP,GN')]
     [Name(kind='HDT', talker='GN'), Name(kind='HDT', talker='')]
 
     """
+    talker, own = settings.talker, settings.own
+    name_alone = identify if own is None else own.identify
     if talker is None or talker != 'any' and ',' not in talker:
-        return identify
+        return name_alone
     talkers = talker.split(',')
 
     def name_together(text: bytes) -> Name | None:
-        name = identify(text)
+        name = name_alone(text)
         return (Name(name.kind, '') if name and (talker == 'any' or name.talker in talkers)
                 else name)
     return name_together
@@ -219,9 +222,9 @@ def find_sentence(blocks: Iterable[bytes], settings: DriverSettings) -> Name | N
         Sentence, talker, instrument, checksum.
 
     """
-    lenient = settings.checksum == 'if_present'
-    kinds = [kind for kind in SENTENCES if settings.sentence in ('auto', kind)]
-    choice, naming = choose_instrument(settings), choose_naming(settings.talker)
+    kinds = [kind for kind in settings.kinds if settings.kind in ('auto', kind)]
+    tokens = {kind: f'{kind},'.encode() for kind in kinds}
+    choice, naming = choose_instrument(settings), choose_naming(settings)
     best, tail, span = None, b'', 0
     for block in chain(blocks, (b'\n',)):
         text = tail + block
@@ -236,7 +239,7 @@ def find_sentence(blocks: Iterable[bytes], settings: DriverSettings) -> Name | N
             if choice is None:
                 for kind in kinds:
                     if places[kind] < at:
-                        place = text.find(_TOKENS[kind], at)
+                        place = text.find(tokens[kind], at)
                         places[kind] = len(text) if place < 0 else place
                 at = min(places[kind] for kind in kinds)
                 if at == len(text):
@@ -244,7 +247,7 @@ def find_sentence(blocks: Iterable[bytes], settings: DriverSettings) -> Name | N
             begin = text.rfind(b'\n', 0, at) + 1
             at = text.find(b'\n', at + span) + 1 or len(text)
             span = _BLOCK
-            for name in _names(text[begin:at], lenient, choice, naming):
+            for name in _names(text[begin:at], settings, choice, naming):
                 if name.kind in kinds and accepts(name, settings):
                     best = name
                     kinds = kinds[:kinds.index(name.kind)]
@@ -260,13 +263,14 @@ def choose_instrument(settings: DriverSettings) -> InstrumentChoice | None:
     return InstrumentChoice(str(settings.instrument))
 
 
-def _names(text: bytes, lenient: bool, choice: InstrumentChoice | None,
+def _names(text: bytes, settings: DriverSettings, choice: InstrumentChoice | None,
            identify_sentence: Callable[[bytes], Name | None]) -> Iterator[Name]:
     """Yield the heading sentences of whole lines, in the order of the log."""
+    lenient, own = settings.checksum == 'if_present', settings.own
     framer = Framer(with_lines=choice is not None)
     for _, prefix, sentence, checked, suffix in framer.feed(text, None) + framer.flush():
         if choice is not None and not choice.accepts(prefix, suffix):
             continue
         name = identify_sentence(sentence)
-        if name is not None and (checked or lenient or may_lack_checksum(name)):
+        if name is not None and (checked or lenient or may_lack_checksum(name, own)):
             yield name

@@ -84,11 +84,6 @@ def _parse_name(start: bytes) -> Name | None:
     return None
 
 
-def may_lack_checksum(name: Name | None) -> bool:
-    """Tell whether sentences of this name never have a checksum: PUHAW,UVH."""
-    return name is not None and name.kind == 'PUHAW,UVH'
-
-
 def field_of(fields: list[bytes], index: int) -> bytes:
     """Return a field of a sentence; raises Rejected if the sentence is too short."""
     if len(fields) <= index:
@@ -96,15 +91,35 @@ def field_of(fields: list[bytes], index: int) -> bytes:
     return fields[index]
 
 
-def _heading(fields: list[bytes], index: int) -> float:
+def _number(fields: list[bytes], index: int) -> float:
     text = field_of(fields, index)
     if not is_number(text):
         raise Rejected('bad_field' if text.strip() else 'empty_heading')
-    heading_deg = float(text)
+    return float(text)
+
+
+def _heading(fields: list[bytes], index: int) -> float:
+    heading_deg = _number(fields, index)
     if not -180.0 <= heading_deg <= 360.0:
         raise Rejected('out_of_range')
     # Some devices count from minus 180.
     return heading_deg % 360.0
+
+
+def _scaled_heading(fields: list[bytes], index: int, scale: float) -> float:
+    """Return a heading whose number, times `scale`, is degrees clockwise."""
+    heading_deg = _number(fields, index) * abs(scale)
+    # Radians of four decimals round a full turn up.
+    if not -180.0 <= heading_deg <= 360.036:
+        raise Rejected('out_of_range')
+    return _wrap(heading_deg if scale > 0.0 else -heading_deg)
+
+
+def _wrap(heading_deg: float) -> float:
+    """Return an angle in [0, 360); `wrap360` would load numpy, which settings do without."""
+    wrapped_deg = heading_deg % 360.0
+    # A tiny negative angle rounds to 360.
+    return 0.0 if wrapped_deg == 360.0 else wrapped_deg
 
 
 def _true_heading(fields: list[bytes], index: int) -> float:
@@ -148,15 +163,22 @@ class Form(NamedTuple):
     Attributes
     ----------
     heading
-        Field of the heading, degrees from true north.
+        Field of the heading.
     quality
         Field of the quality; 0 if there is none.
     measured
         What the sentence begins with from that field on, if the heading is a measurement.
     time
-        Field of the time of day, UTC; 0 if there is none.
-    week
-        Field of the week of GPS, before that of its second; 0 if both are in the header of a log.
+        Field of the time, UTC; 0 if there is none, or if the header of a log has it.
+    clock : {'hhmmss', 'yyyymmddhhmmss', 'epoch', 'week'}
+        What the time is: a time of day, with its date, seconds since 1970, or the week of GPS,
+        whose second is in the next field.
+    scale
+        Degrees clockwise of one unit of the number.
+    magnetic
+        Whether the heading is magnetic.
+    checksum
+        Whether the sentence has one.
 
     """
 
@@ -164,14 +186,17 @@ class Form(NamedTuple):
     quality: int = 0
     measured: str = ''
     time: int = 0
-    week: int = 0
+    clock: str = 'hhmmss'
+    scale: float = 1.0
+    magnetic: bool = False
+    checksum: bool = True
 
 
 _SOLVED, _GOOD = 'SOL_COMPUTED,(?!NONE,)', 'INS_SOLUTION_(GOOD|FREE)'
 
 FORMS: dict[str, Form] = {
     'PSXN,23': Form(4),
-    'PUHAW,UVH': Form(4),
+    'PUHAW,UVH': Form(4, checksum=False),
     # Trimble: 0 is no fix. The yaw is that from one antenna to the other.
     'PTNL,AVR': Form(3, 10, '0*[1-9]', time=2),
     'PTNL,VHD': Form(4, 10, '0*[1-9]', time=2),
@@ -181,25 +206,63 @@ FORMS: dict[str, Form] = {
     'PSSN,HRP': Form(4, 11, '0*[1-4]', time=2),
     # Unicore: 0 is invalid, 4 fixed, 5 float.
     'HPR': Form(2, 5, '[1-5]', time=1),
-    'KSXT': Form(5, 11, '[1-3]'),
+    'KSXT': Form(5, 11, '[1-3]', time=1, clock='yyyymmddhhmmss'),
     # NovAtel, and what others write in its way. The header has ten fields, or three after `%`.
     'UNIHEADINGA': Form(13, 10, _SOLVED),
     'HEADINGA': Form(13, 10, _SOLVED),
     'HEADING2A': Form(13, 10, _SOLVED),
     'DUALANTENNAHEADINGA': Form(13, 10, _SOLVED),
-    'INSPVAA': Form(20, 21, _GOOD, week=10),
+    'INSPVAA': Form(20, 21, _GOOD, time=10, clock='week'),
     'INSPVAXA': Form(21, 10, _GOOD),
-    'INSPVASA': Form(13, 14, _GOOD, week=3),
-    'INSATTA': Form(14, 15, _GOOD, week=10),
+    'INSPVASA': Form(13, 14, _GOOD, time=3, clock='week'),
+    'INSATTA': Form(14, 15, _GOOD, time=10, clock='week'),
     'INSATTXA': Form(14, 10, _GOOD),
-    'INSATTSA': Form(7, 8, _GOOD, week=3),
+    'INSATTSA': Form(7, 8, _GOOD, time=3, clock='week'),
     # Furuno and JRC, and RDI: they leave the heading empty without one.
     'PFEC,GPatt': Form(2),
     'PRDID': Form(3),
 }
 """The sentences of makers, after their manuals."""
 
-_MEASURED = {kind: re.compile(form.measured.encode()).match for kind, form in FORMS.items()}
+_measured = lru_cache(maxsize=256)(lambda form: re.compile(form.measured.encode()).match)
+
+
+class OwnSentence(NamedTuple):
+    """
+    A sentence that the user describes; it comes before those of the table.
+
+    Attributes
+    ----------
+    kind
+        Three characters after any talker, or the start of the sentence up to a comma.
+    form
+        Its fields.
+
+    """
+
+    kind: str
+    form: Form
+
+    def identify(self, text: bytes) -> Name | None:
+        """Return the name of such a sentence, and of others as `identify` does."""
+        has_talker = len(self.kind) == _KIND_LENGTH
+        start = text.lstrip(b'#%')[2 * has_talker:]
+        if not start.startswith(b'%b,' % self.kind.encode()):
+            return identify(text)
+        return Name(self.kind, text[:2].decode('latin-1') if has_talker else '')
+
+
+def form_of(name: Name | None, own: OwnSentence | None = None) -> Form | None:
+    """Return the form of the sentences of this name; None for those with a parser of their own."""
+    if own is not None and name is not None and name.kind == own.kind:
+        return own.form
+    return None if name is None else FORMS.get(name.kind)
+
+
+def may_lack_checksum(name: Name | None, own: OwnSentence | None = None) -> bool:
+    """Tell whether sentences of this name never have a checksum: PUHAW,UVH."""
+    form = form_of(name, own)
+    return form is not None and not form.checksum
 
 
 def split_fields(text: bytes) -> list[bytes]:
@@ -207,21 +270,23 @@ def split_fields(text: bytes) -> list[bytes]:
     return (text.replace(b';', b',') if text[:1] in (b'#', b'%') else text).split(b',')
 
 
-def time_field(name: Name, text: bytes) -> int:
-    """Return the field of the time of day in a heading sentence; 0 without one."""
-    if name.kind == 'PASHR':
-        return 0 if text.startswith(b'PASHR,ATT') else 1
-    return FORMS[name.kind].time if name.kind in FORMS else 0
+def find_time(name: Name, text: bytes, own: OwnSentence | None = None) -> tuple[int, str]:
+    """Return the field of the time in a heading sentence, 0 without one, and what the time is."""
+    form = form_of(name, own)
+    if form is not None:
+        return form.time, 'week' if text[:1] in (b'#', b'%') else form.clock
+    return int(name.kind == 'PASHR' and not text.startswith(b'PASHR,ATT')), 'hhmmss'
 
 
-def _parse_form(kind: str, fields: list[bytes]) -> float:
+def _parse_form(form: Form, fields: list[bytes], stated_deg: float | None = None) -> float:
     """Read a sentence of a maker by its row of `FORMS`."""
-    form = FORMS[kind]
     if form.quality:
         field_of(fields, form.quality)
-        if not _MEASURED[kind](b','.join(fields[form.quality:])):
+        if not _measured(form)(b','.join(fields[form.quality:])):
             raise Rejected('invalid_quality')
-    return _heading(fields, form.heading)
+    heading_deg = (_heading(fields, form.heading) if form.scale == 1.0 else
+                   _scaled_heading(fields, form.heading, form.scale))
+    return _add_variation(heading_deg, stated_deg) if form.magnetic else heading_deg
 
 
 def _east(fields: list[bytes], index: int) -> float | None:
@@ -239,9 +304,7 @@ def _add_variation(magnetic_deg: float, variation_deg: float | None) -> float:
     """Return a true heading; raises Rejected without a variation, degrees to the east."""
     if variation_deg is None:
         raise Rejected('no_variation')
-    heading_deg = (magnetic_deg + variation_deg) % 360.0
-    # A tiny negative angle rounds to 360. `wrap360` would load numpy, which settings do without.
-    return 0.0 if heading_deg == 360.0 else heading_deg
+    return _wrap(magnetic_deg + variation_deg)
 
 
 def _parse_hdg(fields: list[bytes], stated_deg: float | None = None) -> float:
@@ -277,7 +340,7 @@ MAGNETIC: dict[str, Callable[[list[bytes], float | None], float]] = {
 """Parsers of sentences that may need a stated variation, degrees to the east; None: unknown."""
 
 
-_AS_FORM = {kind: partial(_parse_form, kind) for kind in FORMS}
+_AS_FORM = {kind: partial(_parse_form, form) for kind, form in FORMS.items()}
 
 #: Kind of sentence -> its parser, from fields with the address to heading [deg]; raises Rejected.
 #: The best kind comes first; one with a comma is the start of a proprietary sentence.
@@ -293,12 +356,15 @@ PARSERS: dict[str, Callable[[list[bytes]], float]] = {
     'HDM': _parse_hdm,
 }
 
-_PROPRIETARY = {kind.encode(): Name(kind, '') for kind in FORMS if kind != 'HPR'}
+#: Kinds of this length come after a talker.
+_KIND_LENGTH = 3
+_PROPRIETARY = {kind.encode(): Name(kind, '') for kind in FORMS if len(kind) != _KIND_LENGTH}
 _MAKERS = frozenset(b'%c' % first for first in b'PK#%')
 
 
 @lru_cache(maxsize=1 << 16)
-def heading_of(text: bytes, variation_deg: float | None = None) -> float:
+def heading_of(text: bytes, variation_deg: float | None = None,
+               own: OwnSentence | None = None) -> float:
     """
     Return the heading in a sentence.
 
@@ -309,6 +375,8 @@ def heading_of(text: bytes, variation_deg: float | None = None) -> float:
         itself, so the last 65536 texts are cached (16 MB).
     variation_deg
         Variation for magnetic headings that come without one, to the east; None: unknown.
+    own
+        A sentence that the user describes.
 
     Returns
     -------
@@ -326,8 +394,10 @@ def heading_of(text: bytes, variation_deg: float | None = None) -> float:
     231.0
 
     """
-    name = identify(text)
+    name = identify(text) if own is None else own.identify(text)
     assert name is not None
+    if own is not None and name.kind == own.kind:
+        return _parse_form(own.form, split_fields(text), variation_deg)
     if variation_deg is not None and name.kind in MAGNETIC:
         return MAGNETIC[name.kind](split_fields(text), variation_deg)
     return PARSERS[name.kind](split_fields(text))

@@ -25,7 +25,8 @@ from zoneinfo import ZoneInfo
 
 from heading_intercompare.core.declared_settings import Checked, setting, SettingsError
 
-from .sentences import PARSERS
+from .own_sentence import read_own_sentence
+from .sentences import OwnSentence, PARSERS
 
 #: Kinds of heading sentence; 'auto' uses the first of those present.
 SENTENCES = (*PARSERS,)
@@ -217,6 +218,10 @@ class DriverSettings(Checked):
     sentence: str = setting(
         'auto', "kind of sentence to use; 'auto': the first of those present, in this order",
         choices=('auto', *SENTENCES))
+    own_sentence: str | None = setting(
+        None, 'sentence that is not among these, in one line: its identifier, heading=NUMBER of '
+        'its field, and unit, scale, sign, north, quality, valid, time, clock, checksum where '
+        'needed; it is the sentence to use')
     talker: str | None = setting(
         None, "talker whose sentences are used (HE, GP, IN; source number of a csv); several with "
         "commas between, or 'any', are read as one; none: the first heard")
@@ -273,6 +278,32 @@ class DriverSettings(Checked):
             _check_zone(self.stamp_zone)
         if self.date is not None:
             _check_date(self.date)
+        if self.own_sentence is not None:
+            self._check_own_sentence()
+
+    def _check_own_sentence(self) -> None:
+        try:
+            read_own_sentence(self.own_sentence)
+        except ValueError as error:
+            raise SettingsError(f'own_sentence = {self.own_sentence!r}: {error}') from None
+        if self.sentence != 'auto':
+            raise SettingsError(f'sentence = {self.sentence!r} and own_sentence = '
+                                f'{self.own_sentence!r}: state only one of them')
+
+    @property
+    def own(self) -> OwnSentence | None:
+        """Return the sentence that the user describes."""
+        return read_own_sentence(self.own_sentence)
+
+    @property
+    def kind(self) -> str:
+        """Return the kind of sentence to use: 'auto', or one of `kinds`."""
+        return self.own.kind if self.own else self.sentence
+
+    @property
+    def kinds(self) -> tuple[str, ...]:
+        """Return all kinds of heading sentences, the best first."""
+        return (self.own.kind, *SENTENCES) if self.own else SENTENCES
 
     @property
     def address(self) -> Address:

@@ -21,6 +21,7 @@ import pytest
 from heading_intercompare.core.decision.coverage import SENSOR_CLASSES
 from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.sensor_table import (
+    describe_driver,
     find_reference,
     read_sensors,
     SENSOR_CLASS_NAMES,
@@ -37,6 +38,12 @@ def test_sensors_with_a_reference():
     assert find_reference(sensors) is gnss and not gyro.is_reference
     assert find_reference(sensors[:1]) is None
     assert read_sensors(None) == read_sensors('') == ()
+
+
+def test_a_row_says_how_its_sentences_are_read():
+    gyro, gnss = read_sensors('gyro talker=HE own_sentence="PXYZ,ATT heading=3 unit=rad"; gnss rs')
+    assert describe_driver(gyro) == {'talker': 'HE', 'own_sentence': 'PXYZ,ATT heading=3 unit=rad'}
+    assert describe_driver(gnss) == {}
 
 
 @pytest.mark.parametrize('text, said', [

@@ -84,6 +84,8 @@ _SHARED_OPTIONS = {
 _ROLE_OPTIONS = {
     'sentence': 'kind of sentence in the log of the {}: ' + ', '.join(SENTENCES)
                 + ' (default: the first present)',
+    'own_sentence': 'sentence of the {} that is not among these, in one line, such as '
+                    "'PXYZ,ATT heading=3 unit=rad'; see Import NMEA logs in the docs",
     'talker': 'talker of the {}, such as HE, several as GN,GP, or any (default: the first '
               'present), or its stream in a file with several, such as a source of NMEA 2000',
     'instrument': 'word of the lines of the {}, if a log has several instruments',
@@ -109,7 +111,7 @@ def add_log_arguments(parser: argparse.ArgumentParser,
     """Add the options that say how the logs of some sensors are read; see `drivers_for`."""
     for name, words in _ROLE_OPTIONS.items():
         for role in roles:
-            parser.add_argument(f'--{role}-{name}', metavar=name[0].upper(),
+            parser.add_argument(f'--{role}-{name.replace("_", "-")}', metavar=name[0].upper(),
                                 help=words.format(role.upper()))
     for name, (words, choices) in _SHARED_OPTIONS.items():
         option, value_type = name.replace('_', '-'), float if name.endswith('_deg') else str

@@ -23,12 +23,14 @@ from __future__ import annotations
 from datetime import date
 from functools import lru_cache
 import re
+from typing import Callable
 
 SECOND_NS = 1_000_000_000
 DAY_NS = 86_400 * SECOND_NS
 
 WEEK_NS = 7 * DAY_NS
 
+_EPOCH = re.compile(rb'(\d{10}|\d{13}|\d{16}|\d{19})(?:\.(\d*))?\Z')
 _CLOCK = re.compile(rb'(\d\d)(\d\d)(\d\d)(?:\.(\d*))?\Z')
 
 
@@ -71,6 +73,28 @@ def day_time_ns(field: bytes) -> int:
     if match is None:
         raise ValueError('time of day')
     return clock_ns(int(match[1]), int(match[2]), int(match[3])) + fraction_ns(match[4])
+
+
+def _date_and_time_ns(field: bytes) -> int:
+    """Return the time of `yyyymmddhhmmss.sss`, nanoseconds; ValueError if it is none."""
+    text = field.strip()
+    if not text[:8].isdigit():
+        raise ValueError('date')
+    return date_ns(int(text[:4]), int(text[4:6]), int(text[6:8])) + day_time_ns(text[8:])
+
+
+def _epoch_ns(field: bytes) -> int:
+    """Return Unix time in seconds, or in its thousandths by the number of digits; ValueError."""
+    match = _EPOCH.match(field.strip())
+    if match is None:
+        raise ValueError('epoch')
+    unit_ns: int = 10 ** (19 - len(match[1]))
+    return int(match[1]) * unit_ns + fraction_ns(match[2]) * unit_ns // SECOND_NS
+
+
+DATED_CLOCKS: dict[str, Callable[[bytes], int]] = {
+    'yyyymmddhhmmss': _date_and_time_ns, 'epoch': _epoch_ns}
+"""Times with their date in one field of a sentence, nanoseconds UTC; ValueError if it is none."""
 
 
 def zda_ns(fields: list[bytes]) -> int:
