@@ -199,6 +199,7 @@ class NmeaDecoder:
             settings.kinds, settings.learn_s, _MOST_HELD if settings.kind == 'auto' else 0,
             None if files is None else find_sentence(files.bare_blocks(), settings))
         self._instrument, self._own = choose_instrument(settings), settings.own
+        self._compass = settings.compass
         self._identify = choose_naming(settings)
         self._days, self._stamps = start_stamps(settings, files)
         self._times = StreamTimes(self._days, self._time_sentences(files))
@@ -421,7 +422,7 @@ class NmeaDecoder:
     def _heading(self, name: Name, text: bytes) -> float:
         if name.kind == 'PSXN,23' and self._psxn_quality == b'2':
             raise Rejected('invalid_quality')
-        return heading_of(text, self._settings.variation_deg, self._own)
+        return heading_of(text, self._compass, self._own)
 
     def _read_valid(self, name: Name, text: bytes, prefix: bytes, suffix: bytes,
                     received_ns: int | None) -> tuple[int, float]:

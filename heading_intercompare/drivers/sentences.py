@@ -22,6 +22,7 @@ that sign, and a semicolon divides fields as a comma does.
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from functools import lru_cache, partial
 import re
 from typing import Callable, NamedTuple
@@ -224,6 +225,39 @@ FORMS: dict[str, Form] = {
 }
 """The sentences of makers, after their manuals."""
 
+
+class Compass(NamedTuple):
+    """
+    What is stated of a magnetic compass, for sentences that do not say it themselves.
+
+    Attributes
+    ----------
+    variation_deg
+        Degrees to the east; None: unknown.
+    deviations_deg
+        Headings of the compass in rising order, each with the deviation there, degrees to the
+        east; empty: it has none.
+
+    """
+
+    variation_deg: float | None = None
+    deviations_deg: tuple[tuple[float, float], ...] = ()
+
+    def magnetic_heading(self, compass_deg: float) -> float:
+        """Return the magnetic heading; the deviation is interpolated on the circle."""
+        rows = self.deviations_deg
+        if not rows:
+            return compass_deg
+        at = bisect_right(rows, (compass_deg, 181.0))
+        (low_deg, low), (high_deg, high) = rows[at - 1], rows[at % len(rows)]
+        span_deg = (high_deg - low_deg) % 360.0
+        share = (compass_deg - low_deg) % 360.0 / span_deg
+        return compass_deg + low + (high - low) * share
+
+
+UNSTATED = Compass()
+"""A compass of which nothing is stated."""
+
 _measured = lru_cache(maxsize=256)(lambda form: re.compile(form.measured.encode()).match)
 
 
@@ -278,7 +312,7 @@ def find_time(name: Name, text: bytes, own: OwnSentence | None = None) -> tuple[
     return int(name.kind == 'PASHR' and not text.startswith(b'PASHR,ATT')), 'hhmmss'
 
 
-def _parse_form(form: Form, fields: list[bytes], stated_deg: float | None = None) -> float:
+def _parse_form(form: Form, fields: list[bytes], compass: Compass = UNSTATED) -> float:
     """Read a sentence of a maker by its row of `FORMS`."""
     if form.quality:
         field_of(fields, form.quality)
@@ -286,7 +320,7 @@ def _parse_form(form: Form, fields: list[bytes], stated_deg: float | None = None
             raise Rejected('invalid_quality')
     heading_deg = (_heading(fields, form.heading) if form.scale == 1.0 else
                    _scaled_heading(fields, form.heading, form.scale))
-    return _add_variation(heading_deg, stated_deg) if form.magnetic else heading_deg
+    return _true_of_compass(heading_deg, compass) if form.magnetic else heading_deg
 
 
 def _east(fields: list[bytes], index: int) -> float | None:
@@ -307,37 +341,43 @@ def _add_variation(magnetic_deg: float, variation_deg: float | None) -> float:
     return _wrap(magnetic_deg + variation_deg)
 
 
-def _parse_hdg(fields: list[bytes], stated_deg: float | None = None) -> float:
+def _true_of_compass(compass_deg: float, compass: Compass) -> float:
+    """Return the true heading of a compass of which only that is known which is stated."""
+    return _add_variation(compass.magnetic_heading(compass_deg), compass.variation_deg)
+
+
+def _parse_hdg(fields: list[bytes], compass: Compass = UNSTATED) -> float:
     """
     Read `xxHDG,sensor heading,deviation,E/W,variation,E/W`; E is added, W subtracted.
 
-    An empty deviation counts as 0. Without variation, also a stated one, the true heading is
-    unknown.
+    An empty deviation is that of the stated table, without one 0. Without variation, also a
+    stated one, the true heading is unknown.
     """
     sensor_deg = _heading(fields, 1)
     deviation_deg, variation_deg = _east(fields, 2), _east(fields, 4)
-    return _add_variation(sensor_deg + (deviation_deg or 0.0),
-                          stated_deg if variation_deg is None else variation_deg)
+    return _add_variation(compass.magnetic_heading(sensor_deg) if deviation_deg is None
+                          else sensor_deg + deviation_deg,
+                          compass.variation_deg if variation_deg is None else variation_deg)
 
 
-def _parse_hdm(fields: list[bytes], stated_deg: float | None = None) -> float:
+def _parse_hdm(fields: list[bytes], compass: Compass = UNSTATED) -> float:
     """Read `xxHDM,heading,M`, a magnetic heading without its variation."""
     magnetic_deg = _heading(fields, 1)
     if field_of(fields, 2).strip() != b'M':
         raise Rejected('bad_field')
-    return _add_variation(magnetic_deg, stated_deg)
+    return _true_of_compass(magnetic_deg, compass)
 
 
-def _parse_vhw(fields: list[bytes], stated_deg: float | None = None) -> float:
+def _parse_vhw(fields: list[bytes], compass: Compass = UNSTATED) -> float:
     """Read `xxVHW,heading,T,heading,M,speed,N,speed,K`; the magnetic one if the true is empty."""
     if field_of(fields, 1).strip() or not field_of(fields, 3).strip():
         return _true_heading(fields, 1)
-    return _parse_hdm([fields[0], *fields[3:]], stated_deg)
+    return _parse_hdm([fields[0], *fields[3:]], compass)
 
 
-MAGNETIC: dict[str, Callable[[list[bytes], float | None], float]] = {
+MAGNETIC: dict[str, Callable[[list[bytes], Compass], float]] = {
     'HDG': _parse_hdg, 'VHW': _parse_vhw, 'HDM': _parse_hdm}
-"""Parsers of sentences that may need a stated variation, degrees to the east; None: unknown."""
+"""Parsers of sentences that may need what is stated of the compass."""
 
 
 _AS_FORM = {kind: partial(_parse_form, form) for kind, form in FORMS.items()}
@@ -363,7 +403,7 @@ _MAKERS = frozenset(b'%c' % first for first in b'PK#%')
 
 
 @lru_cache(maxsize=1 << 16)
-def heading_of(text: bytes, variation_deg: float | None = None,
+def heading_of(text: bytes, compass: Compass = UNSTATED,
                own: OwnSentence | None = None) -> float:
     """
     Return the heading in a sentence.
@@ -373,8 +413,8 @@ def heading_of(text: bytes, variation_deg: float | None = None,
     text
         The text between `$` and `*` of a sentence that `identify` knows. A gyrocompass repeats
         itself, so the last 65536 texts are cached (16 MB).
-    variation_deg
-        Variation for magnetic headings that come without one, to the east; None: unknown.
+    compass
+        What is stated for magnetic headings.
     own
         A sentence that the user describes.
 
@@ -397,7 +437,7 @@ def heading_of(text: bytes, variation_deg: float | None = None,
     name = identify(text) if own is None else own.identify(text)
     assert name is not None
     if own is not None and name.kind == own.kind:
-        return _parse_form(own.form, split_fields(text), variation_deg)
-    if variation_deg is not None and name.kind in MAGNETIC:
-        return MAGNETIC[name.kind](split_fields(text), variation_deg)
+        return _parse_form(own.form, split_fields(text), compass)
+    if compass is not UNSTATED and name.kind in MAGNETIC:
+        return MAGNETIC[name.kind](split_fields(text), compass)
     return PARSERS[name.kind](split_fields(text))

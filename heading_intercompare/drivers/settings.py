@@ -25,8 +25,9 @@ from zoneinfo import ZoneInfo
 
 from heading_intercompare.core.declared_settings import Checked, setting, SettingsError
 
+from .deviation_table import read_deviations, write_deviations
 from .own_sentence import read_own_sentence
-from .sentences import OwnSentence, PARSERS
+from .sentences import Compass, OwnSentence, PARSERS, UNSTATED
 
 #: Kinds of heading sentence; 'auto' uses the first of those present.
 SENTENCES = (*PARSERS,)
@@ -228,6 +229,10 @@ class DriverSettings(Checked):
     variation_deg: float | None = setting(
         None, 'magnetic variation, positive to the east, for HDG without one, HDM and the '
         'magnetic heading of VHW [deg]; none: unknown', -180.0, 180.0)
+    deviation_table: str | None = setting(
+        None, 'deviation of that compass, for HDG without one, HDM and the magnetic heading of '
+        'VHW: heading of the compass and deviation, positive to the east, in degrees, rows '
+        'separated by ;, or file:PATH; none: it has none')
     time: str = setting(
         'receipt', "stamps: time of 'receipt' (in a log: the stamp of the line), or of "
         "'validity' (ZDA, RMC or GGA of the same stream, own time of PASHR, HEADINGA and others)",
@@ -280,6 +285,17 @@ class DriverSettings(Checked):
             _check_date(self.date)
         if self.own_sentence is not None:
             self._check_own_sentence()
+        if self.deviation_table is not None:
+            self._load_deviations()
+
+    def _load_deviations(self) -> None:
+        """Check the table, and keep its rows in place of the name of a file."""
+        try:
+            rows = write_deviations(read_deviations(str(self.deviation_table)))
+        except (OSError, ValueError) as error:
+            reason = error.strerror if isinstance(error, OSError) else error
+            raise SettingsError(f'deviation_table = {self.deviation_table!r}: {reason}') from None
+        object.__setattr__(self, 'deviation_table', rows)
 
     def _check_own_sentence(self) -> None:
         try:
@@ -289,6 +305,14 @@ class DriverSettings(Checked):
         if self.sentence != 'auto':
             raise SettingsError(f'sentence = {self.sentence!r} and own_sentence = '
                                 f'{self.own_sentence!r}: state only one of them')
+
+    @property
+    def compass(self) -> Compass:
+        """Return what is stated of a magnetic compass."""
+        if self.variation_deg is None and self.deviation_table is None:
+            return UNSTATED
+        return Compass(self.variation_deg, read_deviations(self.deviation_table)
+                       if self.deviation_table else ())
 
     @property
     def own(self) -> OwnSentence | None:

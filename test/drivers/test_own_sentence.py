@@ -27,7 +27,7 @@ from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.drivers.logs import read_log
 from heading_intercompare.drivers.nmea import NmeaDecoder
 from heading_intercompare.drivers.own_sentence import read_own_sentence
-from heading_intercompare.drivers.sentences import heading_of, Name, Rejected
+from heading_intercompare.drivers.sentences import Compass, heading_of, Name, Rejected
 from heading_intercompare.drivers.settings import DriverSettings
 
 SECOND_NS = 1_000_000_000
@@ -56,7 +56,7 @@ NOON_NS = 1_772_366_400 * SECOND_NS
 ])
 def test_an_own_sentence_gives_its_heading(line, text, heading_deg):
     own = read_own_sentence(line)
-    assert heading_of(text.encode(), None, own) == pytest.approx(heading_deg, abs=1e-9)
+    assert heading_of(text.encode(), own=own) == pytest.approx(heading_deg, abs=1e-9)
 
 
 @pytest.mark.parametrize('line, text, reason', [
@@ -72,13 +72,13 @@ def test_an_own_sentence_gives_its_heading(line, text, heading_deg):
     ('PXYZ heading=1 north=magnetic', 'PXYZ,1.0', 'no_variation')])
 def test_an_own_sentence_without_a_heading_says_why(line, text, reason):
     with pytest.raises(Rejected) as caught:
-        heading_of(text.encode(), None, read_own_sentence(line))
+        heading_of(text.encode(), own=read_own_sentence(line))
     assert caught.value.reason == reason
 
 
 def test_a_magnetic_one_takes_the_stated_variation():
     own = read_own_sentence('PXYZ heading=1 north=magnetic')
-    assert heading_of(b'PXYZ,1.0', -2.5, own) == 358.5
+    assert heading_of(b'PXYZ,1.0', Compass(-2.5), own) == 358.5
 
 
 @pytest.mark.parametrize('line, text, name', [

@@ -19,7 +19,13 @@ from __future__ import annotations
 from hypothesis import given, strategies as st
 import pytest
 
-from heading_intercompare.drivers.sentences import heading_of, identify, Name, Rejected
+from heading_intercompare.drivers.sentences import (
+    Compass,
+    heading_of,
+    identify,
+    Name,
+    Rejected,
+)
 
 #: The headers of Unicore and NovAtel; the name of the log goes into the second.
 UNIHEADING = b'#UNIHEADINGA,97,GPS,FINE,2190,365174000,0,0,18,12;'
@@ -148,7 +154,7 @@ def test_a_sentence_without_a_heading_says_why(text, reason):
     (b'VDVHW,98.3,T,,M,5.2,N,9.6,K', 98.3), (b'HCHDG,98.3,1.0,E,,', 96.8),
     (b'HCHDG,98.3,,,2.0,E', 100.3), (b'HEHDT,98.3,T', 98.3)])
 def test_a_stated_variation_serves_where_a_sentence_has_none(text, heading_deg):
-    assert heading_of(text, -2.5) == pytest.approx(heading_deg, abs=1e-12)
+    assert heading_of(text, Compass(-2.5)) == pytest.approx(heading_deg, abs=1e-12)
 
 
 @pytest.mark.parametrize('text, name', [

@@ -28,8 +28,8 @@ from heading_intercompare.drivers.settings import DriverError, DriverSettings
 from heading_intercompare.readers.registry import open_log_of_streams, sources_of
 from heading_intercompare.readers.stream_recording import StreamOptions
 
-_READING = ('own_sentence', 'talker', 'instrument', 'variation_deg', 'stamp_pattern',
-            'stamp_zone', 'time_column', 'date', 'checksum', 'bursts')
+_READING = ('own_sentence', 'talker', 'instrument', 'variation_deg', 'deviation_table',
+            'stamp_pattern', 'stamp_zone', 'time_column', 'date', 'checksum', 'bursts')
 
 
 @dataclass(frozen=True, slots=True)

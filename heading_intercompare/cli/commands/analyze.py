@@ -76,6 +76,8 @@ _SHARED_OPTIONS = {
     'date': ('date of the first line, YYYY-MM-DD, for times of day without one', None),
     'variation_deg': ('magnetic variation, positive to the east, for magnetic headings without '
                       'one (HDG, HDM, VHW)', None),
+    'deviation_table': ('deviation of that compass, positive to the east: file:PATH with rows of '
+                        "heading and deviation, or the rows: '0 1.5; 90 -2; 180 -1; 270 2'", None),
     'checksum': ('take sentences without a checksum too, or only those with one (default)',
                  ('required', 'if_present')),
     'bursts': ('take the stamp of a burst for all its lines, or for the first of a kind (default)',
