@@ -114,8 +114,7 @@ class LogReader:
                 talkers = (self._nmea.chosen.talker, *self._nmea.turns)
                 words.append(f'{" and ".join(talkers)} send in turns: if they are one receiver, '
                              f'take all its headings with `talker` {",".join(talkers)}')
-            if self._nmea.days.origin:
-                words.append(self._nmea.days.origin)
+            words += filter(None, (self._nmea.days.origin, self._nmea.undone))
         return words + [f'{path} ends too early' for path in self._files.cut] + [
             f'{path} is a link that leads nowhere' for path in self._files.dangling]
 

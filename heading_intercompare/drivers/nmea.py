@@ -22,6 +22,7 @@ readings come at once, and the time at which they are read is not the time at wh
 from __future__ import annotations
 
 from collections import Counter, deque
+from functools import partial
 from statistics import median
 from typing import Mapping
 
@@ -249,6 +250,11 @@ class NmeaDecoder:
     def days(self) -> Days:
         """Return the days of times of day."""
         return self._days
+
+    @property
+    def undone(self) -> str:
+        """Return in words which rollovers of GPS were undone; '' if none were."""
+        return self._times.rollovers.words
 
     def refuse_several_instruments(self, path: str) -> None:
         """Raise DriverError if the words of the lines of a log name several instruments."""
@@ -480,19 +486,19 @@ class NmeaDecoder:
                      received_ns: int | None) -> int | None:
         """Return the time that a heading sentence tells itself, if any; raises Rejected."""
         at, clock = find_time(name, text, self._own)
+        if clock != 'week' and not at:
+            return None
+        if self._stamp_format != 'none':
+            received_ns = self._near_ns(prefix, suffix)
+        elif self._from_file:
+            received_ns = None
+        undo = partial(self._times.rollovers.undo, logger_ns=received_ns)
         try:
             fields = split_fields(text)
             if clock == 'week':
-                return receiver_log_ns(fields, at)
-            if not at:
-                return None
+                return receiver_log_ns(fields, at, undo)
             if clock in DATED_CLOCKS:
-                return DATED_CLOCKS[clock](field_of(fields, at))
-            time_of_day_ns = day_time_ns(field_of(fields, at))
-            if self._stamp_format != 'none':
-                received_ns = self._near_ns(prefix, suffix)
-            elif self._from_file:
-                received_ns = None
-            return self._times.place(time_of_day_ns, received_ns)
+                return undo(DATED_CLOCKS[clock](field_of(fields, at)))
+            return self._times.place(day_time_ns(field_of(fields, at)), received_ns)
         except (ValueError, IndexError):
             raise Rejected('no_validity_time') from None

@@ -25,8 +25,10 @@ from sensor_msgs.msg import Imu
 
 from heading_intercompare.core.records import Headings
 from heading_intercompare.drivers.framing import Received
+from heading_intercompare.drivers.log_lines.rollovers import describe_far
 from heading_intercompare.drivers.nmea import NmeaDecoder
 from heading_intercompare.messages.heading_messages import imu_messages
+from heading_intercompare.messages.status_messages import WARN
 from heading_intercompare.nodes.alarms.sentence_alarms import SentenceAlarms
 from heading_intercompare.nodes.interface.parameters import resolve_topic
 from heading_intercompare.nodes.launching.process import run
@@ -67,6 +69,7 @@ class NmeaDriver(ReadingNode):
         # A live source waits for nobody once it has begun.
         self._flow = FlowControl([self._publisher] * from_file, self.health)
         self._published = self._beyond = self._published_before = 0
+        self._newest_ns = 0
         self._beat_s = time.monotonic()
         self._watch()
 
@@ -84,6 +87,8 @@ class NmeaDriver(ReadingNode):
         super()._take_last()
 
     def _queue(self, headings: Headings) -> None:
+        if len(headings):
+            self._newest_ns = int(headings.stamp_ns[-1])
         headings = self._waiting.add(headings)
         dropped = self._reading.source.counts.get('kernel_dropped', 0)
         self._lost.count({'lost.at_source': dropped + self._waiting.overrun,
@@ -116,6 +121,10 @@ class NmeaDriver(ReadingNode):
             # On a silent line this makes the time of listening pass.
             self._queue(self._decoder.feed(b'', time.time_ns()))
         super()._note()
+        words = (describe_far(self._newest_ns, self._newest_ns, time.time_ns())
+                 or self._decoder.undone)
+        if words:
+            self.health.note('stamps', WARN, words)
         self.alarms.look(self._counts, self._published)
 
     def _describe(self, n_published: int, age_s: float) -> dict[str, object]:

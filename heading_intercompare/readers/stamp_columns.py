@@ -36,6 +36,7 @@ from heading_intercompare.core.records import Integers
 from heading_intercompare.core.units.given_stamps import find_unit, is_of_satellite_time
 from heading_intercompare.drivers.log_lines.line_formats import compile_form, FORMATS
 from heading_intercompare.drivers.log_lines.log_clocks import start_stamps_of_file
+from heading_intercompare.drivers.log_lines.rollovers import Rollovers
 from heading_intercompare.drivers.log_lines.times import DAY_NS, SECOND_NS
 from heading_intercompare.drivers.refused_lines import advise, name_options
 from heading_intercompare.drivers.sentences import Rejected
@@ -160,7 +161,7 @@ class StampColumns:
     refusal : str
         The first cell without a stamp: where it is, what it holds, what to set; '' if none.
     origin : str
-        Where the date of times of day came from.
+        Where the date of times of day came from, or what was undone by it.
 
     Raises
     ------
@@ -195,13 +196,14 @@ class StampColumns:
         self._has_known_form = settings.stamp_pattern is None
         self._days, self._stamps = start_stamps_of_file(
             settings, path, lambda: (cell.encode() + b'\n' for cell in self._cells()))
+        self._rollovers = Rollovers(self._days) if self._days.noon_ns is not None else None
         self._unit: _Unit | None = None
         self._has_looked = False
 
     @property
     def origin(self) -> str:
-        """Return where the date of times of day came from, in words; '' if none was needed."""
-        return self._days.origin
+        """Return where the date of times came from, in words; '' if they have it themselves."""
+        return self._days.origin or (self._rollovers.words if self._rollovers else '')
 
     def read(self, rows: CsvRows, row: Sequence[str]) -> int:
         """
@@ -215,7 +217,8 @@ class StampColumns:
         """
         cell = self._text(row)
         try:
-            return self._read(rows, cell)
+            ns = self._read(rows, cell)
+            return ns if self._rollovers is None else self._rollovers.undo(ns, None)
         except ReaderError:
             raise
         except (ValueError, ArithmeticError):

@@ -307,3 +307,11 @@ def test_a_live_source_does_not_wait_for_ever(ros):
     heard = ros.listen(Imu, 'ts/heading', qos.PAIRS_TAKEN)
     send_lines(port, 0, 30)
     ros.spin_until(lambda: len(heard) == 30)
+
+
+def test_a_stamp_in_the_future_is_a_warning_with_what_to_do(ros, tmp_path):
+    source = log(tmp_path / 'gyro.log', 5, start='2037-01-01T00:00:')
+    node = ros.ours(NmeaDriver, source=source, speed=0.0)
+    ros.listen(Imu, 'ts/heading', qos.PAIRS_TAKEN)
+    ros.spin_until(lambda: 'stamps' in node.health._parts)
+    assert 'in the future: the clock' in node.health._parts['stamps'].message

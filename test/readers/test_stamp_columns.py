@@ -174,3 +174,17 @@ def test_the_name_of_a_file_tells_the_date_of_times_of_day(tmp_path):
     collected = read(tmp_path, write('%H:%M:%S.%f'), 'gyro_2024-05-28.csv')
     assert stamps_of(collected)[0] == START_NS
     assert 'date by the name of the file' in collected.oddities[0]
+
+
+@pytest.mark.parametrize('name, date, undone', [
+    ('a.csv', '2044-01-12', True), ('ins_2044-01-12.csv', None, True),
+    ('a.csv', '2063-08-29', True), ('a.csv', '2044-01-10', False), ('a.csv', None, False)])
+@pytest.mark.parametrize('form', ['%Y-%m-%d %H:%M:%S.%f', seconds])
+def test_a_date_1024_weeks_later_undoes_a_rollover_of_gps(form, name, date, undone, tmp_path):
+    """7168 days after 2024-05-28 it is 2044-01-12, and as long after that 2063-08-29."""
+    text = write(form if form != seconds else lambda moment: f'{seconds(moment):.3f}')
+    collected = read(tmp_path, text, name, date=date)
+    weeks = {'2063-08-29': 2048}.get(str(date), 1024) * undone
+    assert stamps_of(collected)[0] == START_NS + weeks * 7 * 86400 * 10 ** 9
+    assert np.all(np.diff(stamps_of(collected)) == 5 * 10 ** 8)
+    assert [f'{weeks} weeks early' in words for words in collected.oddities] == [True] * undone

@@ -16,12 +16,15 @@
 
 from __future__ import annotations
 
+import dataclasses
 from dataclasses import dataclass
 import os
+import time
 from typing import Any, Callable, Mapping, Sequence
 
 from heading_intercompare.app.sources.file_hash import hash_files
 from heading_intercompare.core.records import Headings
+from heading_intercompare.drivers.log_lines.rollovers import describe_far
 from heading_intercompare.drivers.logs import LogReader
 from heading_intercompare.drivers.refused_lines import explain_no_heading, name_options
 from heading_intercompare.drivers.settings import DriverError, DriverSettings
@@ -133,7 +136,8 @@ def import_log(path: str, driver: DriverSettings,
         return ImportedLog(path=path, headings=streams.streams[name],
                            sha256=hash_files(sources_of(path, options) or [path]),
                            size=os.path.getsize(path), sentence=name, not_taken=streams.not_taken,
-                           driver=driver, remarks=streams.oddities)
+                           driver=driver, remarks=[
+                               *streams.oddities, *_describe_far(streams.streams[name])])
     try:
         reader = LogReader(path, driver)
         chunks = []
@@ -146,9 +150,19 @@ def import_log(path: str, driver: DriverSettings,
                       sha256=hash_files(reader.paths), size=reader.size, sentence=reader.sentence,
                       not_taken=reader.counts, driver=driver, files=len(reader.paths),
                       remarks=[name_options(remark, role) for remark in reader.remarks])
+    log = dataclasses.replace(log, remarks=[*log.remarks, *_describe_far(log.headings)])
     if role is not None and not len(log.headings):
         raise DriverError(_no_heading(log, role))
     return log
+
+
+def _describe_far(headings: Headings) -> list[str]:
+    """Return what to know of stamps before 2000 or in the future."""
+    if not len(headings):
+        return []
+    words = describe_far(int(headings.stamp_ns.min()), int(headings.stamp_ns.max()),
+                         time.time_ns())
+    return [name_options(words, None)] if words else []
 
 
 def _no_heading(log: ImportedLog, role: str) -> str:

@@ -99,6 +99,12 @@ class Days:
         if self._given_ns is None and self._name_ns is not None:
             self._last_ns = None
 
+    @property
+    def noon_ns(self) -> int | None:
+        """Return the middle of the date given, or of that in the name of the file."""
+        day_ns = self._given_ns if self._given_ns is not None else self._name_ns
+        return None if day_ns is None else day_ns + DAY_NS // 2
+
     def tell(self, ns: int) -> None:
         """Take a time of the stream with its date, nanoseconds UTC."""
         self._told_ns = self._local(ns)

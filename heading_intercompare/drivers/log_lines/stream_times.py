@@ -22,6 +22,7 @@ from typing import Callable, Iterable, Iterator, Sequence
 from heading_intercompare.drivers.framing import Framer
 
 from .days import Days
+from .rollovers import Rollovers
 from .times import gga_ns, nearest_day_ns, rmc_ns, zda_ns
 
 #: Sentences that tell the time, the best first; only the best of those in a log is used.
@@ -111,6 +112,8 @@ class StreamTimes:
     ----------
     newest_ns
         The last time with its date, nanoseconds UTC.
+    rollovers
+        Undoes those of GPS that the receiver has missed.
 
     """
 
@@ -121,6 +124,7 @@ class StreamTimes:
         #: The addresses of sentences that have told a valid time.
         self._valid: set[bytes] = set()
         self.newest_ns: int | None = None
+        self.rollovers = Rollovers(days)
 
     def tells(self, text: bytes) -> bool:
         """
@@ -146,7 +150,8 @@ class StreamTimes:
         text
             A sentence of which `tells` is true.
         received_ns
-            Its time of receipt, which says the day of a GGA; None: `Days` says it.
+            Its time of receipt, which says the day of a GGA and whether rollovers of GPS were
+            missed; None: `Days` says it.
 
         Raises
         ------
@@ -156,7 +161,7 @@ class StreamTimes:
         """
         fields, rank = text.split(b','), self._ranks[text[2:6]]
         if rank in _DATED:
-            ns = _DATED[rank](fields)
+            ns = self.rollovers.undo(_DATED[rank](fields), received_ns)
             self.newest_ns = ns
             self._days.tell(ns)
             return ns

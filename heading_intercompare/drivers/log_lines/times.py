@@ -166,9 +166,16 @@ _LEAP_SECONDS = (((2017, 1, 1), 18), ((2015, 7, 1), 17), ((2012, 7, 1), 16), ((2
                  ((2006, 1, 1), 14), ((1999, 1, 1), 13))
 
 
-def gps_ns(week: int, of_week_ns: int) -> int:
+def gps_ns(week: int, of_week_ns: int, undo: Callable[[int], int] = lambda ns: ns) -> int:
     """
     Return a time of GPS, nanoseconds UTC; ValueError before 1999 or beyond the week.
+
+    Parameters
+    ----------
+    week, of_week_ns
+        Week of GPS, and nanoseconds of the week.
+    undo
+        Undoes rollovers of the week that the receiver has missed.
 
     Examples
     --------
@@ -176,7 +183,7 @@ def gps_ns(week: int, of_week_ns: int) -> int:
     True
 
     """
-    ns = date_ns(1980, 1, 6) + week * WEEK_NS + of_week_ns
+    ns = undo(date_ns(1980, 1, 6) + week * WEEK_NS + of_week_ns)
     if of_week_ns < WEEK_NS:
         for day, leap_s in _LEAP_SECONDS:
             if ns - leap_s * SECOND_NS >= date_ns(*day):
@@ -184,7 +191,8 @@ def gps_ns(week: int, of_week_ns: int) -> int:
     raise ValueError('GPS time')
 
 
-def receiver_log_ns(fields: list[bytes], week: int = 0) -> int:
+def receiver_log_ns(fields: list[bytes], week: int = 0,
+                    undo: Callable[[int], int] = lambda ns: ns) -> int:
     """
     Return the time of a log of a receiver.
 
@@ -196,6 +204,8 @@ def receiver_log_ns(fields: list[bytes], week: int = 0) -> int:
         `%name,week,second`.
     week
         Field of the week of GPS, before that of its second; 0: the header has them.
+    undo
+        As for `gps_ns`.
 
     Returns
     -------
@@ -219,7 +229,7 @@ def receiver_log_ns(fields: list[bytes], week: int = 0) -> int:
     if second is None or not fields[week].isdigit():
         raise ValueError('GPS time')
     return gps_ns(int(fields[week]),
-                  int(second[1]) * unit_ns + fraction_ns(second[2]) * unit_ns // SECOND_NS)
+                  int(second[1]) * unit_ns + fraction_ns(second[2]) * unit_ns // SECOND_NS, undo)
 
 
 def gga_ns(fields: list[bytes]) -> int:
