@@ -71,8 +71,8 @@ class OwnFields(Checked):
         valid = '|'.join(re.escape(word) for word in self.valid.split(','))
         scale = self.scale * (360.0 / ANGLE_UNITS[self.unit]) * (-1.0 if self.sign == '-' else 1.0)
         return Form(self.heading, self.quality, rf' *(?:{valid}) *(?:,|\Z)' * bool(self.quality),
-                    self.time, self.clock, scale, self.north == 'magnetic',
-                    self.checksum == 'required')
+                    self.time, self.clock, scale=scale, magnetic=self.north == 'magnetic',
+                    checksum=self.checksum == 'required')
 
 
 @lru_cache(maxsize=64)

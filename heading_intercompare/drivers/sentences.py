@@ -58,7 +58,7 @@ def identify(text: bytes) -> Name | None:
     Return the name of a heading sentence, or None for any other sentence.
 
     PASHR is accepted in the form of POS MV and Seapath, where a time or an empty field follows,
-    and as PASHR,ATT. Other PASHR sentences are not headings.
+    and as PASHR,ATT. PASHR,HPR and PASHR,AT2 are other kinds; other PASHR are not headings.
 
     Examples
     --------
@@ -174,6 +174,8 @@ class Form(NamedTuple):
     clock : {'hhmmss', 'yyyymmddhhmmss', 'epoch', 'week'}
         What the time is: a time of day, with its date, seconds since 1970, or the week of GPS,
         whose second is in the next field.
+    timed
+        What the field after that of the time begins with, if the time is valid; '': anything.
     scale
         Degrees clockwise of one unit of the number.
     magnetic
@@ -188,6 +190,7 @@ class Form(NamedTuple):
     measured: str = ''
     time: int = 0
     clock: str = 'hhmmss'
+    timed: str = ''
     scale: float = 1.0
     magnetic: bool = False
     checksum: bool = True
@@ -222,6 +225,21 @@ FORMS: dict[str, Form] = {
     # Furuno and JRC, and RDI: they leave the heading empty without one.
     'PFEC,GPatt': Form(2),
     'PRDID': Form(3),
+    # ComNav, and Unicore: 0 is invalid, 4 fixed, 5 float. YBM has another quality of its position.
+    'TRA': Form(2, 5, '[1-5]', time=1),
+    'YBM': Form(6, 17, '[45]', time=2),
+    # Quectel: 4 is fixed, 5 float, 6 dead reckoning.
+    'PQTMTAR': Form(8, 3, '[45]', time=2),
+    # Ashtech: the last flag of AT2 and PAT is 0 unless the attitude is a rough one.
+    'PASHR,HPR': Form(3, time=2),
+    'PASHR,AT2': Form(3, 8, '0'),
+    'PAT': Form(7, 12, '0', time=1),
+    # iXblue: T is valid, E invalid, I initialising; of the time, too.
+    'PHOCT': Form(5, 6, 'T', time=2, timed='T'),
+    # SBG: 1 is valid, 2 degraded while it aligns. Its time may lack the leap seconds.
+    'PSBGB': Form(6, 11, '1', time=2, timed='[12]'),
+    # VectorNav: the two lowest bits of the status are 2 while the filter tracks.
+    'INS': Form(4, 3, r'[0-9A-Fa-f]{0,3}[26AaEe](?:,|\Z)'),
 }
 """The sentences of makers, after their manuals."""
 
@@ -308,6 +326,9 @@ def find_time(name: Name, text: bytes, own: OwnSentence | None = None) -> tuple[
     """Return the field of the time in a heading sentence, 0 without one, and what the time is."""
     form = form_of(name, own)
     if form is not None:
+        if form.timed and not re.match(form.timed.encode(), field_of(
+                split_fields(text), form.time + 1).strip()):
+            return 0, form.clock
         return form.time, 'week' if text[:1] in (b'#', b'%') else form.clock
     return int(name.kind == 'PASHR' and not text.startswith(b'PASHR,ATT')), 'hhmmss'
 

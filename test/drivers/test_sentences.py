@@ -21,6 +21,7 @@ import pytest
 
 from heading_intercompare.drivers.sentences import (
     Compass,
+    find_time,
     heading_of,
     identify,
     Name,
@@ -53,6 +54,18 @@ HEADING = b'#%b,COM1,0,39.5,FINESTEERING,1622,422892.200,02040000,f9bf,6521;'
     (b'KSXT,20190909084745.00,116.2,40.1,68.4,299.22,-67.03,190.28,0.022,,1,3,46,28', 299.22),
     (b'PFEC,GPatt,294.7,-02.5,+00.4', 294.7),
     (b'PRDID,-2.06,4.81,37.62', 37.62),
+    (b'GPTRA,063027.30,101.78,071.19,-00.00,4,10,0.00,0004', 101.78),
+    (b'GPYBM,SN10009927,085454.00,+31.28,+121.15,23.588,179.843,-0.818,0.024,-0.018,0.064,0.030,'
+     b'3463100.193,609429.443,,,1,4,42,200,,1.024,37,', 179.843),
+    (b'PQTMTAR,1,165331.000,4,,0.232438,-4.2,0.0,83.99,0.1,,0.3,30', 83.99),
+    (b'PASHR,HPR,021745.90,302.15390,1.90221,,0.0065,0.0000,0,2,0.900,1.2', 302.1539),
+    (b'PASHR,AT2,183944.8,100.9,+000.42,-000.13,0.0009,0.0019,0,6,1,1,1,2.1', 100.9),
+    (b'GPPAT,183944.00,2117.1,N,15753.2,W,12.3,100.9,0.42,-0.13,0.0009,0.0019,0', 100.9),
+    (b'PHOCT,01,192621.400,T,00,080.378,T,-000.106,T,-03.105,T,+00.220,T,+00.08', 80.378),
+    (b'PHOCT,01,192621.400,E,00,080.378,T,-000.106,T,-03.105,T,+00.220,T,+00.08', 80.378),
+    (b'PSBGB,1,000344.000,0,3.529,-12.821,6.122,0.101,0.098,10.117,1,1,0.004,0.050,2', 6.122),
+    (b'VNINS,125176.941097,2332,8206,+082.014,+000.014,+001.063,+51.51,-000.11', 82.014),
+    (b'VNINS,125176.941097,2332,000E,-082.014,+000.014,+001.063,+51.51,-000.11', 277.986),
     (UNIHEADING + b'SOL_COMPUTED,NARROW_INT,1.0000,90.2500,10.0,0,0.1,0.2,"0",20', 90.25),
     (HEADING % b'HEADINGA' + b'SOL_COMPUTED,L1_INT,5.92,12.5,-1.3,0,0.2,0.3,"0",18', 12.5),
     (HEADING % b'HEADING2A' + b'SOL_COMPUTED,NARROW_INT,0.9,178.3,-1.3,0,0.2,0.3', 178.3),
@@ -122,6 +135,19 @@ def test_a_sentence_gives_its_heading(text, heading_deg):
     (b'KSXT,20190909084745.00,116.2,40.1,68.4,0.00,0,190.28,0.022,,3,0,46,28', 'invalid_quality'),
     (b'PFEC,GPatt,,,', 'empty_heading'),
     (b'PRDID,-2.06,4.81', 'too_few_fields'),
+    (b'GPTRA,030158.40,0.00,0.00,0.00,0,00,0.00,0000', 'invalid_quality'),
+    (b'GPYBM,SN1,085454.00,1,2,3,179.8,-0.8,0,0,0,0,0,0,,,4,0,42,200,,1.0,37,', 'invalid_quality'),
+    (b'PQTMTAR,1,124907.000,6,,1.729,-1.316,-0.713,84.34,0.146,0.296,0.045,00', 'invalid_quality'),
+    (b'PQTMTAR,1,160443.350,1,,0.000,,,,,,,23', 'invalid_quality'),
+    (b'PASHR,HPR,021745.90,,,,,,,,,', 'empty_heading'),
+    (b'PASHR,AT2,183944.8,100.9,+000.42,-000.13,0.0009,0.0019,1,6', 'invalid_quality'),
+    (b'GPPAT,183944.00,2117.1,N,15753.2,W,12.3,100.9,0.42,-0.13,0,0,1', 'invalid_quality'),
+    (b'PHOCT,01,000201.000,E,00,356.592,E,+000.225,E,+00.039,E,+00.023,T', 'invalid_quality'),
+    (b'PHOCT,01,000201.000,T,00,356.592,I,+000.225,E,+00.039,E,+00.023,T', 'invalid_quality'),
+    (b'PSBGB,1,000344.000,0,3.529,-12.821,6.122,0.1,0.1,10.1,0,0,0.004', 'invalid_quality'),
+    (b'PSBGB,1,000344.000,1,3.529,-12.821,6.122,0.1,0.1,10.1,1,2,0.004', 'invalid_quality'),
+    (b'VNINS,224159.474991,2048,8085,-149.042,+013.6,+010.9,+40.1,-88.2', 'invalid_quality'),
+    (b'VNINS,333811.902862,1694,0004,+009.500,-004.754,-000.225,+32.9', 'invalid_quality'),
     (UNIHEADING + b'INSUFFICIENT_OBS,NONE,0.0,0.0,0.0,0.0,0.0,0.0,"",0', 'invalid_quality'),
     (UNIHEADING + b'SOL_COMPUTED,NONE,0.0,0.0,0.0,0.0,0.0,0.0,"",0', 'invalid_quality'),
     (HEADING % b'INSPVAA' + b'1748,502500.7,0,0,0,0,0,0,0,0,0,INS_ALIGNING', 'invalid_quality'),
@@ -157,6 +183,20 @@ def test_a_stated_variation_serves_where_a_sentence_has_none(text, heading_deg):
     assert heading_of(text, Compass(-2.5)) == pytest.approx(heading_deg, abs=1e-12)
 
 
+@pytest.mark.parametrize('text, place', [
+    (b'GPTRA,063027.30,101.78', (1, 'hhmmss')), (b'PASHR,021745.90,302.1,T', (1, 'hhmmss')),
+    (b'PASHR,ATT,183944.8,100.9', (0, 'hhmmss')), (b'PASHR,AT2,183944.8,100.9', (0, 'hhmmss')),
+    (b'PASHR,HPR,021745.90,302.1', (2, 'hhmmss')), (b'GNTHS,1.0,A', (0, 'hhmmss')),
+    (b'PHOCT,01,192621.400,T,00,080.378,T', (2, 'hhmmss')),
+    (b'PHOCT,01,192621.400,E,00,080.378,T', (0, 'hhmmss')),
+    (b'PSBGB,1,000344.000,2,3.5', (2, 'hhmmss')), (b'PSBGB,1,000344.000,3,3.5', (0, 'hhmmss')),
+    (b'KSXT,20190909084745.00,116.2', (1, 'yyyymmddhhmmss')),
+    (HEADING % b'HEADINGA' + b'SOL_COMPUTED', (0, 'week')),
+    (HEADING % b'INSPVAA' + b'2209,490558.0', (10, 'week'))])
+def test_the_field_of_the_time_unless_the_sentence_calls_it_invalid(text, place):
+    assert find_time(identify(text), text) == place
+
+
 @pytest.mark.parametrize('text, name', [
     (b'HEHDT,1,T', Name('HDT', 'HE')), (b'GNTHS,1,A', Name('THS', 'GN')),
     (b'HCHDG,', Name('HDG', 'HC')), (b'PASHR,010203,', Name('PASHR', '')),
@@ -165,7 +205,9 @@ def test_a_stated_variation_serves_where_a_sentence_has_none(text, heading_deg):
     (b'PRDID,1,', Name('PRDID', '')), (b'KSXT,1,', Name('KSXT', '')),
     (b'KAHDT,1,T', Name('HDT', 'KA')),
     (b'GPHPR,1', Name('HPR', 'GP')), (b'#HEADINGA,COM1,', Name('HEADINGA', '')),
-    (b'%INSATTSA,1,', Name('INSATTSA', ''))])
+    (b'%INSATTSA,1,', Name('INSATTSA', '')), (b'PASHR,HPR,1,2', Name('PASHR,HPR', '')),
+    (b'PASHR,AT2,1,2', Name('PASHR,AT2', '')), (b'PHOCT,01,1', Name('PHOCT', '')),
+    (b'BDTRA,1,', Name('TRA', 'BD')), (b'VNINS,1,', Name('INS', 'VN'))])
 def test_a_heading_sentence_is_identified(text, name):
     assert identify(text) == name
 
