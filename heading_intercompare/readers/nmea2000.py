@@ -15,16 +15,19 @@
 """
 Logs of NMEA 2000: candump, canboat's plain form and its JSON, the text forms of gateways.
 
-They give vessel headings (PGN 127250), and the motion of the ship (129025, 129026, 127251,
-129029). A stream is a source address of the bus.
+The forms of frames are one table, with the sentences in which gateways wrap them. The logs
+give vessel headings (PGN 127250), and the motion of the ship (129025, 129026, 127251, 129029). A
+stream is a source address of the bus.
 """
 
 from __future__ import annotations
 
+from base64 import b64decode
+from collections import Counter
 import json
 import math
 import re
-from typing import Any, Callable, Mapping, NamedTuple
+from typing import Any, Callable, Iterator, Mapping, NamedTuple
 
 import numpy as np
 
@@ -35,9 +38,11 @@ from heading_intercompare.core.motion.moved_rows import (
     make_velocity,
     MovedRow,
 )
+from heading_intercompare.drivers.framing import Frame, Framer
 from heading_intercompare.drivers.log_lines.log_clocks import start_stamps_of_file
+from heading_intercompare.drivers.log_lines.log_files import LogFiles
 from heading_intercompare.drivers.refused_lines import advise, name_options
-from heading_intercompare.drivers.sentences import Rejected
+from heading_intercompare.drivers.sentences import identify, Rejected
 
 from .stream_recording import Collected, ReaderError, StreamOptions, UNSTATED
 
@@ -251,16 +256,61 @@ class FrameForm(NamedTuple):
     line
         Finds a line, with named parts: `stamp` (day and time), or `s` and `decimals` of the time
         since 1970, or `hour`, `minute` and `second` of a day; `identifier` in hexadecimal, or
-        `pgn` and `source`, or `pgn_hex` and `source_hex`; `data` in hexadecimal.
+        `pgn` and `source`, or `pgn_hex` and `source_hex`; `data` in hexadecimal, or `base64`.
+    sentence
+        The end of the address of a sentence in which each frame is wrapped, with its comma; empty
+        for frames that are lines. The logger stamps such a line as that of any sentence.
+    has_checksum
+        Whether that sentence has one.
+    may_reverse
+        Whether some programs write the bytes of a frame in reverse.
 
     """
 
     program: str
     line: re.Pattern[bytes]
+    sentence: bytes = b''
+    has_checksum: bool = True
+    may_reverse: bool = False
 
     def is_in(self, head: bytes) -> bool:
-        """Tell whether a file that begins so has this form."""
-        return self.line.search(head) is not None
+        """Tell whether a file that begins so has this form; heading sentences come before it."""
+        if not self.sentence:
+            return self.line.search(head) is not None
+        texts = [text for _, _, text, _, _ in Framer().feed(head, None)
+                 ] if self.sentence in head else []
+        matches = filter(None, map(self.line.fullmatch, texts))
+        return (any(_address(match.groupdict())[0] == PGN for match in matches)
+                and not any(map(identify, texts)))
+
+
+class _Frames:
+    """Finds the frames in the blocks of a log, and counts the sentences that hold none."""
+
+    def __init__(self, form: FrameForm, counts: Counter[str], *, lenient: bool) -> None:
+        self._form, self._counts, self._lenient = form, counts, lenient
+        self._framer = Framer()
+
+    def find(self, block: bytes) -> Iterator[dict[str, bytes]]:
+        """Yield the parts of each frame in whole lines."""
+        if not self._form.sentence:
+            yield from (line.groupdict() for line in self._form.line.finditer(block))
+            return
+        for frame in self._framer.feed(block, None):
+            if frame[2].partition(b',')[0].endswith(self._form.sentence[:-1]):
+                yield from self._unwrap(frame)
+        if damaged := self._framer.counts.pop('bad_checksum', 0):
+            self._counts['bad_checksum'] += damaged
+
+    def _unwrap(self, frame: Frame) -> Iterator[dict[str, bytes]]:
+        _, prefix, text, checked, suffix = frame
+        match = self._form.line.fullmatch(text)
+        if match is None:
+            self._counts['bad_field'] += 1
+        elif self._form.has_checksum and not (checked or self._lenient):
+            self._counts['no_checksum'] += 1
+        else:
+            yield {**match.groupdict(), 'before': prefix, 'after': suffix}
 
 
 _BYTES = rb'(?P<data>[0-9A-Fa-f]{2}(?:[ ,]?[0-9A-Fa-f]{2})*)'
@@ -284,6 +334,18 @@ FRAME_FORMS = (
         rb'^A(?P<hour>\d\d)(?P<minute>\d\d)(?P<second>\d\d\.\d+) '
         rb'(?P<source_hex>[0-9A-Fa-f]{2})[0-9A-Fa-f]{2}[0-7] (?P<pgn_hex>[0-9A-Fa-f]{5}) '
         + _BYTES + rb'\s*$', re.MULTILINE)),
+    # PGN, a time without a known start, source, all bytes of the message.
+    FrameForm('SeaSmart', re.compile(
+        rb'PCDIN,(?P<pgn_hex>[0-9A-Fa-f]{6}),[0-9A-Fa-f]*,(?P<source_hex>[0-9A-Fa-f]{2}),'
+        + _BYTES), b'PCDIN,'),
+    # PGN; received, priority and length; source; the bytes of a frame, by MiniPlex in reverse.
+    FrameForm('MiniPlex', re.compile(
+        rb'..PGN,(?P<pgn_hex>[0-9A-Fa-f]{6}),[0-7][0-9A-Fa-f](?P<source_hex>[0-9A-Fa-f]{2}),'
+        + _BYTES), b'PGN,', may_reverse=True),
+    # PGN, priority, source, destination, seconds since a start, all bytes of the message.
+    FrameForm('iKonvert', re.compile(
+        rb'PDGY,(?P<pgn>\d+),\d+,(?P<source>\d+),\d+,[\d.]*,(?P<base64>[0-9A-Za-z+/]+={0,2})'),
+        b'PDGY,', has_checksum=False),
 )
 """The forms of logs of frames."""
 
@@ -423,25 +485,32 @@ def read_frames(form: FrameForm, path: str, options: StreamOptions = UNSTATED) -
     OSError
         If the file cannot be read.
     ReaderError
-        If nothing tells the date of its times of day.
+        If nothing tells the date of its times of day, or the order of the bytes of its frames; or
+        if none of its sentences has a stamp.
 
     """
     collected, packets, stamps = Collected(), FastPackets(), _FrameStamps(path, options)
+    lenient = options.stamps.checksum == 'if_present'
+    reverse = form.may_reverse and _is_reversed(form, path, lenient=lenient)
+    frames = _Frames(form, collected.not_taken, lenient=lenient)
 
     def take(block: bytes) -> None:
-        for line in form.line.finditer(block):
-            parts = line.groupdict()
+        for parts in frames.find(block):
             pgn, source = _address(parts)
             if pgn != PGN and pgn not in MOTION_PGNS:
                 continue
             stamp_ns = stamps.read(parts)
-            data = bytes.fromhex(parts['data'].decode().replace(',', ''))
+            data = _bytes_of(parts)[::-1 if reverse else 1]
             if pgn == PGN:
                 _take(collected, source, stamp_ns, decode_vessel_heading(data))
             else:
                 _take_frame(collected, packets, pgn, source, stamp_ns, data)
 
     _read_blocks(path, take)
+    take(b'\n')
+    if form.sentence and not collected.kinds and collected.not_taken['no_stamp']:
+        raise ReaderError(path, 'its lines have no stamp that can be read: record them with one '
+                          'before each sentence, or describe its form with --stamp-pattern')
     if broken := packets.flush():
         collected.not_taken[f'PGN {_FAST_PGN}.incomplete'] += broken
     collected.oddities += filter(None, (stamps.origin,))
@@ -453,7 +522,8 @@ class _FrameStamps:
 
     def __init__(self, path: str, options: StreamOptions) -> None:
         self._path = path
-        self._days, self._clock = start_stamps_of_file(options.stamps, path)
+        self._days, self._clock = start_stamps_of_file(options.stamps, path,
+                                                       lambda: LogFiles(path).bare_blocks())
 
     @property
     def origin(self) -> str:
@@ -462,6 +532,8 @@ class _FrameStamps:
 
     def read(self, parts: Mapping[str, bytes]) -> int | None:
         """Return the stamp of a line, nanoseconds UTC; None if it is none."""
+        if 'before' in parts:
+            return self._read_clock(parts['before'], parts['after'])
         if parts.get('hour'):
             return self._read_clock(b'%b:%b:%b' % (
                 parts['hour'], parts['minute'], parts['second']))
@@ -469,9 +541,9 @@ class _FrameStamps:
             return _stamp(parts['stamp'].decode())
         return int(parts['s']) * _SECOND_NS + int(parts['decimals'].ljust(9, b'0'))
 
-    def _read_clock(self, text: bytes) -> int | None:
+    def _read_clock(self, text: bytes, after: bytes = b'') -> int | None:
         try:
-            return self._clock.own_ns(text, b'')
+            return self._clock.own_ns(text, after)
         except Rejected as rejected:
             if rejected.reason == 'no_date':
                 raise ReaderError(self._path, name_options(advise('no_date'), None)) from None
@@ -486,6 +558,40 @@ def _address(parts: Mapping[str, bytes]) -> tuple[int, int]:
         return int(parts['pgn']), int(parts['source'])
     number = int(parts['identifier'], 16)
     return number >> 8 & 0x1FFFF, number & 0xFF
+
+
+def _bytes_of(parts: Mapping[str, bytes]) -> bytes:
+    """Return the bytes of a frame; none if they are damaged."""
+    if 'base64' in parts:
+        try:
+            return b64decode(parts['base64'], validate=True)
+        except ValueError:
+            return b''
+    return bytes.fromhex(parts['data'].decode().replace(',', ''))
+
+
+#: The last byte of a heading: reserved bits, which are set, and the reference.
+_LAST_BYTES = (0xFC | _TRUE, 0xFC | _MAGNETIC)
+
+
+def _is_reversed(form: FrameForm, path: str, *, lenient: bool) -> bool:
+    """Tell whether a log has the bytes of its frames in reverse; ReaderError if none can tell."""
+    orders: Counter[bool] = Counter()
+    frames = _Frames(form, Counter(), lenient=lenient)
+
+    def take(block: bytes) -> None:
+        for parts in frames.find(block):
+            if _address(parts)[0] == PGN and len(data := _bytes_of(parts)) == FRAME_BYTES:
+                first, last = (data[at] in _LAST_BYTES for at in (0, -1))
+                orders[first] += first != last
+
+    _read_blocks(path, take)
+    take(b'\n')
+    if bool(orders[True]) == bool(orders[False]):
+        raise ReaderError(path, 'its $MXPGN have the bytes of frames as they are or in reverse, '
+                          'and its headings do not tell which: record sentences such as $HEHDT, '
+                          'or the frames in another form of docs/bags.md')
+    return orders[True] > 0
 
 
 def _decode_json(fields: Mapping[str, Any], factor: float,

@@ -116,6 +116,12 @@ def _of_head(tell: Callable[[bytes], bool]) -> Callable[[Path, bytes, StreamOpti
     return lambda path, head, options: tell(head)
 
 
+def _of_frames(form: nmea2000.FrameForm) -> Callable[[Path, bytes, StreamOptions], bool]:
+    """Tell whether a log has frames; where a sentence is stated, it has none in sentences."""
+    return lambda path, head, options: (
+        form.is_in(head) and not (form.sentence and options.stamps.kind != 'auto'))
+
+
 def _as_is(read: Callable[[str], Collected]) -> Callable[[str, StreamOptions], Collected]:
     """Return the reader of files of which nothing can be stated."""
     return lambda path, options: read(path)
@@ -136,7 +142,7 @@ FORMATS = (
            'parquet'),
     Format('NMEA 2000, canboat JSON', _of_head(nmea2000.is_canboat_json),
            _as_is(nmea2000.read_canboat_json)),
-    *(Format(f'NMEA 2000, {form.program}', _of_head(form.is_in),
+    *(Format(f'NMEA 2000, {form.program}', _of_frames(form),
              partial(nmea2000.read_frames, form)) for form in nmea2000.FRAME_FORMS),
     Format('Signal K deltas', _of_head(json_lines.is_signalk), _as_is(json_lines.read_signalk)),
     Format('gpsd reports', _of_head(json_lines.is_gpsd), _as_is(json_lines.read_gpsd)),

@@ -39,7 +39,7 @@ from heading_intercompare.readers.nmea2000 import (
 )
 from heading_intercompare.readers.stream_recording import ReaderError, StreamOptions
 
-CANDUMP, CANBOAT, YACHT_DEVICES, ACTISENSE = FRAME_FORMS
+CANDUMP, CANBOAT, YACHT_DEVICES, ACTISENSE, SEASMART, MINIPLEX, IKONVERT = FRAME_FORMS
 read_candump, read_canboat_plain = (partial(read_frames, form) for form in FRAME_FORMS[:2])
 T_NS = 1436509052249713000
 DEG = math.degrees(1e-4)
