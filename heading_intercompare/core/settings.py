@@ -386,7 +386,8 @@ class Settings(Checked):
     sequential: Sequential = field(default_factory=Sequential)
     ts_topic: str = setting(
         'ts/heading', 'topic of the TS; of messages with NMEA sentences TOPIC.HEHDT chooses one, '
-        'and TOPIC.FIELD or TOPIC.FIELD@rad takes a field of messages of any type')
+        'and TOPIC.FIELD or TOPIC.FIELD@rad@enu takes an angle or a quaternion in messages of any '
+        'type')
     rs_topic: str = setting('rs/heading', 'the same of the RS')
     bag_namespace: str | None = setting(
         None, 'namespace in a bag of the topics without a leading slash, such as /ship1; none: '
@@ -396,8 +397,9 @@ class Settings(Checked):
     rs_convention: str = setting('enu', 'world axes of the RS orientation',
                                  choices=('enu', 'ned'))
     ts_unit: str = setting(
-        'auto', "unit of the headings of the TS in files of numbers; 'auto': that of the name of "
-        'the column, of the form of the file, or degrees', choices=('auto', *ANGLE_UNITS))
+        'auto', "unit of the headings of the TS in files of numbers and in fields of messages; "
+        "'auto': that of the name of the column or field, of the form of the file, or degrees",
+        choices=('auto', *ANGLE_UNITS))
     rs_unit: str = setting('auto', 'the same of the RS', choices=('auto', *ANGLE_UNITS))
     risk: Risk = field(default_factory=Risk)
     campaign: CampaignRule = field(default_factory=CampaignRule)

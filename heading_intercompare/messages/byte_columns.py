@@ -48,6 +48,8 @@ BytesLike = bytes | bytearray | memoryview
 _SECOND_NS = 1_000_000_000
 _HEADER = np.dtype([('order', '<u2'), ('options', '<u2'), ('sec', '<i4'), ('nanosec', '<u4'),
                     ('length', '<u4')])
+#: The first bytes of a message that does not begin with a header.
+_BARE = np.dtype([('order', '<u2'), ('options', '<u2')])
 #: `order` of a header: bytes 0, 0 for big-endian, bytes 0, 1 for little-endian.
 _BIG, _LITTLE = 0x0000, 0x0100
 
@@ -225,11 +227,15 @@ def check_size(type_name: str, start: Integers, size: Integers,
 
 
 def decode_stamped(type_name: str, data: BytesLike, start: Integers, stop: Integers,
-                   decode_one: _DecodeOne[_Chunk]) -> _Chunk:
-    """Return the chunk in a stretch of bytes; each message may have either byte order."""
-    size = stop - start
-    check_size(type_name, start, size, _HEADER.itemsize)
-    header = gather(data, _HEADER, start)
+                   decode_one: _DecodeOne[_Chunk], *, is_stamped: bool = True) -> _Chunk:
+    """
+    Return the chunk in a stretch of bytes; each message may have either byte order.
+
+    Messages begin with a header, unless they are not stamped.
+    """
+    size, kind = stop - start, _HEADER if is_stamped else _BARE
+    check_size(type_name, start, size, kind.itemsize)
+    header = gather(data, kind, start)
     little = header['order'] == _LITTLE
     if little.all():
         return decode_one(data, start, size, header)
@@ -239,14 +245,19 @@ def decode_stamped(type_name: str, data: BytesLike, start: Integers, stop: Integ
                            offset=int(start[np.argmax(strange)]), offsets=start[strange].tolist())
     which = np.flatnonzero(little), np.flatnonzero(~little)
     signs: tuple[_ByteOrder, _ByteOrder] = '<', '>'
-    parts = [decode_one(data, start[at], size[at], header[at].view(_HEADER.newbyteorder(sign)))
+    parts = [decode_one(data, start[at], size[at], header[at].view(kind.newbyteorder(sign)))
              for at, sign in zip(which, signs)]
     return type(parts[0]).concatenate(parts)[np.argsort(np.concatenate(which))]
 
 
+def find_byte_order(header: np.ndarray) -> _ByteOrder:
+    """Return the byte order of messages with these first bytes."""
+    return '>' if header.dtype['order'].byteorder == '>' else '<'
+
+
 def end_of_strings(header: np.ndarray) -> tuple[_ByteOrder, Integers | int]:
     """Return the byte order of messages, and where their frame names end."""
-    sign: _ByteOrder = '>' if header.dtype['length'].byteorder == '>' else '<'
+    sign = find_byte_order(header)
     length = header['length'].astype(np.int64)
     if length.size and (length == length[0]).all():
         length = length[0]

@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-One field of messages of any type with a header, in columns, by the definition of the type.
+One field of messages of any type, in columns, by the definition of the type.
 
 The definition may come from an installed package, a schema in a bag, or from `schemas`. The walk
 to the field goes through all messages at once: what lies before it may differ in length.
@@ -24,8 +24,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import partial
 from itertools import chain, islice, repeat
+import re
 import struct
-from typing import Iterator, Literal, NamedTuple
+from typing import Iterator, Literal, NamedTuple, Sequence
 
 import numpy as np
 
@@ -38,6 +39,7 @@ from .byte_columns import (
     decode_stamped,
     end_of_strings,
     FieldColumn,
+    find_byte_order,
     gather,
     read_stamps,
 )
@@ -46,15 +48,21 @@ from .fields import CODES, Definitions, Field, SEQUENCE, short_name
 
 _HEADER = 'std_msgs/Header'
 _HEAD_BYTES = 4
-#: Fixed arrays of messages are walked element by element.
+#: Arrays and lists of messages are walked element by element.
 _MOST_STEPS = 10_000
+_ELEMENT = re.compile(r'(\w+)\[(\d{1,4})\]')
 
 
 class _Step(NamedTuple):
-    """Values, a text or a list to go past: letter of `CODES`, and how many; SEQUENCE: a list."""
+    """
+    Values, a text or a list to go past: letter of `CODES`, and how many; SEQUENCE: a list.
+
+    A list of texts or messages has the steps of one element instead of a letter.
+    """
 
     code: str
     n: int
+    element: tuple[_Step, ...] = ()
 
     @property
     def width(self) -> int:
@@ -75,7 +83,9 @@ class FieldPlace:
     code
         Letter of `CODES`; 's' for a text.
     steps
-        What lies between the header and the field.
+        What lies between the header, or the beginning, and the field.
+    is_stamped
+        The messages begin with a header.
 
     """
 
@@ -83,6 +93,7 @@ class FieldPlace:
     path: str
     code: str
     steps: tuple[_Step, ...]
+    is_stamped: bool = True
 
 
 def find_field(type_name: str, definitions: Definitions, path: str) -> FieldPlace:
@@ -92,17 +103,17 @@ def find_field(type_name: str, definitions: Definitions, path: str) -> FieldPlac
     Parameters
     ----------
     type_name
-        The type, which begins with a header.
+        The type.
     definitions
         Its fields and those of the types in it, from `definitions_in`.
     path
-        Names with dots between them: `pose.orientation.z`.
+        Names with dots between them, the last with the number of an element if it is an array:
+        `pose.orientation.z`, `angles[2]`.
 
     Raises
     ------
     MessageError
-        If the type has no header or no such field, or if the field is a message or a list, or lies
-        after a list of messages or texts.
+        If the type has no such field, or if the field is a message or a list.
 
     Examples
     --------
@@ -112,32 +123,63 @@ def find_field(type_name: str, definitions: Definitions, path: str) -> FieldPlac
     'd'
 
     """
-    name = short_name(type_name)
-    fields = _fields_of(name, definitions)
-    if not fields or (fields[0].type, fields[0].size) != (_HEADER, None):
-        raise MessageError(f'messages of the type {type_name} do not begin with a header, whose '
-                           'stamp a reading needs')
+    owner = short_name(type_name)
+    is_stamped = _begins_with_header(_fields_of(owner, definitions))
     steps: list[_Step] = []
-    owner, words = name, path.split('.')
+    lists: dict[str, tuple[_Step, ...]] = {}
+    words = path.split('.')
+    if is_stamped and words[0] == definitions[owner][0].name:
+        raise MessageError(f'{path}: lies in the header, which has no heading')
     for depth, word in enumerate(words):
+        element = _ELEMENT.fullmatch(word)
         fields = _fields_of(owner, definitions)
-        target = next((field for field in fields if field.name == word), None)
-        if target is None:
-            known = ', '.join(field.name for field in fields)
-            raise MessageError(f'{path}: {owner} has no field {word!r}; it has {known}')
-        for field in fields[not depth:fields.index(target)]:
-            # A few lines of types within types can mean more values than any memory holds.
-            steps += islice(_list_steps(field, definitions), _MOST_STEPS + 1)
-            if len(steps) > _MOST_STEPS:
-                raise MessageError(f'{path}: too much lies before it in {type_name}')
-        if target.size is not None:
-            raise MessageError(f'{path}: {word} is a list; choose a single value')
+        target = _choose_field(fields, element[1] if element else word, owner, path)
+        begin = 1 if is_stamped and not depth else 0
+        for field in fields[begin:fields.index(target)]:
+            steps += _limit(_list_steps(field, definitions, lists), field.name, type_name)
+        if element:
+            steps += _go_to_element(target, int(element[2]), path)
+        elif target.size is not None:
+            raise MessageError(f'{path}: {word} is a list; choose a single value'
+                               + (f', such as {word}[0]' if target.size > 0 else ''))
         owner = target.type
         is_last = depth == len(words) - 1
         if is_last != (owner in CODES):
-            raise MessageError(f'{path}: {word} is {"" if is_last else "not "}a message; '
-                               + ('choose one of its fields' if is_last else 'it has no fields'))
-    return FieldPlace(type_name, path, CODES[owner], tuple(steps))
+            names = ', '.join(field.name for field in definitions.get(owner, ()))
+            raise MessageError(f'{path}: {word} is ' + (
+                f'a message; choose one of its fields: {names}' if is_last else
+                'not a message; it has no fields'))
+    return FieldPlace(type_name, path, CODES[owner], tuple(steps), is_stamped)
+
+
+def _begins_with_header(fields: Sequence[Field]) -> bool:
+    return bool(fields) and (fields[0].type, fields[0].size) == (_HEADER, None)
+
+
+def _choose_field(fields: Sequence[Field], word: str, owner: str, path: str) -> Field:
+    for field in fields:
+        if field.name == word:
+            return field
+    names = ', '.join(field.name for field in fields)
+    raise MessageError(f'{path}: {owner} has no field {word!r}; it has {names}')
+
+
+def _go_to_element(target: Field, number: int, path: str) -> list[_Step]:
+    """Return what to go past within an array."""
+    if target.size is None or target.type not in CODES or target.type == 'string':
+        raise MessageError(f'{path}: {target.name} is no array of numbers')
+    if number >= target.size:
+        raise MessageError(f'{path}: {target.name} has no element {number} in every message')
+    return [_Step(CODES[target.type], number)] if number else []
+
+
+def list_fields(type_name: str, definitions: Definitions, path: str) -> tuple[Field, ...]:
+    """Return the fields of the message at a path, '' for the whole; () if no message is there."""
+    owner = short_name(type_name)
+    for word in path.split('.') if path else ():
+        owner = next((field.type for field in definitions.get(owner, ())
+                      if field.name == word and field.size is None), '')
+    return tuple(definitions.get(owner, ()))
 
 
 def _fields_of(name: str, definitions: Definitions) -> tuple[Field, ...]:
@@ -147,25 +189,41 @@ def _fields_of(name: str, definitions: Definitions) -> tuple[Field, ...]:
         raise MessageError(f'message type {name} is not defined in the schema') from None
 
 
-def _list_steps(field: Field, definitions: Definitions, depth: int = 20) -> Iterator[_Step]:
-    """Yield what to go past for a field; MessageError for a list whose elements differ in size."""
+def _limit(steps: Iterator[_Step], name: str, owner: str) -> list[_Step]:
+    """Return steps; MessageError for too many: few lines of types can mean any number."""
+    listed = list(islice(steps, _MOST_STEPS + 1))
+    if len(listed) > _MOST_STEPS:
+        raise MessageError(f'too much lies within {name} of {owner}')
+    return listed
+
+
+def _list_steps(field: Field, definitions: Definitions, lists: dict[str, tuple[_Step, ...]],
+                depth: int = 20) -> Iterator[_Step]:
+    """Yield what to go past for a field; `lists` keeps the steps of an element by its type."""
     if field.size == 0:
         raise MessageError(f'{field.name} is an empty list')
-    if field.type in CODES and (field.size != SEQUENCE or field.type != 'string'):
-        count = 1 if field.size is None else field.size
-        if field.type == 'string':
-            yield from repeat(_Step('s', 1), count)
-        else:
-            yield _Step(CODES[field.type], count)
+    if field.size == SEQUENCE and field.type not in CODES.keys() - {'string'}:
+        if field.type not in lists:
+            element = Field(field.name, field.type, None)
+            lists[field.type] = tuple(_limit(
+                _list_steps(element, definitions, lists, depth), field.name, field.type))
+        yield _Step('', SEQUENCE, lists[field.type])
         return
-    if field.size == SEQUENCE or not depth:
-        raise MessageError(f'what lies after {field.name}, a list of {field.type}, cannot be read')
+    count = 1 if field.size is None else field.size
+    if field.type == 'string':
+        yield from repeat(_Step('s', 1), count)
+        return
+    if field.type in CODES:
+        yield _Step(CODES[field.type], count)
+        return
+    if not depth:
+        raise MessageError(f'message type {field.type} lies too deep')
     fields = _fields_of(field.type, definitions)
     if not fields:
         # Nested, such types would take a time that doubles with each line of the text.
         raise MessageError(f'message type {field.type} has no field')
-    for part in chain.from_iterable(repeat(fields, 1 if field.size is None else field.size)):
-        yield from _list_steps(part, definitions, depth - 1)
+    for part in chain.from_iterable(repeat(fields, count)):
+        yield from _list_steps(part, definitions, lists, depth - 1)
 
 
 def decode_field(place: FieldPlace, data: BytesLike, start: Integers,
@@ -185,7 +243,8 @@ def decode_field(place: FieldPlace, data: BytesLike, start: Integers,
     Returns
     -------
     FieldColumn
-        In the order of `start`; texts as bytes without the zero at their end.
+        In the order of `start`; texts as bytes without the zero at their end. Stamps are 0 where
+        the messages have none.
 
     Raises
     ------
@@ -193,18 +252,22 @@ def decode_field(place: FieldPlace, data: BytesLike, start: Integers,
         If a message is too short or does not start as CDR; the offset is its place in `data`.
 
     """
-    return decode_stamped(place.type_name, data, start, stop, partial(_decode, place))
+    return decode_stamped(place.type_name, data, start, stop, partial(_decode, place),
+                          is_stamped=place.is_stamped)
 
 
 def _decode(place: FieldPlace, data: BytesLike, start: Integers, size: Integers,
             header: np.ndarray) -> FieldColumn:
     """Return the field in messages of one byte order."""
-    sign, end = end_of_strings(header)
+    if place.is_stamped:
+        (sign, end), stamp_ns = end_of_strings(header), read_stamps(header)
+    else:
+        sign, end, stamp_ns = find_byte_order(header), 0, np.zeros(len(header), np.int64)
     walk = _Walk(place.type_name, data, start, size, sign, end)
     for step in place.steps:
         walk.go_past(step)
     values = walk.take_texts() if place.code == 's' else walk.take_values(place.code)
-    return FieldColumn(read_stamps(header), values)
+    return FieldColumn(stamp_ns, values)
 
 
 class _Walk:
@@ -232,12 +295,33 @@ class _Walk:
         """Go past a value, a text or a list."""
         if step.code == 's':
             self._at = self._at_end_of(self._take_length())
+        elif step.element:
+            self._go_past_elements(self._take_length(), step.element)
         elif step.n == SEQUENCE:
             lengths = self._take_length()
             self._at = np.where(lengths > 0, align(self._at, step.width), self._at)
             self._at = self._at_end_of(lengths * step.width)
         else:
             self._take(step.code, step.n)
+
+    def _go_past_elements(self, lengths: Integers, element: Sequence[_Step]) -> None:
+        """Go past the texts or messages of a list, whose number differs."""
+        check_size(self._type_name, self._start, self._size, lengths + self._at + _HEAD_BYTES)
+        too_many = lengths > _MOST_STEPS
+        if too_many.any():
+            raise MessageError(f'{self._type_name} message has a list of {lengths.max()} elements '
+                               f'before the field: must be at most {_MOST_STEPS}',
+                               offset=int(self._start[too_many][0]),
+                               offsets=self._start[too_many].tolist())
+        ends: Integers = np.broadcast_to(self._at, lengths.shape).copy()
+        for number in range(int(lengths.max(initial=0))):
+            rows = np.flatnonzero(lengths > number)
+            walk = _Walk(self._type_name, self._data, self._start[rows], self._size[rows],
+                         self._sign, ends[rows])
+            for step in element:
+                walk.go_past(step)
+            ends[rows] = walk._at
+        self._at = ends
 
     def _at_end_of(self, lengths: Integers) -> Integers:
         ends: Integers = self._at + lengths

@@ -20,7 +20,10 @@ from typing import NamedTuple
 
 from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.units.angle_units import find_named_unit
-from heading_intercompare.core.units.full_turns import ANGLE_UNITS
+from heading_intercompare.core.units.full_turns import full_turn
+
+AXES = ('enu', 'ned')
+"""World axes: angles from east over north, or from north over east."""
 
 
 class HeadingPlace(NamedTuple):
@@ -32,42 +35,58 @@ class HeadingPlace(NamedTuple):
     topic
         Name of the topic.
     part
-        What to take from its messages: a field, or a sentence; '' for what their type has.
-    unit : {'deg', 'rad', 'rev'}
-        Unit of that field.
+        What to take from its messages: a field, a sentence, or the frames of a transform; '' for
+        what their type has.
+    unit
+        Unit of that field (`full_turn`); '' where nobody states it.
+    axes : {'', 'enu', 'ned'}
+        World axes of that field; '' where nobody states them.
 
     """
 
     topic: str
     part: str
-    unit: str
+    unit: str = ''
+    axes: str = ''
 
 
-def locate_headings(text: str) -> HeadingPlace:
+def locate_headings(text: str, unit: str = 'auto') -> HeadingPlace:
     """
     Return where the headings of a sensor are.
 
     Parameters
     ----------
     text
-        ``TOPIC``, ``TOPIC.PART`` or ``TOPIC.PART@UNIT``. No name of a topic has a dot. Without a
-        unit the name of the field says it, or it is degrees.
+        ``TOPIC``, ``TOPIC.PART``, or ``TOPIC.PART`` and words after it, each after an @: a unit,
+        axes. No name of a topic has a dot.
+    unit
+        The unit that a setting states, 'auto' if none. Without any the name of the field says it.
 
     Raises
     ------
     SettingsError
-        If the unit is unknown.
+        If a word is unknown, or is one of two of a kind.
 
     Examples
     --------
-    >>> locate_headings('gps/attitude.heading@rad')
-    HeadingPlace(topic='gps/attitude', part='heading', unit='rad')
+    >>> place = locate_headings('gps/attitude.heading@rad@enu')
+    >>> place.topic, place.part, place.unit, place.axes
+    ('gps/attitude', 'heading', 'rad', 'enu')
     >>> locate_headings('gps/attitude.yaw_rad').unit, locate_headings('nmea.HEHDT').part
     ('rad', 'HEHDT')
 
     """
     topic, _, part = text.partition('.')
-    part, stated, unit = part.partition('@')
-    if stated and unit not in ANGLE_UNITS:
-        raise SettingsError(f'{text}: unit {unit!r} must be one of {", ".join(ANGLE_UNITS)}')
-    return HeadingPlace(topic, part, unit or find_named_unit(part) or 'deg')
+    part, *words = part.split('@')
+    stated: dict[str, str] = {}
+    for word in words:
+        kind = 'axes' if word in AXES else 'unit'
+        if stated.setdefault(kind, word) != word:
+            raise SettingsError(f'{text}: states both {stated[kind]} and {word}; leave one out')
+    try:
+        full_turn(stated.get('unit', 'deg'))
+    except ValueError as error:
+        raise SettingsError(f'{text}: {error}; or one of {", ".join(AXES)}') from None
+    named = find_named_unit(part) or ''
+    default = named if unit == 'auto' else unit
+    return HeadingPlace(topic, part, stated.get('unit', default), stated.get('axes', ''))

@@ -96,7 +96,8 @@ class Synchronizer(GraphNode):
             sensor.name: (sensor.heading_topic, sensor.convention,
                           types.rs_message_type if sensor.is_reference else types.ts_message_type)
             for sensor in list_sensors(settings)},
-            self._note_losses, Arrivals(self, self._drain, taking.drain_period_s))
+            self._note_losses, Arrivals(self, self._drain, taking.drain_period_s),
+            settings.unit_of)
         self._losses: list[tuple[str, str, Losses]] = []
         for intake in self._headings.intakes.values():
             intake.open = False

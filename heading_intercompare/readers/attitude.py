@@ -25,6 +25,7 @@ import numpy as np
 from heading_intercompare.bags.csv.csv_rows import CsvRows
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.rosbag2.readable import read_rows, Readable
+from heading_intercompare.bags.rosbag2.topic_names import locate_in
 from heading_intercompare.core.records import Attitude, ColumnBuffer
 from heading_intercompare.drivers.motion.motion_log import read_log_attitude
 from heading_intercompare.drivers.sentences import Rejected
@@ -108,10 +109,11 @@ def attitude_of_bag(bag: Readable, topic: str, convention: str) -> Attitude:
 
     """
     name = bag.resolve(topic)
+    axes = locate_in(name, topic).axes or convention
     kind = bag.topics[name].type_name
     if kind not in ORIENTATION_TYPES:
         return Attitude.empty()
-    chunks, _ = read_rows(bag, {name: [partial(read_attitude, kind, convention)]})
+    chunks, _ = read_rows(bag, {name: [partial(read_attitude, kind, axes)]})
     rows = Attitude.concatenate(chunks)
     rows = rows[np.isfinite(rows.roll_deg) & np.isfinite(rows.pitch_deg)]
     # A message of a heading alone has a level orientation.

@@ -328,7 +328,7 @@ def open_recording(path: str | os.PathLike[str], namespace: str | None = None,
     namespace
         Where the topics of a bag without a leading slash are; see `BagReader`.
     options
-        What is stated of a file of streams; no bag needs it.
+        What is stated of a file of streams; of a bag the units count.
 
     Raises
     ------
@@ -341,7 +341,7 @@ def open_recording(path: str | os.PathLike[str], namespace: str | None = None,
     form = find_format(path, options)
     if form is None:
         refuse_unreadable(path)
-        return TopicBag(path, namespace)
+        return TopicBag(path, namespace, options.unit_of)
     try:
         if (read := form.read) is not None:
             return StreamRecording(path, form.name, lambda name: read(name, options),
@@ -349,7 +349,7 @@ def open_recording(path: str | os.PathLike[str], namespace: str | None = None,
         from .rosbag_recording import RosbagRecording
     except ImportError as error:
         raise _need(path, form, error) from None
-    return RosbagRecording(path, namespace)
+    return RosbagRecording(path, namespace, options.unit_of)
 
 
 def open_log_of_streams(path: str | os.PathLike[str],

@@ -29,29 +29,51 @@ import struct
 from typing import Any, Callable, Iterable, Iterator, Mapping
 import weakref
 
+from rosbags.interfaces import MessageDefinitionFormat, Nodetype
 from rosbags.rosbag1 import Reader as Ros1Reader, ReaderError as Ros1Error
 from rosbags.rosbag2 import Reader as Ros2Reader, reader as ros2, ReaderError as Ros2Error
 from rosbags.serde import SerdeError
-from rosbags.typesys import get_types_from_msg, get_typestore, Stores
+from rosbags.typesys import (
+    get_types_from_idl,
+    get_types_from_msg,
+    get_typestore,
+    Stores,
+    TypesysError,
+)
 
 from heading_intercompare.bags.packed_files import unpack_payload
 from heading_intercompare.bags.rosbag2.bag_reader import BagMessage, TopicInfo
 from heading_intercompare.bags.rosbag2.topic_names import clean_namespace, find_topic, list_topics
 from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.messages.errors import MessageError
-from heading_intercompare.messages.fields import short_name
+from heading_intercompare.messages.fields import Definitions, Field, SEQUENCE, short_name
 from heading_intercompare.messages.schemas import DEFINITIONS
 from heading_intercompare.messages.sentence_messages import SENTENCE, TOPIC_TYPES
 from heading_intercompare.natural_order import natural_key
 
-from .stream_recording import ReaderError
-from .topic_decoding import list_keys, Logged, read_topics, TopicDecoder, TopicKey
+from .stream_recording import ReaderError, tell_no_unit
+from .topic_decoding import (
+    explain_type,
+    list_keys,
+    Logged,
+    read_topics,
+    TopicDecoder,
+    TopicKey,
+)
 
 _FAULTS = (Ros1Error, Ros2Error, SerdeError, MessageError, sqlite3.Error, struct.error, EOFError,
            KeyError, IndexError, AssertionError, RuntimeError, UnicodeDecodeError,
            getattr(getattr(ros2, 'zstd', None), 'ZstdError', RuntimeError))
 #: Errors of a single message of ROS 1 that cannot be converted.
 _UNREADABLE = (SerdeError, struct.error, IndexError, ValueError)
+_PARSERS: dict[MessageDefinitionFormat, Callable[[str, str], Mapping[str, Any]]] = {
+    MessageDefinitionFormat.MSG: get_types_from_msg,
+    MessageDefinitionFormat.IDL: lambda text, name: get_types_from_idl(text)}
+#: Types that the conversion from ROS 1 turns into those of ROS 2.
+_CONVERTED = ('std_msgs/msg/Header', 'builtin_interfaces/msg/Time',
+              'builtin_interfaces/msg/Duration')
+#: A longer definition is not read.
+_MOST_LETTERS = 2**18
 
 
 def _faults() -> tuple[type[Exception], ...]:
@@ -76,6 +98,16 @@ def _take_packed(reader: Any) -> bool:
     return True
 
 
+def _as_field(name: str, description: Any) -> Field:
+    """Return a field as the library describes it."""
+    kind, content = description
+    size = None
+    if kind in (Nodetype.ARRAY, Nodetype.SEQUENCE):
+        size = content[1] if kind == Nodetype.ARRAY else SEQUENCE
+        kind, content = content[0]
+    return Field(name, content[0] if kind == Nodetype.BASE else short_name(content), size)
+
+
 class RosbagRecording:
     """
     A bag that `rosbags` reads; offers what `BagReader` offers.
@@ -87,6 +119,8 @@ class RosbagRecording:
         metadata.yaml is read by its files.
     namespace
         Where topics without a leading slash are; none: in the root.
+    unit_of
+        Returns the unit that is stated for the headings of a topic, 'auto' if none.
 
     Attributes
     ----------
@@ -104,8 +138,9 @@ class RosbagRecording:
 
     recovered: str | None = None
 
-    def __init__(self, path: str | os.PathLike[str], namespace: str | None = None) -> None:
-        self.path = Path(path)
+    def __init__(self, path: str | os.PathLike[str], namespace: str | None = None,
+                 unit_of: Callable[[str], str] = tell_no_unit) -> None:
+        self.path, self._unit_of = Path(path), unit_of
         self.ros1 = self.path.is_file() and self.path.suffix != '.db3'
         # Its headers have no number, which the conversion leaves out.
         self._store = get_typestore(Stores.ROS2_HUMBLE) if self.ros1 else None
@@ -164,21 +199,59 @@ class RosbagRecording:
                  lost: Callable[[str, str, Losses], None] | None = None,
                  ) -> Iterator[dict[str, Headings]]:
         """Return an iterator over the headings of some topics; see `BagReader.headings`."""
-        keys = list_keys(self.resolve, conventions)
-        for key in keys.values():
-            type_name = self.topics[key.name].type_name
-            if type_name not in TOPIC_TYPES:
-                raise ReaderError(self.path, f'topic {key.name} is {type_name}; a heading is '
-                                  f'{", ".join(TOPIC_TYPES)}')
-            if key.part and type_name != SENTENCE:
-                raise ReaderError(self.path, f'topic {key.name}: the field {key.part} of its '
-                                  'messages is read from MCAP bags only')
+        keys = list_keys(self.resolve, conventions, self._unit_of)
+        return self._read_messages(
+            keys, {key: self._make_decoder(key) for key in keys.values()})
+
+    def _make_decoder(self, key: TopicKey) -> TopicDecoder:
+        """Return what decodes a topic; ReaderError if its messages have no such headings."""
+        type_name = self.topics[key.name].type_name
+        definitions: Definitions = {}
+        if key.place.part and type_name != SENTENCE:
+            definitions = self._read_definitions(key.name)
+        elif type_name not in TOPIC_TYPES:
+            raise ReaderError(self.path, explain_type(key.name, type_name))
         try:
-            decoders = {key: TopicDecoder(self.topics[key.name].type_name, key.place,
-                                          key.convention) for key in keys.values()}
+            return TopicDecoder(type_name, key.place, key.convention, definitions)
         except ValueError as error:
-            raise ReaderError(self.path, f'{error}') from error
-        return self._read_messages(keys, decoders)
+            raise ReaderError(self.path, f'topic {key.name}: {error}') from error
+
+    def _read_definitions(self, name: str) -> Definitions:
+        """Return the fields of the type of a topic: those in the bag, or those of ROS itself."""
+        type_name = self.topics[name].type_name
+        text = next((connection.msgdef for reader, _ in self._readers
+                     for connection in reader.connections if connection.topic == name
+                     and connection.msgdef.format in _PARSERS), None)
+        types: Mapping[str, Any]
+        if text is None:
+            types = get_typestore(Stores.LATEST).fielddefs
+            if type_name not in types:
+                raise ReaderError(self.path, f'topic {name}: the bag holds no definition of '
+                                  f'{type_name}; write it with one (ros2 bag convert to mcap, '
+                                  'where the package of the type is installed)')
+        elif len(text.data) > _MOST_LETTERS:
+            raise ReaderError(self.path, f'topic {name}: its definition has more than '
+                              f'{_MOST_LETTERS} letters')
+        else:
+            try:
+                types = _PARSERS[text.format](text.data, type_name)
+            except TypesysError as error:
+                raise ReaderError(self.path, f'topic {name}: the definition of {type_name} '
+                                  'cannot be read') from error
+        types = types if self._store is None else self._add_types(name, types)
+        return {short_name(kind): tuple(_as_field(*field) for field in fields)
+                for kind, (_, fields) in types.items()}
+
+    def _add_types(self, name: str, types: Mapping[str, Any]) -> Mapping[str, Any]:
+        """Have the library convert types of ROS 1; return all types as they are converted."""
+        assert self._store is not None
+        held = self._store.fielddefs
+        for kind, (_, fields) in types.items():
+            if kind in held and kind not in _CONVERTED and held[kind][1] != fields:
+                raise ReaderError(self.path, f'topic {name}: {kind} has other fields in the bag '
+                                  'than in ROS 2')
+        self._store.register({kind: fields for kind, fields in types.items() if kind not in held})
+        return held
 
     def _read_messages(self, keys: Mapping[str, TopicKey],
                        decoders: Mapping[TopicKey, TopicDecoder]) -> Iterator[dict[str, Headings]]:

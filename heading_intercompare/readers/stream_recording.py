@@ -40,7 +40,8 @@ class ReaderError(ValueError):
         super().__init__(f'{os.fspath(path)}: {" ".join(problem.split())}')
 
 
-def _tell_no_unit(stream: str) -> str:
+def tell_no_unit(stream: str) -> str:
+    """Tell that no unit is stated for a stream."""
     return 'auto'
 
 
@@ -62,7 +63,7 @@ class StreamOptions:
 
     stamps: DriverSettings = DEFAULT_DRIVER
     names: tuple[str, ...] = ()
-    unit_of: Callable[[str], str] = _tell_no_unit
+    unit_of: Callable[[str], str] = tell_no_unit
 
     def is_wanted(self, column: str) -> bool:
         """Tell whether a column is one of those named, with or without a leading slash."""
@@ -206,7 +207,7 @@ class Collected:
         self.settle_units()
         return self._heading_streams()
 
-    def settle_units(self, unit_of: Callable[[str], str] = _tell_no_unit,
+    def settle_units(self, unit_of: Callable[[str], str] = tell_no_unit,
                      ) -> dict[str, str]:
         """
         Make headings of the angles, stream by stream, once all of them are there.
@@ -301,7 +302,7 @@ class StreamRecording:
 
     def __init__(self, path: str | os.PathLike[str], kind: str,
                  read: Callable[[str], Collected],
-                 unit_of: Callable[[str], str] = _tell_no_unit) -> None:
+                 unit_of: Callable[[str], str] = tell_no_unit) -> None:
         self.path, self.kind = Path(path), kind
         collected = read(os.fspath(path))
         self.oddities = collected.oddities

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Callable, Iterator, Mapping, Sequence
 
 from heading_intercompare.bags.errors import BagError
@@ -23,9 +24,18 @@ from heading_intercompare.bags.rosbag2.bag_reader import BagReader, TopicNumbers
 from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.fields import Definitions, definitions_in
+from heading_intercompare.messages.heading_messages import HEADING_TYPES
 from heading_intercompare.messages.sentence_messages import SENTENCE, TOPIC_TYPES
 
-from .topic_decoding import list_keys, Logged, read_topics, TopicDecoder, TopicKey
+from .stream_recording import tell_no_unit
+from .topic_decoding import (
+    explain_type,
+    list_keys,
+    Logged,
+    read_topics,
+    TopicDecoder,
+    TopicKey,
+)
 
 #: A longer schema is not read.
 _MOST_LETTERS = 2**18
@@ -37,14 +47,27 @@ class TopicBag(BagReader):
 
     With such a topic among those requested, messages are read one by one, in the order of
     `BagReader.messages`.
+
+    Parameters
+    ----------
+    path, namespace
+        As for `BagReader`.
+    unit_of
+        Returns the unit that is stated for the headings of a topic, 'auto' if none.
+
     """
+
+    def __init__(self, path: str | os.PathLike[str], namespace: str | None = None,
+                 unit_of: Callable[[str], str] = tell_no_unit) -> None:
+        super().__init__(path, namespace)
+        self._unit_of = unit_of
 
     def headings(self, conventions: Mapping[str, str], helpers: int = 0,
                  lost: Callable[[str, str, Losses], None] | None = None,
                  ) -> Iterator[dict[str, Headings]]:
         """Return an iterator over the headings of some topics; see `BagReader.headings`."""
-        keys = list_keys(self.resolve, conventions)
-        if not any(key.part or self.topics[key.name].type_name == SENTENCE
+        keys = list_keys(self.resolve, conventions, self._unit_of)
+        if not any(key.place.part or self.topics[key.name].type_name not in HEADING_TYPES
                    for key in keys.values()):
             return super().headings(conventions, helpers, lost)
         decoders = {key: self._make_decoder(key) for key in keys.values()}
@@ -54,8 +77,10 @@ class TopicBag(BagReader):
         """Return what decodes a topic; BagError if its messages have no such headings."""
         type_name = self.topics[key.name].type_name
         definitions: Definitions = {}
-        if key.part and type_name != SENTENCE:
+        if key.place.part and type_name != SENTENCE:
             definitions = self._read_definitions(key.name)
+        elif type_name not in TOPIC_TYPES:
+            raise BagError(explain_type(key.name, type_name), self.path)
         else:
             self.check_heading(key.name, TOPIC_TYPES)
         try:
@@ -84,7 +109,7 @@ class TopicBag(BagReader):
         numbers: Mapping[TopicKey, TopicNumbers] = {}
         if lost is not None and self.keeps_numbers():
             numbers = dict(zip(decoders, self.begin_numbers(
-                [(key.name, f'{key.part}@{key.unit} {key.convention}') for key in decoders])))
+                [(key.name, ' '.join((*key.place[1:], key.convention))) for key in decoders])))
 
         def tell_gaps(key: TopicKey, messages: Sequence[Logged]) -> None:
             if lost is None or key not in numbers or not messages:

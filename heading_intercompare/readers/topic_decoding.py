@@ -25,17 +25,22 @@ import numpy as np
 from heading_intercompare.bags.rosbag2.topic_names import locate_in
 from heading_intercompare.core.records import Headings, Integers
 from heading_intercompare.drivers.sentence_topic import choose_by_name, SentenceTopic
-from heading_intercompare.messages.angle_fields import decode_angles, find_angle
 from heading_intercompare.messages.byte_columns import (
     BytesLike,
     decode_readable,
     FieldColumn,
     join_messages,
 )
+from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.fields import Definitions
+from heading_intercompare.messages.heading_fields import find_heading_field
 from heading_intercompare.messages.heading_messages import decode_headings
 from heading_intercompare.messages.heading_places import HeadingPlace
-from heading_intercompare.messages.sentence_messages import decode_sentences, SENTENCE
+from heading_intercompare.messages.sentence_messages import (
+    decode_sentences,
+    SENTENCE,
+    TOPIC_TYPES,
+)
 
 #: Messages decoded at once.
 _MESSAGES = 4_000
@@ -92,12 +97,16 @@ class TopicDecoder:
                  definitions: Definitions | None = None) -> None:
         self._sentences: SentenceTopic | None = None
         self._decode: _Decode
+        self._remark = ''
         if type_name == SENTENCE:
             self._sentences = SentenceTopic(choose_by_name(place.part))
             self._decode = decode_sentences
         elif place.part:
-            field = find_angle(type_name, definitions or {}, place.part)
-            self._decode = partial(_as_column, partial(decode_angles, field, place.unit))
+            field = find_heading_field(type_name, definitions or {}, place, convention)
+            if not field.is_stamped:
+                raise MessageError(f'messages of the type {type_name} do not begin with a header, '
+                                   'whose stamp a reading needs')
+            self._decode, self._remark = partial(_as_column, field.decode), field.remark
         else:
             self._decode = partial(_as_column, partial(decode_headings, type_name, convention))
         self.stamp_ns: Integers = np.empty(0, np.int64)
@@ -141,30 +150,28 @@ class TopicDecoder:
 
     @property
     def remark(self) -> str:
-        """Return which sentence was taken and what was not, in words; '' for other messages."""
+        """Return which sentence was taken and what was not, or what was assumed, in words."""
         if self._sentences is None:
-            return ''
+            return self._remark
         not_taken = ', '.join(f'{n} {reason}' for reason, n in self._sentences.counts.items() if n)
         return (f'headings of {self._sentences.sentence or "no sentence"}; not taken: '
                 f'{not_taken or "nothing"}')
 
 
 class TopicKey(NamedTuple):
-    """How a topic is read: its name in the recording, part and unit, and convention."""
+    """How a topic is read: its name in the recording, what to take from it, and convention."""
 
-    name: str
-    part: str
-    unit: str
+    place: HeadingPlace
     convention: str
 
     @property
-    def place(self) -> HeadingPlace:
-        """Return where its headings are."""
-        return HeadingPlace(self.name, self.part, self.unit)
+    def name(self) -> str:
+        """Return the name of the topic in the recording."""
+        return self.place.topic
 
 
-def list_keys(resolve: Callable[[str], str], conventions: Mapping[str, str]
-              ) -> dict[str, TopicKey]:
+def list_keys(resolve: Callable[[str], str], conventions: Mapping[str, str],
+              unit_of: Callable[[str], str]) -> dict[str, TopicKey]:
     """
     Return how each topic is read, by its name as requested.
 
@@ -174,13 +181,18 @@ def list_keys(resolve: Callable[[str], str], conventions: Mapping[str, str]
         Returns the name in the recording of a topic as requested.
     conventions
         World axes of the orientations, by topic.
+    unit_of
+        Returns the unit that is stated for the headings of a topic, 'auto' if none.
 
     """
-    keys = {}
-    for asked, convention in conventions.items():
-        name, part, unit = locate_in(resolve(asked), asked)
-        keys[asked] = TopicKey(name, part, unit, convention)
-    return keys
+    return {asked: TopicKey(locate_in(resolve(asked), asked, unit_of(asked)), convention)
+            for asked, convention in conventions.items()}
+
+
+def explain_type(name: str, type_name: str) -> str:
+    """Return in words that the messages of a topic are no headings, and what to name."""
+    return (f'topic {name} is {type_name or "without a schema"}; a heading is '
+            f'{", ".join(TOPIC_TYPES)}; of any other type name a field, as in {name}.heading')
 
 
 def read_topics(messages: Iterator[tuple[str, Logged]], keys: Mapping[str, TopicKey],

@@ -21,12 +21,13 @@ import struct
 import numpy as np
 import pytest
 
-from heading_intercompare.messages.angle_fields import decode_angles, find_angle
 from heading_intercompare.messages.byte_columns import join_messages
 from heading_intercompare.messages.cdr import encode
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.field_columns import decode_field, find_field
 from heading_intercompare.messages.fields import definitions_in, leaves, short_name
+from heading_intercompare.messages.heading_fields import find_heading_field
+from heading_intercompare.messages.heading_places import HeadingPlace
 from heading_intercompare.messages.schemas import definitions_of
 from heading_intercompare.messages.sentence_messages import read_sentences, SENTENCE
 
@@ -141,7 +142,8 @@ def test_what_lies_before_a_field_may_have_any_length_and_byte_order():
                            ('inner.small', [-at for at in range(24)]),
                            ('inner.text', [b't' * at for at in range(24)]),
                            ('inner.wide', [10.0 + at for at in range(24)]),
-                           ('last', [at % 2 for at in range(24)])):
+                           ('last', [at % 2 for at in range(24)]),
+                           ('code[0]', [1] * 24), ('code[2]', [3] * 24)):
         column = decode_field(find_field('x/msg/Mixed', definitions, path),
                               *join_messages(messages))
         assert column.values.tolist() == expected, path
@@ -165,15 +167,21 @@ def test_a_message_that_is_cut_or_has_a_wrong_length_is_refused(length):
 
 
 @pytest.mark.parametrize('path, wrong', [
-    ('after', 'what lies after many, a list of x/Inner, cannot be read'),
     ('many', 'many is a list'), ('gone.x', "x/Far has no field 'gone'; it has header, "),
     ('inner', 'inner is a message; choose one of its fields'),
+    ('header.stamp.sec', 'lies in the header'), ('inner.small[0]', 'small is no array of numbers'),
+    ('words[0]', 'words is no array of numbers'), ('counts[0]', 'has no element 0 in every'),
+    ('code[3]', 'code has no element 3'), ('code', r'code is a list; .* such as code\[0\]'),
+    ('inner.yaw', r'a yaw may turn either way: write inner\.yaw@ned if it turns from north'),
+    ('inner.small', 'is an integer of 32 bits, whose unit nobody states: write inner.small@deg'),
     ('inner.small.x', 'small is not a message; it has no fields'),
     ('inner.text', 'is no number')])
 def test_a_field_that_cannot_be_read_says_why(path, wrong):
-    text = MIXED.replace('bool last', 'Inner[] many\nfloat64 after')
+    text = MIXED.replace('bool last', 'Inner[] many\nfloat64 after').replace(
+        'float64 wide', 'float64 wide\nfloat64 yaw')
     with pytest.raises(MessageError, match=wrong):
-        find_angle('x/msg/Far', definitions_in('x/msg/Far', text), path)
+        find_heading_field('x/msg/Far', definitions_in('x/msg/Far', text),
+                           HeadingPlace('gps', path), 'enu')
 
 
 def test_a_type_that_needs_too_much_is_refused_at_once():
@@ -184,20 +192,78 @@ def test_a_type_that_needs_too_much_is_refused_at_once():
     text = 'std_msgs/Header header\nT0[1000] many\nfloat64 after\n' + ''.join(
         f'{"=" * 80}\nMSG: x/T{n}\n' + (f'T{n + 1}[1000] a\n' if n < 19 else 'float64 a\n')
         for n in range(20)) + MIXED[MIXED.index('=' * 80):]
-    with pytest.raises(MessageError, match='too much lies before it'):
+    with pytest.raises(MessageError, match='too much lies within many of x/msg/Deep'):
         find_field('x/msg/Deep', definitions_in('x/msg/Deep', text), 'after')
+    text = text.replace('[1000]', '[]')
+    find_field('x/msg/Deep', definitions_in('x/msg/Deep', text), 'after')
+    with pytest.raises(MessageError, match='message type x/T19 lies too deep'):
+        find_field('x/msg/Deep', definitions_in('x/msg/Deep', text.replace(
+            'T19\nfloat64 a', 'T19\nT19[] a')), 'after')
+
+
+LISTS = MIXED.replace('bool last', 'Inner[] many\nstring[] names\nInner[<=3] few\nfloat64 after')
+
+
+def test_lists_of_texts_and_messages_may_lie_before_a_field():
+    """Messages of one chunk have lists of different lengths, and texts of different lengths."""
+    messages = []
+    for at in range(24):
+        writer = Writer('<>'[at % 2])
+        writer.data = mixed(writer.sign, at)[4:-1]
+        for count, is_text in ((at % 4, False), (at % 3, True), (at % 2, False)):
+            writer.put('I', count)
+            for number in range(count):
+                if not is_text:
+                    writer.put('i', 5)
+                writer.text(b't' * (at % 5 + number))
+                if not is_text:
+                    writer.put('d', 1.5)
+        writer.put('d', 100.0 + at)
+        messages.append(writer.message())
+    place = find_field('x/msg/Far', definitions_in('x/msg/Far', LISTS), 'after')
+    assert decode_field(place, *join_messages(messages)).values.tolist() == [
+        100.0 + at for at in range(24)]
+    for end in range(len(messages[7])):
+        with pytest.raises(MessageError):
+            decode_field(place, *join_messages([messages[7][:end]]))
+
+
+@pytest.mark.parametrize('count', [10_001, 0xffffffff])
+def test_a_list_of_too_many_elements_makes_its_message_unreadable(count):
+    text = ('std_msgs/Header header\nstring[] names\nfloat64 after\n'
+            + MIXED[MIXED.index('=' * 80):])
+    place = find_field('x/msg/Far', definitions_in('x/msg/Far', text), 'after')
+    messages = []
+    for length in (count, 1):
+        writer = Writer('<')
+        writer.put('i', 7)
+        writer.put('I', 0)
+        writer.text(b'')
+        writer.put('I', length)
+        writer.data += struct.pack('<I', 0) * min(length, 10_001)
+        writer.put('d', 5.0)
+        messages.append(writer.message())
+    with pytest.raises(MessageError) as raised:
+        decode_field(place, *join_messages(messages))
+    assert raised.value.offsets == [0]
+    assert decode_field(place, *join_messages(messages[1:])).values.tolist() == [5.0]
 
 
 def test_angles_are_headings_within_a_turn():
     type_name = 'geometry_msgs/msg/TwistStamped'
-    place = find_angle(type_name, definitions_of(type_name), 'twist.angular.z')
+    path = 'twist.angular.z'
     turns = [0.0, 0.25, -0.25, 1.0, -0.5, 1.2, -0.6, float('inf'), float('nan')]
     for unit, turn in (('deg', 360.0), ('rad', 2.0 * np.pi), ('rev', 1.0)):
-        messages = [encode(type_name, nested('twist.angular.z', turn * share, 1, ''))
+        messages = [encode(type_name, nested(path, turn * share, 1, ''))
                     for share in turns]
-        headings = decode_angles(place, unit, *join_messages(messages))
-        assert headings.heading_deg[:5] == pytest.approx([0.0, 90.0, 270.0, 0.0, 180.0])
-        assert np.isnan(headings.heading_deg[5:]).all()
+        for axes, expected in (('', [0.0, 90.0, 270.0, 0.0, 180.0]),
+                               ('ned', [0.0, 90.0, 270.0, 0.0, 180.0]),
+                               ('enu', [90.0, 0.0, 180.0, 90.0, 270.0, np.nan, 306.0])):
+            field = find_heading_field(type_name, definitions_of(type_name),
+                                       HeadingPlace('gps', path, unit, axes), 'enu')
+            headings = field.decode(*join_messages(messages))
+            expected += [np.nan] * (len(turns) - len(expected))
+            assert headings.heading_deg == pytest.approx(expected, nan_ok=True)
 
 
 def test_sentences_are_texts_with_their_stamps():

@@ -195,7 +195,7 @@ def test_without_the_package_one_line_says_what_to_install(ros, types, monkeypat
 def test_a_field_of_messages_of_any_type_is_a_heading(ros, types):
     """Before it lie texts and lists of every length; one heading is no number, one beyond 360."""
     _, gyro = types
-    intake = make_intake(ros, deg='gyro.heading', rad='gyro.yaw_rad', rev='gyro.heading@rev')
+    intake = make_intake(ros, deg='gyro.heading', rad='gyro.yaw_rad@ned', rev='gyro.heading@rev')
     publisher = ros.plain.create_publisher(gyro, 'gyro', qos.HEADINGS_OUT)
     headings = [float('nan'), 511.0, *(0.9 * at for at in range(28))]
     messages = [set_stamp(gyro(maker='m' * (at % 7), raw=[1] * (at % 4), heading=heading,

@@ -149,14 +149,17 @@ def test_a_field_is_read_by_the_schema_of_the_bag(tmp_path, at_once):
 
 @pytest.mark.parametrize('topic, wrong', [
     ('nmea.HEROT', 'topic /nmea: HEROT: is no sentence with a heading; must be THS, HDT'),
-    ('imu.orientation', 'topic /imu: orientation: orientation is a message; choose one of its'),
+    ('imu.angular_velocity', 'topic /imu: angular_velocity: angular_velocity is a message; choose '
+     'one of its fields: x, y, z'),
     ('imu.orientation_covariance', 'topic /imu: orientation_covariance: orientation_covariance '
      'is a list; choose a single value'),
     ('imu.course', "topic /imu: course: sensor_msgs/Imu has no field 'course'; it has header"),
-    ('imu.header.frame_id', 'topic /imu: header.frame_id: is no number'),
-    ('note.data', 'topic /note: messages of the type std_msgs/msg/String do not begin with a '
-     'header'),
-    ('nmea.HDT@grad', "nmea.HDT@grad: unit 'grad' must be one of deg, rad, rev")])
+    ('imu.header.frame_id', 'topic /imu: header.frame_id: lies in the header'),
+    ('note.data', 'topic /note: data: is no number'),
+    ('note', 'topic /note is std_msgs/msg/String; a heading is sensor_msgs/msg/Imu, '),
+    ('imu.orientation@enu@ned', 'states both enu and ned; leave one out'),
+    ('nmea.HDT@grad', "nmea.HDT@grad: unit 'grad' must be one of deg, rad, rev"),
+    ('imu.orientation.z@0deg', "unit '0deg' must be one of deg, rad, rev, or a number before")])
 def test_what_is_no_heading_is_one_line(tmp_path, capsys, topic, wrong):
     path = write(tmp_path / 'bag', [
         ('/nmea', SENTENCE, T0, of_sentence(T0, hdt(1))),

@@ -87,7 +87,7 @@ def find_topic(present: Collection[str], topic: str, namespace: str = '') -> str
     return None
 
 
-def locate_in(name: str, topic: str) -> HeadingPlace:
+def locate_in(name: str, topic: str, unit: str = 'auto') -> HeadingPlace:
     """
     Return where the headings of a topic are in a recording.
 
@@ -97,6 +97,8 @@ def locate_in(name: str, topic: str) -> HeadingPlace:
         The name that the topic has there, from `find_topic`.
     topic
         Its name in the settings.
+    unit
+        As for `locate_headings`.
 
     Examples
     --------
@@ -106,10 +108,10 @@ def locate_in(name: str, topic: str) -> HeadingPlace:
     ''
 
     """
-    place = locate_headings(topic)
+    place = locate_headings(topic, unit)
     # Other programs may give names with dots.
     is_whole = f'/{name}'.endswith(f'/{topic.lstrip("/")}')
-    return HeadingPlace(name, '' if is_whole else place.part, place.unit)
+    return HeadingPlace(name, '') if is_whole else place._replace(topic=name)
 
 
 def find_elsewhere(present: Collection[str], topic: str, namespace: str = '') -> list[str]:

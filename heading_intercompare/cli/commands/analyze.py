@@ -47,6 +47,7 @@ from heading_intercompare.core.sensors.compared_sensors import pair_with_referen
 from heading_intercompare.core.sensors.pair_settings import check_norms, settings_of_pair
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.units.full_turns import ANGLE_UNITS
 from heading_intercompare.core.validity.condition import is_doubtful
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.drivers.settings import DriverSettings, SENTENCES, STAMP_FORMATS
@@ -185,6 +186,10 @@ def add_analysis_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--ts', metavar='TOPIC', help='topic of the tested sensor, or its name '
                         'in the setting sensors')
     parser.add_argument('--rs', metavar='TOPIC', help='topic of the reference sensor, or its name')
+    for role, sensor in (('ts', 'tested'), ('rs', 'reference')):
+        parser.add_argument(f'--{role}-unit', choices=('auto', *ANGLE_UNITS), help='unit of the '
+                            f'headings of the {sensor} sensor, in files of numbers and in fields '
+                            'of messages')
     add_log_arguments(parser)
     add_motion_argument(parser)
     add_antenna_arguments(parser)
@@ -217,6 +222,7 @@ def run(arguments: argparse.Namespace) -> int:
     config = load_config_or_journal(arguments.config, arguments.inputs)
     settings = settings_for(
         config, arguments.set, ts_topic=arguments.ts, rs_topic=arguments.rs,
+        ts_unit=arguments.ts_unit, rs_unit=arguments.rs_unit,
         exclusions=read_exclusion_table(arguments.exclude) if arguments.exclude else None,
         **{'antennas.baseline_m': arguments.baseline_m,
            'antennas.baseline_angle_deg': arguments.baseline_angle})

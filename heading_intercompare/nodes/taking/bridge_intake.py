@@ -95,8 +95,8 @@ class BridgeIntake:
     def _hear_pair(self, node: Node, health: Health, settings: Settings, taking: Taking) -> None:
         """Make what hears the headings of two sensors, and their pairs."""
         arrivals = Arrivals(node, self._drain, taking.drain_period_s)
-        places = {'ts': locate_headings(settings.ts_topic),
-                  'rs': locate_headings(settings.rs_topic)}
+        places = {'ts': locate_headings(settings.ts_topic, settings.ts_unit),
+                  'rs': locate_headings(settings.rs_topic, settings.rs_unit)}
         conventions = {'ts': settings.ts_convention, 'rs': settings.rs_convention}
         self._intakes = {stream: Intake(
             node, place.topic, list_heading_types(place), qos.HEADINGS_IN, health,

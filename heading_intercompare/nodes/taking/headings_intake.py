@@ -55,6 +55,8 @@ class HeadingsIntake:
         are: lost on the way, and those that a driver says it never published.
     arrivals
         As for `Intake`.
+    unit_of
+        Returns the unit that is stated for a place, 'auto' if none.
 
     Attributes
     ----------
@@ -66,9 +68,11 @@ class HeadingsIntake:
     def __init__(self, node: Node, health: Health, taking: Taking,
                  streams: Mapping[str, tuple[str, str, str | None]],
                  lose: Callable[[str, str, Losses], None],
-                 arrivals: Unwatched | None = None) -> None:
+                 arrivals: Unwatched | None = None,
+                 unit_of: Callable[[str], str] = lambda topic: 'auto') -> None:
         self._lose_some = lose
-        places = {name: locate_headings(topic) for name, (topic, _, _) in streams.items()}
+        places = {name: locate_headings(topic, unit_of(topic))
+                  for name, (topic, _, _) in streams.items()}
         self._health = health
         self._readers = {name: TopicHeadings(places[name], convention)
                          for name, (_, convention, _) in streams.items()}

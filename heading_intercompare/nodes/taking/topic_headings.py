@@ -22,10 +22,10 @@ from typing import Callable, Sequence
 from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.records import Headings
 from heading_intercompare.drivers.sentence_topic import choose_by_name, SentenceTopic
-from heading_intercompare.messages.angle_fields import decode_angles, find_angle
 from heading_intercompare.messages.byte_columns import read_sound
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.fields import definitions_in
+from heading_intercompare.messages.heading_fields import find_heading_field
 from heading_intercompare.messages.heading_messages import read_headings
 from heading_intercompare.messages.heading_places import HeadingPlace
 from heading_intercompare.messages.schemas import schema_of
@@ -70,8 +70,12 @@ class TopicHeadings:
             return self._read_sentences
         if not part:
             return partial(read_headings, type_name, self._convention)
-        field = find_angle(type_name, definitions_in(type_name, schema_of(type_name).text), part)
-        return partial(read_sound, partial(decode_angles, field, self._place.unit), kind=Headings)
+        field = find_heading_field(type_name, definitions_in(
+            type_name, schema_of(type_name).text), self._place, self._convention)
+        if not field.is_stamped:
+            raise MessageError(f'messages of the type {type_name} do not begin with a header, '
+                               'whose stamp a reading needs')
+        return partial(read_sound, field.decode, kind=Headings)
 
     def _read_sentences(self, messages: Sequence[bytes]) -> _Rows:
         assert self._sentences is not None
