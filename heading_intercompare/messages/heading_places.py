@@ -25,6 +25,9 @@ from heading_intercompare.core.units.full_turns import full_turn
 AXES = ('enu', 'ned')
 """World axes: angles from east over north, or from north over east."""
 
+LOG_TIME, PUBLISH_TIME = CLOCKS = ('log_time', 'publish_time')
+"""Times that a recording keeps beside a message: when it was written, and when it was sent."""
+
 
 class HeadingPlace(NamedTuple):
     """
@@ -41,6 +44,8 @@ class HeadingPlace(NamedTuple):
         Unit of that field (`full_turn`); '' where nobody states it.
     axes : {'', 'enu', 'ned'}
         World axes of that field; '' where nobody states them.
+    clock : {'', 'log_time', 'publish_time'}
+        Where the stamps come from, if not from the headers.
 
     """
 
@@ -48,6 +53,7 @@ class HeadingPlace(NamedTuple):
     part: str
     unit: str = ''
     axes: str = ''
+    clock: str = ''
 
 
 def locate_headings(text: str, unit: str = 'auto') -> HeadingPlace:
@@ -57,8 +63,8 @@ def locate_headings(text: str, unit: str = 'auto') -> HeadingPlace:
     Parameters
     ----------
     text
-        ``TOPIC``, ``TOPIC.PART``, or ``TOPIC.PART`` and words after it, each after an @: a unit,
-        axes. No name of a topic has a dot.
+        ``TOPIC``, ``TOPIC.PART``, or ``TOPIC.PART`` and words after it, each after an @, for unit,
+        axes and clock. No name of a topic has a dot.
     unit
         The unit that a setting states, 'auto' if none. Without any the name of the field says it.
 
@@ -80,13 +86,14 @@ def locate_headings(text: str, unit: str = 'auto') -> HeadingPlace:
     part, *words = part.split('@')
     stated: dict[str, str] = {}
     for word in words:
-        kind = 'axes' if word in AXES else 'unit'
+        kind = 'axes' if word in AXES else 'clock' if word in CLOCKS else 'unit'
         if stated.setdefault(kind, word) != word:
             raise SettingsError(f'{text}: states both {stated[kind]} and {word}; leave one out')
     try:
         full_turn(stated.get('unit', 'deg'))
     except ValueError as error:
-        raise SettingsError(f'{text}: {error}; or one of {", ".join(AXES)}') from None
+        raise SettingsError(f'{text}: {error}; or one of {", ".join(AXES + CLOCKS)}') from None
     named = find_named_unit(part) or ''
     default = named if unit == 'auto' else unit
-    return HeadingPlace(topic, part, stated.get('unit', default), stated.get('axes', ''))
+    return HeadingPlace(topic, part, stated.get('unit', default), stated.get('axes', ''),
+                        stated.get('clock', ''))

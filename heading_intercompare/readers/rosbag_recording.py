@@ -47,6 +47,7 @@ from heading_intercompare.bags.rosbag2.topic_names import clean_namespace, find_
 from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.fields import Definitions, Field, SEQUENCE, short_name
+from heading_intercompare.messages.heading_places import LOG_TIME, PUBLISH_TIME
 from heading_intercompare.messages.schemas import DEFINITIONS
 from heading_intercompare.messages.sentence_messages import SENTENCE, TOPIC_TYPES
 from heading_intercompare.natural_order import natural_key
@@ -207,6 +208,9 @@ class RosbagRecording:
         """Return what decodes a topic; ReaderError if its messages have no such headings."""
         type_name = self.topics[key.name].type_name
         definitions: Definitions = {}
+        if key.place.clock == PUBLISH_TIME:
+            raise ReaderError(self.path, f'topic {key.name}: SQLite and ROS 1 keep no publish '
+                              f'time; leave @{PUBLISH_TIME} out, or write @{LOG_TIME}')
         if key.place.part and type_name != SENTENCE:
             definitions = self._read_definitions(key.name)
         elif type_name not in TOPIC_TYPES:

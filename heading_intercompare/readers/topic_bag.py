@@ -118,6 +118,7 @@ class TopicBag(BagReader):
                     [message.sequence for message in messages], decoders[key].stamp_ns):
                 for asked in (asked for asked, of in keys.items() if of == key):
                     lost(asked, lost_as, losses)
-        messages = ((message.topic, Logged(message.log_time_ns, message.sequence, message.data))
+        messages = ((message.topic, Logged(message.log_time_ns, message.sequence, message.data,
+                                           message.publish_time_ns))
                     for message in self.messages({key.name for key in decoders}, in_order=True))
         yield from read_topics(messages, keys, decoders, self.oddities, tell_gaps)

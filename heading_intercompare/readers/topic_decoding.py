@@ -31,11 +31,10 @@ from heading_intercompare.messages.byte_columns import (
     FieldColumn,
     join_messages,
 )
-from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.fields import Definitions
 from heading_intercompare.messages.heading_fields import find_heading_field
 from heading_intercompare.messages.heading_messages import decode_headings
-from heading_intercompare.messages.heading_places import HeadingPlace
+from heading_intercompare.messages.heading_places import HeadingPlace, LOG_TIME, PUBLISH_TIME
 from heading_intercompare.messages.sentence_messages import (
     decode_sentences,
     SENTENCE,
@@ -44,16 +43,24 @@ from heading_intercompare.messages.sentence_messages import (
 
 #: Messages decoded at once.
 _MESSAGES = 4_000
+#: No stamp is later.
+_MOST_NS = 2**63
 
 _Decode = Callable[[BytesLike, Integers, Integers], FieldColumn]
 
 
+#: What the stamps are, in words, by their clock.
+_CLOCKS = {LOG_TIME: 'the times at which the messages were recorded, later than the headings',
+           PUBLISH_TIME: 'the times at which the messages were published'}
+
+
 class Logged(NamedTuple):
-    """A message as it is stored: log time in ns, number, data."""
+    """A message as it is stored: log time in ns, number, data, publish time (0: unknown)."""
 
     log_time_ns: int
     sequence: int
     data: bytes
+    publish_time_ns: int = 0
 
 
 def _as_column(decode: Callable[[BytesLike, Integers, Integers], Headings], data: BytesLike,
@@ -97,31 +104,32 @@ class TopicDecoder:
                  definitions: Definitions | None = None) -> None:
         self._sentences: SentenceTopic | None = None
         self._decode: _Decode
-        self._remark = ''
+        self._remark, self._clock = '', place.clock
         if type_name == SENTENCE:
             self._sentences = SentenceTopic(choose_by_name(place.part))
             self._decode = decode_sentences
         elif place.part:
             field = find_heading_field(type_name, definitions or {}, place, convention)
-            if not field.is_stamped:
-                raise MessageError(f'messages of the type {type_name} do not begin with a header, '
-                                   'whose stamp a reading needs')
+            self._clock = place.clock or ('' if field.is_stamped else LOG_TIME)
             self._decode, self._remark = partial(_as_column, field.decode), field.remark
         else:
             self._decode = partial(_as_column, partial(decode_headings, type_name, convention))
         self.stamp_ns: Integers = np.empty(0, np.int64)
         self._unreadable, self._problem = 0, ''
+        self._timeless = 0
 
     def decode(self, messages: Sequence[Logged], *, last: bool = False) -> Headings:
         """Return the headings of messages; `last` says that none follow."""
         if not messages:
             return self._sentences.flush() if last and self._sentences else Headings.empty()
-        log_time_ns = np.array([message.log_time_ns for message in messages], np.int64)
         data, starts, stops = join_messages([message.data for message in messages])
         column, readable, problem = decode_readable(partial(self._decode, data), starts, stops)
         self._unreadable += int((~readable).sum())
         self._problem = self._problem or problem
-        self.stamp_ns = log_time_ns
+        self.stamp_ns, has_time = self._read_clock(messages)
+        column, readable = column[has_time[readable]], readable & has_time
+        if self._clock:
+            column = FieldColumn(self.stamp_ns[readable], column.values)
         self.stamp_ns[readable] = column.stamp_ns
         if self._sentences is None:
             heading_deg = np.full(len(messages), np.nan)
@@ -129,6 +137,17 @@ class TopicDecoder:
             return Headings(self.stamp_ns, heading_deg)
         headings = self._take_sentences(self._sentences, column, readable)
         return headings + self._sentences.flush() if last else headings
+
+    def _read_clock(self, messages: Sequence[Logged]) -> tuple[Integers, np.ndarray]:
+        """Return the times of messages by the clock, log times at first, and which are known."""
+        log_time_ns = np.array([message.log_time_ns for message in messages], np.int64)
+        if self._clock != PUBLISH_TIME:
+            return log_time_ns, np.ones(len(messages), bool)
+        has_time = np.array([0 < message.publish_time_ns < _MOST_NS for message in messages])
+        publish_time_ns = [message.publish_time_ns if is_known else message.log_time_ns
+                           for message, is_known in zip(messages, has_time.tolist())]
+        self._timeless += int((~has_time).sum())
+        return np.array(publish_time_ns, np.int64), has_time
 
     def _take_sentences(self, sentences: SentenceTopic, column: FieldColumn,
                         readable: np.ndarray) -> Headings:
@@ -151,11 +170,18 @@ class TopicDecoder:
     @property
     def remark(self) -> str:
         """Return which sentence was taken and what was not, or what was assumed, in words."""
-        if self._sentences is None:
-            return self._remark
-        not_taken = ', '.join(f'{n} {reason}' for reason, n in self._sentences.counts.items() if n)
-        return (f'headings of {self._sentences.sentence or "no sentence"}; not taken: '
-                f'{not_taken or "nothing"}')
+        remarks = [self._remark] if self._remark else []
+        if self._sentences is not None:
+            not_taken = ', '.join(f'{n} {reason}' for reason, n in self._sentences.counts.items()
+                                  if n)
+            remarks.append(f'headings of {self._sentences.sentence or "no sentence"}; not taken: '
+                           f'{not_taken or "nothing"}')
+        if self._clock:
+            remarks.append(f'the stamps are {_CLOCKS[self._clock]}')
+        if self._timeless:
+            remarks.append(f'{self._timeless} messages have no publish time and count as invalid '
+                           'readings')
+        return '; '.join(remarks)
 
 
 class TopicKey(NamedTuple):

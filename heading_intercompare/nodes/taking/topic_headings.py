@@ -64,7 +64,10 @@ class TopicHeadings:
 
     def _choose(self, type_name: str) -> Callable[[Sequence[bytes]], _Rows]:
         """Return what reads messages of a type; an error if they have no such part."""
-        part = self._place.part
+        part, clock = self._place.part, self._place.clock
+        if clock:
+            raise MessageError(f'{part}@{clock}: is a time of a recording; live the stamp is that '
+                               'of the header')
         if type_name == SENTENCE:
             self._sentences = SentenceTopic(choose_by_name(part))
             return self._read_sentences
