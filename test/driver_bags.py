@@ -55,6 +55,8 @@ TYPES = {
     'ublox_msgs/msg/NavRELPOSNED9':
         'uint8 version\nuint8 reserved1\nuint16 ref_station_id\nuint32 i_tow\n'
         'int32 rel_pos_heading\nuint8[4] reserved2\n',
+    'tf2_msgs/msg/TFMessage': 'geometry_msgs/msg/TransformStamped[] transforms\n',
+    'tf/msg/tfMessage': 'geometry_msgs/msg/TransformStamped[] transforms\n',
     'maker_msgs/msg/Attitude':
         HEADER + 'string[] devices\nfloat64[3] rpy\nsensor_msgs/msg/Imu imu\nfloat64 yaw\n'
         'int32 heading\n',
@@ -69,7 +71,8 @@ def make_store(storage):
     """Return all types, as they are in a bag of a kind."""
     store = get_typestore(Stores.ROS1_NOETIC if storage == 'ros1' else Stores.ROS2_JAZZY)
     for name, text in TYPES.items():
-        store.register(get_types_from_msg(text, name))
+        if name not in store.fielddefs:
+            store.register(get_types_from_msg(text, name))
     return store
 
 

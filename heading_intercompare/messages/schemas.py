@@ -57,6 +57,9 @@ DEFINITIONS = {
         'std_msgs/Header header\nPoseWithCovariance pose\n',
     'geometry_msgs/Quaternion': 'float64 x 0\nfloat64 y 0\nfloat64 z 0\nfloat64 w 1\n',
     'geometry_msgs/QuaternionStamped': 'std_msgs/Header header\nQuaternion quaternion\n',
+    'geometry_msgs/Transform': 'Vector3 translation\nQuaternion rotation\n',
+    'geometry_msgs/TransformStamped':
+        'std_msgs/Header header\nstring child_frame_id\nTransform transform\n',
     'geometry_msgs/Twist': 'Vector3 linear\nVector3 angular\n',
     'geometry_msgs/TwistStamped': 'std_msgs/Header header\nTwist twist\n',
     'geometry_msgs/TwistWithCovariance': 'Twist twist\nfloat64[36] covariance\n',
@@ -85,6 +88,7 @@ DEFINITIONS = {
         'uint16 SERVICE_COMPASS=4\nuint16 SERVICE_GALILEO=8\nuint16 service\n',
     'std_msgs/Header': 'builtin_interfaces/Time stamp\nstring frame_id\n',
     'std_msgs/String': 'string data\n',
+    'tf2_msgs/TFMessage': 'geometry_msgs/TransformStamped[] transforms\n',
 }
 
 #: A longer schema is not read: the longest of a known type, with its comments, has some kilobytes.

@@ -46,15 +46,17 @@ from heading_intercompare.bags.rosbag2.bag_reader import BagMessage, TopicInfo
 from heading_intercompare.bags.rosbag2.topic_names import clean_namespace, find_topic, list_topics
 from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.messages.errors import MessageError
-from heading_intercompare.messages.fields import Definitions, Field, SEQUENCE, short_name
+from heading_intercompare.messages.fields import Definitions, Field, leaves, SEQUENCE, short_name
 from heading_intercompare.messages.heading_places import LOG_TIME, PUBLISH_TIME
-from heading_intercompare.messages.schemas import DEFINITIONS
+from heading_intercompare.messages.schemas import DEFINITIONS, definitions_of
 from heading_intercompare.messages.sentence_messages import SENTENCE, TOPIC_TYPES
+from heading_intercompare.messages.transform_messages import TRANSFORM_TYPES, TRANSFORMS
 from heading_intercompare.natural_order import natural_key
 
 from .stream_recording import ReaderError, tell_no_unit
 from .topic_decoding import (
     explain_type,
+    find_absence,
     list_keys,
     Logged,
     read_topics,
@@ -215,6 +217,11 @@ class RosbagRecording:
             definitions = self._read_definitions(key.name)
         elif type_name not in TOPIC_TYPES:
             raise ReaderError(self.path, explain_type(key.name, type_name))
+        if key.place.part and type_name in TRANSFORM_TYPES and [
+                *leaves(short_name(type_name), definitions)] != [
+                *leaves(short_name(TRANSFORMS), definitions_of(TRANSFORMS))]:
+            raise ReaderError(self.path, f'topic {key.name}: {type_name} has other fields in the '
+                              f'bag than {TRANSFORMS}')
         try:
             return TopicDecoder(type_name, key.place, key.convention, definitions)
         except ValueError as error:
@@ -263,6 +270,8 @@ class RosbagRecording:
             yield from read_topics(
                 ((name, Logged(time_ns, 0, data)) for name, time_ns, data in self._raw(
                     {key.name for key in decoders})), keys, decoders, self.oddities)
+        if absence := find_absence(decoders):
+            raise ReaderError(self.path, absence)
 
     def _raw(self, topics: Iterable[str]) -> Iterator[tuple[str, int, bytes]]:
         """

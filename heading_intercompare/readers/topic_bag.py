@@ -26,10 +26,12 @@ from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.fields import Definitions, definitions_in
 from heading_intercompare.messages.heading_messages import HEADING_TYPES
 from heading_intercompare.messages.sentence_messages import SENTENCE, TOPIC_TYPES
+from heading_intercompare.messages.transform_messages import TRANSFORMS
 
 from .stream_recording import tell_no_unit
 from .topic_decoding import (
     explain_type,
+    find_absence,
     list_keys,
     Logged,
     read_topics,
@@ -77,7 +79,9 @@ class TopicBag(BagReader):
         """Return what decodes a topic; BagError if its messages have no such headings."""
         type_name = self.topics[key.name].type_name
         definitions: Definitions = {}
-        if key.place.part and type_name != SENTENCE:
+        if key.place.part and type_name == TRANSFORMS:
+            self.check_heading(key.name, (TRANSFORMS,))
+        elif key.place.part and type_name != SENTENCE:
             definitions = self._read_definitions(key.name)
         elif type_name not in TOPIC_TYPES:
             raise BagError(explain_type(key.name, type_name), self.path)
@@ -107,9 +111,11 @@ class TopicBag(BagReader):
                        lost: Callable[[str, str, Losses], None] | None,
                        ) -> Iterator[dict[str, Headings]]:
         numbers: Mapping[TopicKey, TopicNumbers] = {}
+        # Each publisher of transforms numbers its own.
+        counted = [key for key in decoders if self.topics[key.name].type_name != TRANSFORMS]
         if lost is not None and self.keeps_numbers():
-            numbers = dict(zip(decoders, self.begin_numbers(
-                [(key.name, ' '.join((*key.place[1:], key.convention))) for key in decoders])))
+            numbers = dict(zip(counted, self.begin_numbers(
+                [(key.name, ' '.join((*key.place[1:], key.convention))) for key in counted])))
 
         def tell_gaps(key: TopicKey, messages: Sequence[Logged]) -> None:
             if lost is None or key not in numbers or not messages:
@@ -122,3 +128,5 @@ class TopicBag(BagReader):
                                            message.publish_time_ns))
                     for message in self.messages({key.name for key in decoders}, in_order=True))
         yield from read_topics(messages, keys, decoders, self.oddities, tell_gaps)
+        if absence := find_absence(decoders):
+            raise BagError(absence, self.path)

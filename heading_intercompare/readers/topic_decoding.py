@@ -31,6 +31,7 @@ from heading_intercompare.messages.byte_columns import (
     FieldColumn,
     join_messages,
 )
+from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.fields import Definitions
 from heading_intercompare.messages.heading_fields import find_heading_field
 from heading_intercompare.messages.heading_messages import decode_headings
@@ -40,6 +41,7 @@ from heading_intercompare.messages.sentence_messages import (
     SENTENCE,
     TOPIC_TYPES,
 )
+from heading_intercompare.messages.transform_messages import TRANSFORM_TYPES, TransformTopic
 
 #: Messages decoded at once.
 _MESSAGES = 4_000
@@ -103,11 +105,18 @@ class TopicDecoder:
     def __init__(self, type_name: str, place: HeadingPlace, convention: str,
                  definitions: Definitions | None = None) -> None:
         self._sentences: SentenceTopic | None = None
+        self._transforms: TransformTopic | None = None
         self._decode: _Decode
         self._remark, self._clock = '', place.clock
         if type_name == SENTENCE:
             self._sentences = SentenceTopic(choose_by_name(place.part))
             self._decode = decode_sentences
+        elif type_name in TRANSFORM_TYPES and place.part:
+            if place.clock:
+                raise MessageError(f'{place.part}@{place.clock}: each transform has a stamp of '
+                                   f'its own; leave @{place.clock} out')
+            self._transforms = TransformTopic(place.part, place.axes or convention)
+            self._decode = self._transforms.decode
         elif place.part:
             field = find_heading_field(type_name, definitions or {}, place, convention)
             self._clock = place.clock or ('' if field.is_stamped else LOG_TIME)
@@ -128,15 +137,15 @@ class TopicDecoder:
         self._problem = self._problem or problem
         self.stamp_ns, has_time = self._read_clock(messages)
         column, readable = column[has_time[readable]], readable & has_time
-        if self._clock:
+        if self._clock or self._transforms:
             column = FieldColumn(self.stamp_ns[readable], column.values)
         self.stamp_ns[readable] = column.stamp_ns
-        if self._sentences is None:
+        if self._sentences is None and self._transforms is None:
             heading_deg = np.full(len(messages), np.nan)
             heading_deg[readable] = column.values
             return Headings(self.stamp_ns, heading_deg)
-        headings = self._take_sentences(self._sentences, column, readable)
-        return headings + self._sentences.flush() if last else headings
+        headings = self._take_between(column, readable)
+        return headings + self._sentences.flush() if last and self._sentences else headings
 
     def _read_clock(self, messages: Sequence[Logged]) -> tuple[Integers, np.ndarray]:
         """Return the times of messages by the clock, log times at first, and which are known."""
@@ -149,23 +158,32 @@ class TopicDecoder:
         self._timeless += int((~has_time).sum())
         return np.array(publish_time_ns, np.int64), has_time
 
-    def _take_sentences(self, sentences: SentenceTopic, column: FieldColumn,
-                        readable: np.ndarray) -> Headings:
-        """Return the headings in sentences, with the unreadable messages between them."""
+    def _take_between(self, column: FieldColumn, readable: np.ndarray) -> Headings:
+        """Return the headings in messages of any number, with the unreadable between them."""
         chunks, at = [], 0
         ends = np.cumsum(readable)
         for row in np.flatnonzero(~readable).tolist():
             until = int(ends[row])
-            chunks.append(sentences.take(column.stamp_ns[at:until], column.values[at:until]))
+            chunks.append(self._take(column[at:until]))
             chunks.append(Headings(self.stamp_ns[row:row + 1], np.array([np.nan])))
             at = until
-        chunks.append(sentences.take(column.stamp_ns[at:], column.values[at:]))
+        chunks.append(self._take(column[at:]))
         return Headings.concatenate(chunks)
+
+    def _take(self, column: FieldColumn) -> Headings:
+        if self._sentences is None:
+            return Headings.concatenate(column.values)
+        return self._sentences.take(column.stamp_ns, column.values)
 
     @property
     def unreadable(self) -> tuple[int, str]:
         """Return the number of unreadable messages, and what is wrong with the first one."""
         return self._unreadable, self._problem
+
+    @property
+    def absence(self) -> str:
+        """Return in words that none of the messages had what was asked for; '' if one had."""
+        return self._transforms.absence if self._transforms else ''
 
     @property
     def remark(self) -> str:
@@ -215,10 +233,19 @@ def list_keys(resolve: Callable[[str], str], conventions: Mapping[str, str],
             for asked, convention in conventions.items()}
 
 
+def find_absence(decoders: Mapping[TopicKey, TopicDecoder]) -> str:
+    """Return in words that a topic never had what was asked for; '' if all had."""
+    return next((f'topic {key.name}: {decoder.absence}' for key, decoder in decoders.items()
+                 if decoder.absence), '')
+
+
 def explain_type(name: str, type_name: str) -> str:
     """Return in words that the messages of a topic are no headings, and what to name."""
+    hint = (f'name two frames, parent and child, as in {name}.map:base_link'
+            if type_name in TRANSFORM_TYPES else
+            f'of any other type name a field, as in {name}.heading')
     return (f'topic {name} is {type_name or "without a schema"}; a heading is '
-            f'{", ".join(TOPIC_TYPES)}; of any other type name a field, as in {name}.heading')
+            f'{", ".join(TOPIC_TYPES)}; {hint}')
 
 
 def read_topics(messages: Iterator[tuple[str, Logged]], keys: Mapping[str, TopicKey],

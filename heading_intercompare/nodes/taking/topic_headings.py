@@ -30,6 +30,7 @@ from heading_intercompare.messages.heading_messages import read_headings
 from heading_intercompare.messages.heading_places import HeadingPlace
 from heading_intercompare.messages.schemas import schema_of
 from heading_intercompare.messages.sentence_messages import read_sentences, SENTENCE
+from heading_intercompare.messages.transform_messages import TRANSFORMS
 
 _Rows = tuple[Headings, list[str]]
 
@@ -68,6 +69,8 @@ class TopicHeadings:
         if clock:
             raise MessageError(f'{part}@{clock}: is a time of a recording; live the stamp is that '
                                'of the header')
+        if type_name == TRANSFORMS:
+            raise MessageError('transforms are read from recordings, not live')
         if type_name == SENTENCE:
             self._sentences = SentenceTopic(choose_by_name(part))
             return self._read_sentences
