@@ -57,6 +57,7 @@ TYPES = {
         'int32 rel_pos_heading\nuint8[4] reserved2\n',
     'tf2_msgs/msg/TFMessage': 'geometry_msgs/msg/TransformStamped[] transforms\n',
     'tf/msg/tfMessage': 'geometry_msgs/msg/TransformStamped[] transforms\n',
+    'nmea_msgs/msg/Sentence': HEADER + 'string sentence\n',
     'maker_msgs/msg/Attitude':
         HEADER + 'string[] devices\nfloat64[3] rpy\nsensor_msgs/msg/Imu imu\nfloat64 yaw\n'
         'int32 heading\n',
