@@ -22,6 +22,7 @@ import sys
 
 from checksums import with_checksum
 from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import PoseStamped
 from nodes.graph_checks import assert_same
 from nodes.message_packages import make_package, SENTENCE as SENTENCE_FIELDS
 from nodes.rclpy_objects import heading_messages
@@ -212,7 +213,9 @@ def test_a_field_of_messages_of_any_type_is_a_heading(ros, types):
 @pytest.mark.parametrize('place, wrong', [
     ('gyro.course', "course: gyro_test_msgs/Gyro has no field 'course'; it has header, maker"),
     ('gyro.word', 'word: is no number'), ('gyro.raw', 'raw: raw is a list'),
-    ('gyro.header', 'header: header is a message; choose one of its fields')])
+    ('gyro.header', 'header: lies in the header, which has no heading'),
+    ('gyro.yaw_rad', 'yaw_rad: a yaw may turn either way: write yaw_rad@ned if it turns from'),
+    ('gyro.heading@log_time', 'heading@log_time: is a time of a recording')])
 def test_a_field_that_is_no_heading_is_refused_with_the_reason(ros, types, place, wrong):
     _, gyro = types
     intake = make_intake(ros, ts=place)
@@ -221,6 +224,40 @@ def test_a_field_that_is_no_heading_is_refused_with_the_reason(ros, types, place
     publisher.publish(set_stamp(gyro(), T0 * S))
     ros.spin_until(lambda: not len(intake.take()['ts']) and intake.intakes['ts'].refused)
     assert wrong in intake.intakes['ts']._why_refused
+
+
+@pytest.mark.parametrize('name, place, wrong', [
+    ('std_msgs/Float64', 'gyro.data',
+     'messages of the type std_msgs/msg/Float64 do not begin with a header'),
+    ('tf2_msgs/TFMessage', 'gyro.map:ship', 'transforms are read from recordings, not live')])
+def test_messages_without_a_header_are_refused_live(ros, name, place, wrong):
+    package, _, kind = name.partition('/')
+    kind = getattr(pytest.importorskip(f'{package}.msg', reason='not installed'), kind)
+    intake = make_intake(ros, ts=place)
+    publisher = ros.plain.create_publisher(kind, 'gyro', qos.HEADINGS_OUT)
+    ros.spin_until(lambda: not len(intake.take()['ts']) and publisher.get_subscription_count())
+    publisher.publish(kind())
+    ros.spin_until(lambda: not len(intake.take()['ts']) and intake.intakes['ts'].refused)
+    assert wrong in intake.intakes['ts']._why_refused
+
+
+def pose(stamp_ns, heading_deg, convention='enu'):
+    """Return a pose with a heading."""
+    half = np.radians(heading_deg if convention == 'ned' else 90.0 - heading_deg) / 2.0
+    message = PoseStamped()
+    message.header.frame_id = 'x' * int(heading_deg % 5)
+    message.pose.orientation.z, message.pose.orientation.w = np.sin(half), np.cos(half)
+    return set_stamp(message, stamp_ns)
+
+
+@pytest.mark.parametrize('convention, axes', [('enu', ''), ('enu', '@enu'), ('ned', '@ned')])
+def test_a_quaternion_of_messages_of_any_type_is_a_heading(ros, convention, axes):
+    intake = make_intake(ros, ts=f'pose.pose.orientation{axes}')
+    publisher = ros.plain.create_publisher(PoseStamped, 'pose', qos.HEADINGS_OUT)
+    messages = [pose((T0 + at) * S, 12.0 * at, convention) for at in range(30)]
+    taken = take_all(ros, intake, publisher, messages, 30)['ts']
+    assert taken.heading_deg == pytest.approx(12.0 * np.arange(30))
+    assert taken.stamp_ns.tolist() == [(T0 + at) * S for at in range(30)]
 
 
 def run_trial(ros, publisher, messages, reference, tmp_path, ts_topic):
@@ -275,3 +312,12 @@ def test_the_verdict_on_the_bag_of_a_trial_with_a_field_is_the_live_one(ros, typ
     live, bag = run_trial(ros, publisher, messages, rs, tmp_path, 'gyro.heading')
     assert live['runs'][0]['pairing']['ts_received'] == N
     assert_same(live, judge_again(bag, 'gyro.heading'))
+
+
+def test_the_verdict_on_the_bag_of_a_trial_with_a_quaternion_is_the_live_one(ros, tmp_path):
+    ts, rs = sensors()
+    publisher = ros.plain.create_publisher(PoseStamped, 'pose', qos.HEADINGS_OUT)
+    messages = [pose(ns, heading) for ns, heading in zip(ts.stamp_ns, ts.heading_deg)]
+    live, bag = run_trial(ros, publisher, messages, rs, tmp_path, 'pose.pose.orientation')
+    assert live['runs'][0]['pairing']['ts_received'] == N
+    assert_same(live, judge_again(bag, 'pose.pose.orientation'))
