@@ -88,8 +88,8 @@ def build(store, type_name, fields):
         elif kind == 2:
             values[name] = build(store, content, inner)
         elif kind in (3, 4):
-            (_, base), size = content
-            values[name] = ([] if base[0] == 'string' else
+            (inner_kind, base), size = content
+            values[name] = ([] if inner_kind == 2 or base[0] == 'string' else
                             np.zeros(size if kind == 3 else 0, base[0]))
         else:
             values[name] = '' if content[0] == 'string' else 0

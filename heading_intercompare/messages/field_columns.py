@@ -131,24 +131,17 @@ def find_field(type_name: str, definitions: Definitions, path: str) -> FieldPlac
     if is_stamped and words[0] == definitions[owner][0].name:
         raise MessageError(f'{path}: lies in the header, which has no heading')
     for depth, word in enumerate(words):
-        element = _ELEMENT.fullmatch(word)
         fields = _fields_of(owner, definitions)
-        target = _choose_field(fields, element[1] if element else word, owner, path)
-        begin = 1 if is_stamped and not depth else 0
-        for field in fields[begin:fields.index(target)]:
+        target = _choose_field(fields, word.partition('[')[0], owner, path)
+        for field in fields[int(is_stamped and not depth):fields.index(target)]:
             steps += _limit(_list_steps(field, definitions, lists), field.name, type_name)
-        if element:
-            steps += _go_to_element(target, int(element[2]), path)
-        elif target.size is not None:
-            raise MessageError(f'{path}: {word} is a list; choose a single value'
-                               + (f', such as {word}[0]' if target.size > 0 else ''))
+        steps += _enter(target, word, path)
         owner = target.type
-        is_last = depth == len(words) - 1
-        if is_last != (owner in CODES):
-            names = ', '.join(field.name for field in definitions.get(owner, ()))
-            raise MessageError(f'{path}: {word} is ' + (
-                f'a message; choose one of its fields: {names}' if is_last else
-                'not a message; it has no fields'))
+        if depth < len(words) - 1 and owner in CODES:
+            raise MessageError(f'{path}: {word} is not a message; it has no fields')
+    if owner not in CODES:
+        names = ', '.join(field.name for field in _fields_of(owner, definitions))
+        raise MessageError(f'{path}: {words[-1]} is a message; choose one of its fields: {names}')
     return FieldPlace(type_name, path, CODES[owner], tuple(steps), is_stamped)
 
 
@@ -164,10 +157,19 @@ def _choose_field(fields: Sequence[Field], word: str, owner: str, path: str) -> 
     raise MessageError(f'{path}: {owner} has no field {word!r}; it has {names}')
 
 
-def _go_to_element(target: Field, number: int, path: str) -> list[_Step]:
-    """Return what to go past within an array."""
+def _enter(target: Field, word: str, path: str) -> list[_Step]:
+    """Return what to go past within a field, for a word with the number of an element."""
+    element = _ELEMENT.fullmatch(word)
+    if element is None:
+        if word != target.name:
+            raise MessageError(f'{path}: {word!r} is no field; an element is {target.name}[0]')
+        if target.size is not None:
+            raise MessageError(f'{path}: {word} is a list; choose a single value'
+                               + (f', such as {word}[0]' if target.size > 0 else ''))
+        return []
     if target.size is None or target.type not in CODES or target.type == 'string':
         raise MessageError(f'{path}: {target.name} is no array of numbers')
+    number = int(element[2])
     if number >= target.size:
         raise MessageError(f'{path}: {target.name} has no element {number} in every message')
     return [_Step(CODES[target.type], number)] if number else []

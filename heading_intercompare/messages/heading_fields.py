@@ -21,8 +21,10 @@ REP-103. Which of them a field holds is stated (`HeadingPlace.axes`), or its nam
 
 from __future__ import annotations
 
+from collections import Counter
 from dataclasses import dataclass
 from functools import partial
+from itertools import islice
 from typing import Callable
 
 import numpy as np
@@ -34,7 +36,7 @@ from heading_intercompare.core.units.full_turns import full_turn
 from .byte_columns import BytesLike
 from .errors import MessageError
 from .field_columns import decode_field, FieldPlace, find_field, list_fields
-from .fields import Definitions
+from .fields import Definitions, leaves, short_name
 from .heading_places import HeadingPlace
 
 #: A device that counts 1e-4 rad rounds a full turn up.
@@ -44,6 +46,9 @@ _LEAST_DEG = {'': -180.0, 'ned': -180.0, 'enu': -270.0}
 _HEADING_WORDS = ('heading', 'hdg', 'hdt', 'azimuth', 'bearing')
 #: The fields of a quaternion.
 _AXES = ('x', 'y', 'z', 'w')
+_ENDS = tuple(f'.{axis}' for axis in _AXES)
+#: Fields of a type that are looked at for candidates.
+_MOST_FIELDS = 1_000
 _UNKNOWN = -1.0
 #: Integers of these lengths hold fractions of a degree.
 _WIDE = 'iIqQ'
@@ -112,6 +117,33 @@ def find_heading_field(type_name: str, definitions: Definitions, place: HeadingP
                            f'{path}@1e-5deg')
     return HeadingField(partial(decode_angles, field, unit, place.axes), field.is_stamped,
                         _describe_assumption(place, unit))
+
+
+def list_candidates(type_name: str, definitions: Definitions) -> list[str]:
+    """
+    Return the fields of a type that may hold a heading: quaternions, and what is named so.
+
+    A type whose fields cannot be listed has none.
+
+    Examples
+    --------
+    >>> from .schemas import definitions_of
+    >>> odometry = 'nav_msgs/msg/Odometry'
+    >>> list_candidates(odometry, definitions_of(odometry))
+    ['pose.pose.orientation']
+
+    """
+    try:
+        fields = [*islice(leaves(short_name(type_name), definitions), _MOST_FIELDS)]
+    except MessageError:
+        return []
+    paths = [path for path, code, size in fields
+             if size is None and code not in 's?' and '[]' not in path]
+    owners = Counter(path.rpartition('.')[0] for path in paths if path[-2:] in _ENDS)
+    named = [path for path in paths if any(
+        word in path.rpartition('.')[2].lower() for word in ('yaw', *_HEADING_WORDS))]
+    return [*filter(None, (owner for owner, n in owners.items() if n == len(_AXES))), *named,
+            *(paths if len(fields) == 1 and not named else [])]
 
 
 def _check_axes(type_name: str, place: HeadingPlace) -> None:

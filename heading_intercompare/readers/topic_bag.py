@@ -16,14 +16,16 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 import os
-from typing import Callable, Iterator, Mapping, Sequence
+from typing import Callable, Iterable, Iterator, Mapping, Sequence
 
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader, TopicNumbers
 from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.fields import Definitions, definitions_in
+from heading_intercompare.messages.heading_fields import list_candidates
 from heading_intercompare.messages.heading_messages import HEADING_TYPES
 from heading_intercompare.messages.sentence_messages import SENTENCE, TOPIC_TYPES
 from heading_intercompare.messages.transform_messages import TRANSFORMS
@@ -84,7 +86,10 @@ class TopicBag(BagReader):
         elif key.place.part and type_name != SENTENCE:
             definitions = self._read_definitions(key.name)
         elif type_name not in TOPIC_TYPES:
-            raise BagError(explain_type(key.name, type_name), self.path)
+            with suppress(BagError):
+                definitions = self._read_definitions(key.name)
+            raise BagError(explain_type(key.name, type_name, list_candidates(
+                type_name, definitions)), self.path)
         else:
             self.check_heading(key.name, TOPIC_TYPES)
         try:
@@ -110,12 +115,7 @@ class TopicBag(BagReader):
                        decoders: Mapping[TopicKey, TopicDecoder],
                        lost: Callable[[str, str, Losses], None] | None,
                        ) -> Iterator[dict[str, Headings]]:
-        numbers: Mapping[TopicKey, TopicNumbers] = {}
-        # Each publisher of transforms numbers its own.
-        counted = [key for key in decoders if self.topics[key.name].type_name != TRANSFORMS]
-        if lost is not None and self.keeps_numbers():
-            numbers = dict(zip(counted, self.begin_numbers(
-                [(key.name, ' '.join((*key.place[1:], key.convention))) for key in counted])))
+        numbers = self._begin_counts(decoders) if lost is not None else {}
 
         def tell_gaps(key: TopicKey, messages: Sequence[Logged]) -> None:
             if lost is None or key not in numbers or not messages:
@@ -130,3 +130,12 @@ class TopicBag(BagReader):
         yield from read_topics(messages, keys, decoders, self.oddities, tell_gaps)
         if absence := find_absence(decoders):
             raise BagError(absence, self.path)
+
+    def _begin_counts(self, keys: Iterable[TopicKey]) -> Mapping[TopicKey, TopicNumbers]:
+        """Return the numbers of the topics whose losses count, before the first one."""
+        # Each publisher of transforms numbers its own.
+        counted = [key for key in keys if self.topics[key.name].type_name != TRANSFORMS]
+        if not self.keeps_numbers():
+            return {}
+        return dict(zip(counted, self.begin_numbers(
+            [(key.name, ' '.join((*key.place[1:], key.convention))) for key in counted])))

@@ -45,6 +45,8 @@ from heading_intercompare.messages.transform_messages import TRANSFORM_TYPES, Tr
 
 #: Messages decoded at once.
 _MESSAGES = 4_000
+#: Fields that a refusal names.
+_MOST_NAMED = 5
 #: No stamp is later.
 _MOST_NS = 2**63
 
@@ -129,8 +131,10 @@ class TopicDecoder:
 
     def decode(self, messages: Sequence[Logged], *, last: bool = False) -> Headings:
         """Return the headings of messages; `last` says that none follow."""
-        if not messages:
-            return self._sentences.flush() if last and self._sentences else Headings.empty()
+        headings = self._decode_messages(messages) if messages else Headings.empty()
+        return headings + self._sentences.flush() if last and self._sentences else headings
+
+    def _decode_messages(self, messages: Sequence[Logged]) -> Headings:
         data, starts, stops = join_messages([message.data for message in messages])
         column, readable, problem = decode_readable(partial(self._decode, data), starts, stops)
         self._unreadable += int((~readable).sum())
@@ -144,8 +148,7 @@ class TopicDecoder:
             heading_deg = np.full(len(messages), np.nan)
             heading_deg[readable] = column.values
             return Headings(self.stamp_ns, heading_deg)
-        headings = self._take_between(column, readable)
-        return headings + self._sentences.flush() if last and self._sentences else headings
+        return self._take_between(column, readable)
 
     def _read_clock(self, messages: Sequence[Logged]) -> tuple[Integers, np.ndarray]:
         """Return the times of messages by the clock, log times at first, and which are known."""
@@ -239,13 +242,14 @@ def find_absence(decoders: Mapping[TopicKey, TopicDecoder]) -> str:
                  if decoder.absence), '')
 
 
-def explain_type(name: str, type_name: str) -> str:
+def explain_type(name: str, type_name: str, candidates: Sequence[str] = ()) -> str:
     """Return in words that the messages of a topic are no headings, and what to name."""
-    hint = (f'name two frames, parent and child, as in {name}.map:base_link'
-            if type_name in TRANSFORM_TYPES else
-            f'of any other type name a field, as in {name}.heading')
+    parts = ('map:base_link',) if type_name in TRANSFORM_TYPES else candidates
+    examples = ' or '.join(f'{name}.{part}' for part in parts[:_MOST_NAMED])
+    hint = ('name two frames, parent and child, as in' if type_name in TRANSFORM_TYPES else
+            'name a field:' if examples else 'of any other type name a field, as in')
     return (f'topic {name} is {type_name or "without a schema"}; a heading is '
-            f'{", ".join(TOPIC_TYPES)}; {hint}')
+            f'{", ".join(TOPIC_TYPES)}; {hint} {examples or f"{name}.heading"}')
 
 
 def read_topics(messages: Iterator[tuple[str, Logged]], keys: Mapping[str, TopicKey],

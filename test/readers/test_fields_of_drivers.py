@@ -133,6 +133,11 @@ def test_a_field_that_no_name_calls_a_heading_is_said(tmp_path, storage):
     ('nav_msgs/msg/Odometry', 'child_frame_id', 'child_frame_id: is no number'),
     ('geometry_msgs/msg/PoseStamped', '', 'is geometry_msgs/msg/PoseStamped; a heading is '
      'sensor_msgs/msg/Imu, '),
+    ('geometry_msgs/msg/PoseStamped', '', '; name a field: /pose.pose.orientation'),
+    ('maker_msgs/msg/Attitude', '', '; name a field: /pose.imu.orientation or /pose.yaw or '
+     '/pose.heading'),
+    ('std_msgs/msg/Float64', '', '; name a field: /pose.data'),
+    ('std_msgs/msg/Float32MultiArray', '', 'of any other type name a field, as in /pose.heading'),
 ])
 def test_what_nobody_states_is_one_line(tmp_path, capsys, storage, kind, part, wrong):
     bag = write(tmp_path / 'a.bag', storage, {'/pose': (kind, lambda at: {})}, 3)
@@ -155,6 +160,8 @@ def test_bags_without_definitions_have_those_of_ros(tmp_path, capsys):
     said = refusal(capsys, 'analyze', bag, '--ts', 'gps.heading', '--rs', 'pose.pose.orientation',
                    *NORMS)
     assert 'topic /gps: the bag holds no definition of ixblue_ins_msgs/msg/Ins; write it' in said
+    said = refusal(capsys, 'analyze', bag, '--ts', 'gps', '--rs', 'pose', *NORMS)
+    assert 'topic /gps is ixblue_ins_msgs/msg/Ins; a heading is' in said
 
 
 @pytest.mark.parametrize('storage', STORAGES)
