@@ -58,6 +58,8 @@ TYPES = {
     'tf2_msgs/msg/TFMessage': 'geometry_msgs/msg/TransformStamped[] transforms\n',
     'tf/msg/tfMessage': 'geometry_msgs/msg/TransformStamped[] transforms\n',
     'nmea_msgs/msg/Sentence': HEADER + 'string sentence\n',
+    'maker_msgs/msg/Text': 'string source\nstring text\n',
+    'maker_msgs/msg/Line': HEADER + 'maker_msgs/msg/Text line\n',
     'maker_msgs/msg/Attitude':
         HEADER + 'string[] devices\nfloat64[3] rpy\nsensor_msgs/msg/Imu imu\nfloat64 yaw\n'
         'int32 heading\n',

@@ -123,7 +123,7 @@ def list_candidates(type_name: str, definitions: Definitions) -> list[str]:
     """
     Return the fields of a type that may hold a heading: quaternions, and what is named so.
 
-    A type whose fields cannot be listed has none.
+    A single field may hold one, too. A type whose fields cannot be listed has none.
 
     Examples
     --------
@@ -137,13 +137,15 @@ def list_candidates(type_name: str, definitions: Definitions) -> list[str]:
         fields = [*islice(leaves(short_name(type_name), definitions), _MOST_FIELDS)]
     except MessageError:
         return []
+    if len(fields) == 1 and fields[0][2] is None:
+        path, code, _ = fields[0]
+        return [f'{path}.HDT' if code == 's' else path]
     paths = [path for path, code, size in fields
              if size is None and code not in 's?' and '[]' not in path]
     owners = Counter(path.rpartition('.')[0] for path in paths if path[-2:] in _ENDS)
     named = [path for path in paths if any(
         word in path.rpartition('.')[2].lower() for word in ('yaw', *_HEADING_WORDS))]
-    return [*filter(None, (owner for owner, n in owners.items() if n == len(_AXES))), *named,
-            *(paths if len(fields) == 1 and not named else [])]
+    return [*filter(None, (owner for owner, n in owners.items() if n == len(_AXES))), *named]
 
 
 def _check_axes(type_name: str, place: HeadingPlace) -> None:
@@ -175,7 +177,9 @@ def _describe_assumption(place: HeadingPlace, unit: str) -> str:
 def _find_real(type_name: str, definitions: Definitions, path: str) -> FieldPlace:
     """Return where a field with a number is, as `find_field`; MessageError if it is a text."""
     field = find_field(type_name, definitions, path)
-    if field.code in 's?':
+    if field.code == 's':
+        raise MessageError(f'{path}: is a text; name a sentence in it, as in {path}.HDT')
+    if field.code == '?':
         raise MessageError(f'{path}: is no number')
     return field
 

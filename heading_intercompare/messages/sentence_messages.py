@@ -16,12 +16,12 @@
 
 from __future__ import annotations
 
+from functools import partial
 from typing import Sequence
 
-from heading_intercompare.core.records import Integers
-
-from .byte_columns import BytesLike, FieldColumn, read_sound
-from .field_columns import decode_field, find_field
+from .byte_columns import FieldColumn, read_sound
+from .field_columns import decode_field, FieldPlace, find_field, list_fields
+from .fields import Definitions
 from .heading_messages import HEADING_TYPES
 from .schemas import definitions_of
 
@@ -34,11 +34,36 @@ TOPIC_TYPES = (*HEADING_TYPES, SENTENCE)
 _PLACE = find_field(SENTENCE, definitions_of(SENTENCE), 'sentence')
 
 
-def decode_sentences(data: BytesLike, start: Integers, stop: Integers) -> FieldColumn:
-    """Return the sentences in the messages of a stretch of bytes; see `decode_field`."""
-    return decode_field(_PLACE, data, start, stop)
+def find_sentences(type_name: str, definitions: Definitions,
+                   part: str) -> tuple[FieldPlace, str] | None:
+    """
+    Return where the sentences in messages of a type are, and which is asked for.
+
+    Parameters
+    ----------
+    type_name
+        The type.
+    definitions
+        Its fields, as for `find_field`; those of `SENTENCE` are known.
+    part
+        A sentence, `HEHDT`; of another type after a field with a text, `data.HEHDT`.
+
+    Returns
+    -------
+    tuple or None
+        None if the part names no text.
+
+    """
+    if type_name == SENTENCE:
+        return _PLACE, part
+    path, _, sentence = part.rpartition('.')
+    owner, _, name = path.rpartition('.')
+    is_text = any((field.name, field.type, field.size) == (name, 'string', None)
+                  for field in list_fields(type_name, definitions, owner))
+    return (find_field(type_name, definitions, path), sentence) if is_text else None
 
 
-def read_sentences(messages: Sequence[bytes]) -> tuple[FieldColumn, list[str]]:
-    """Return the sentences in single messages, and what is wrong with each unreadable one."""
-    return read_sound(decode_sentences, messages, FieldColumn)
+def read_sentences(place: FieldPlace,
+                   messages: Sequence[bytes]) -> tuple[FieldColumn, list[str]]:
+    """Return the texts in single messages, and what is wrong with each unreadable one."""
+    return read_sound(partial(decode_field, place), messages, FieldColumn)

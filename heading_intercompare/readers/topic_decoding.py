@@ -32,13 +32,13 @@ from heading_intercompare.messages.byte_columns import (
     join_messages,
 )
 from heading_intercompare.messages.errors import MessageError
+from heading_intercompare.messages.field_columns import decode_field
 from heading_intercompare.messages.fields import Definitions
 from heading_intercompare.messages.heading_fields import find_heading_field
 from heading_intercompare.messages.heading_messages import decode_headings
 from heading_intercompare.messages.heading_places import HeadingPlace, LOG_TIME, PUBLISH_TIME
 from heading_intercompare.messages.sentence_messages import (
-    decode_sentences,
-    SENTENCE,
+    find_sentences,
     TOPIC_TYPES,
 )
 from heading_intercompare.messages.transform_messages import TRANSFORM_TYPES, TransformTopic
@@ -110,9 +110,11 @@ class TopicDecoder:
         self._transforms: TransformTopic | None = None
         self._decode: _Decode
         self._remark, self._clock = '', place.clock
-        if type_name == SENTENCE:
-            self._sentences = SentenceTopic(choose_by_name(place.part))
-            self._decode = decode_sentences
+        text = find_sentences(type_name, definitions or {}, place.part)
+        if text is not None:
+            self._sentences = SentenceTopic(choose_by_name(text[1]))
+            self._decode = partial(decode_field, text[0])
+            self._clock = place.clock or ('' if text[0].is_stamped else LOG_TIME)
         elif type_name in TRANSFORM_TYPES and place.part:
             if place.clock:
                 raise MessageError(f'{place.part}@{place.clock}: each transform has a stamp of '

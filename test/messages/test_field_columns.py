@@ -29,7 +29,11 @@ from heading_intercompare.messages.fields import definitions_in, leaves, short_n
 from heading_intercompare.messages.heading_fields import find_heading_field
 from heading_intercompare.messages.heading_places import HeadingPlace
 from heading_intercompare.messages.schemas import definitions_of
-from heading_intercompare.messages.sentence_messages import read_sentences, SENTENCE
+from heading_intercompare.messages.sentence_messages import (
+    find_sentences,
+    read_sentences,
+    SENTENCE,
+)
 
 S = 10 ** 9
 STAMPED = ('geometry_msgs/msg/PoseWithCovarianceStamped', 'geometry_msgs/msg/QuaternionStamped',
@@ -177,7 +181,7 @@ def test_a_message_that_is_cut_or_has_a_wrong_length_is_refused(length):
     ('inner.yaw', r'a yaw may turn either way: write inner\.yaw@ned if it turns from north'),
     ('inner.small', 'is an integer of 32 bits, whose unit nobody states: write inner.small@deg'),
     ('inner.small.x', 'small is not a message; it has no fields'),
-    ('inner.text', 'is no number')])
+    ('inner.text', 'is a text; name a sentence in it, as in inner.text.HDT')])
 def test_a_field_that_cannot_be_read_says_why(path, wrong):
     text = MIXED.replace('bool last', 'Inner[] many\nfloat64 after').replace(
         'float64 wide', 'float64 wide\nfloat64 yaw')
@@ -271,9 +275,10 @@ def test_angles_are_headings_within_a_turn():
 def test_sentences_are_texts_with_their_stamps():
     messages = [encode(SENTENCE, {'header': {'stamp': {'sec': at}, 'frame_id': 'x' * at},
                                   'sentence': 'a' * at}) for at in range(9)]
-    column, refused = read_sentences([*messages, b'', messages[3][:21]])
+    place, _ = find_sentences(SENTENCE, {}, '')
+    column, refused = read_sentences(place, [*messages, b'', messages[3][:21]])
     assert column.values.tolist() == [b'a' * at for at in range(9)]
     assert column.stamp_ns.tolist() == [at * S for at in range(9)]
     assert refused == ['nmea_msgs/msg/Sentence message of 0 bytes is too short',
                        'nmea_msgs/msg/Sentence message of 21 bytes is too short']
-    assert len(read_sentences([])[0]) == 0
+    assert len(read_sentences(place, [])[0]) == 0

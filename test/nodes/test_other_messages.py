@@ -159,6 +159,17 @@ def test_the_sentences_of_one_topic_are_two_sensors(ros, types):
         'bad_checksum': '40', 'not_heading': '40', 'other_talker.HE': '40'}
 
 
+def test_sentences_in_a_text_of_any_messages_are_headings(ros, types):
+    _, gyro = types
+    intake = make_intake(ros, ts='gyro.word.HEHDT')
+    publisher = ros.plain.create_publisher(gyro, 'gyro', qos.HEADINGS_OUT)
+    messages = [set_stamp(gyro(maker='m' * (at % 7), word=with_checksum(body)), (T0 + at) * S)
+                for at in range(20) for body in (f'HEHDT,{at}.5,T', 'HEROT,1.0,A')]
+    taken = take_all(ros, intake, publisher, messages, 20)['ts']
+    assert taken.heading_deg.tolist() == [at + 0.5 for at in range(20)]
+    assert taken.stamp_ns.tolist() == [(T0 + at) * S for at in range(20)]
+
+
 def test_a_sentence_is_chosen_from_the_first_seconds_of_the_stamps(ros, types):
     """THS is better than HDT, and is heard a second later."""
     sentence, _ = types
@@ -212,7 +223,8 @@ def test_a_field_of_messages_of_any_type_is_a_heading(ros, types):
 
 @pytest.mark.parametrize('place, wrong', [
     ('gyro.course', "course: gyro_test_msgs/Gyro has no field 'course'; it has header, maker"),
-    ('gyro.word', 'word: is no number'), ('gyro.raw', 'raw: raw is a list'),
+    ('gyro.word', 'word: is a text; name a sentence in it, as in word.HDT'),
+    ('gyro.raw', 'raw: raw is a list'),
     ('gyro.header', 'header: lies in the header, which has no heading'),
     ('gyro.yaw_rad', 'yaw_rad: a yaw may turn either way: write yaw_rad@ned if it turns from'),
     ('gyro.heading@log_time', 'heading@log_time: is a time of a recording')])

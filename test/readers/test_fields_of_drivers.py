@@ -130,7 +130,9 @@ def test_a_field_that_no_name_calls_a_heading_is_said(tmp_path, storage):
     ('maker_msgs/msg/Attitude', 'heading', 'is an integer of 32 bits, whose unit nobody states'),
     ('maker_msgs/msg/Attitude', 'imu', 'imu is a message; choose one of its fields: header, '),
     ('maker_msgs/msg/Attitude', 'devices', 'devices is a list; choose a single value'),
-    ('nav_msgs/msg/Odometry', 'child_frame_id', 'child_frame_id: is no number'),
+    ('nav_msgs/msg/Odometry', 'child_frame_id', 'is a text; name a sentence in it, as in '
+     'child_frame_id.HDT'),
+    ('std_msgs/msg/String', '', '; name a field: /pose.data.HDT'),
     ('geometry_msgs/msg/PoseStamped', '', 'is geometry_msgs/msg/PoseStamped; a heading is '
      'sensor_msgs/msg/Imu, '),
     ('geometry_msgs/msg/PoseStamped', '', '; name a field: /pose.pose.orientation'),

@@ -110,3 +110,22 @@ def test_the_log_time_may_replace_the_stamps_of_sentences(tmp_path, storage):
     assert headings.stamp_ns.tolist() == [T0 + at * (S // 10) + 7 for at in range(60)]
     assert oddities[0].endswith('not taken: nothing; the stamps are the times at which the '
                                 'messages were recorded, later than the headings')
+
+
+@pytest.mark.parametrize('storage', STORAGES)
+@pytest.mark.parametrize('kind, path', [
+    ('std_msgs/msg/String', 'data'), ('maker_msgs/msg/Line', 'line.text')])
+def test_sentences_in_a_text_of_any_message_are_headings(tmp_path, capsys, storage, kind, path):
+    """A plain text has no header: its stamps are the log times."""
+    bag = write(tmp_path / 'a.bag', storage, {
+        '/nmea': (kind, lambda at: {path: tell(at)['sentence']})}, 600)
+    late_ns = 7 * (kind == 'std_msgs/msg/String')
+    for asked, phase, expected in ((f'nmea.{path}.HEHDT', 0, SHIP + NOISE),
+                                   (f'nmea.{path}.GPHDT', 1, SHIP)):
+        headings, oddities = read(bag, asked)
+        assert headings.stamp_ns.tolist() == [
+            T0 + at * (S // 10) + late_ns for at in range(phase, 600, 3)]
+        assert np.abs(headings.heading_deg - expected[phase:600:3]).max() < 5.1e-4
+        assert ('were recorded' in oddities[0]) == bool(late_ns)
+    said = refusal(capsys, 'analyze', bag, '--ts', f'nmea.{path}.HEROT', '--rs', asked, *NORMS)
+    assert 'topic /nmea: HEROT: is no sentence with a heading' in said

@@ -155,7 +155,7 @@ def test_a_field_is_read_by_the_schema_of_the_bag(tmp_path, at_once):
      'is a list; choose a single value'),
     ('imu.course', "topic /imu: course: sensor_msgs/Imu has no field 'course'; it has header"),
     ('imu.header.frame_id', 'topic /imu: header.frame_id: lies in the header'),
-    ('note.data', 'topic /note: data: is no number'),
+    ('note.data', 'topic /note: data: is a text; name a sentence in it, as in data.HDT'),
     ('note', 'topic /note is std_msgs/msg/String; a heading is sensor_msgs/msg/Imu, '),
     ('imu.orientation@enu@ned', 'states both enu and ned; leave one out'),
     ('nmea.HDT@grad', "nmea.HDT@grad: unit 'grad' must be one of deg, rad, rev"),

@@ -24,15 +24,26 @@ from heading_intercompare.core.records import Headings
 from heading_intercompare.drivers.sentence_topic import choose_by_name, SentenceTopic
 from heading_intercompare.messages.byte_columns import read_sound
 from heading_intercompare.messages.errors import MessageError
-from heading_intercompare.messages.fields import definitions_in
+from heading_intercompare.messages.field_columns import FieldPlace
+from heading_intercompare.messages.fields import Definitions, definitions_in
 from heading_intercompare.messages.heading_fields import find_heading_field
 from heading_intercompare.messages.heading_messages import read_headings
 from heading_intercompare.messages.heading_places import HeadingPlace
 from heading_intercompare.messages.schemas import schema_of
-from heading_intercompare.messages.sentence_messages import read_sentences, SENTENCE
+from heading_intercompare.messages.sentence_messages import (
+    find_sentences,
+    read_sentences,
+    SENTENCE,
+)
 from heading_intercompare.messages.transform_messages import TRANSFORMS
 
 _Rows = tuple[Headings, list[str]]
+
+
+def _need_header(type_name: str, is_stamped: bool) -> None:
+    if not is_stamped:
+        raise MessageError(f'messages of the type {type_name} do not begin with a header, whose '
+                           'stamp a reading needs')
 
 
 class TopicHeadings:
@@ -71,21 +82,22 @@ class TopicHeadings:
                                'of the header')
         if type_name == TRANSFORMS:
             raise MessageError('transforms are read from recordings, not live')
-        if type_name == SENTENCE:
-            self._sentences = SentenceTopic(choose_by_name(part))
-            return self._read_sentences
+        definitions: Definitions = {} if type_name == SENTENCE or not part else definitions_in(
+            type_name, schema_of(type_name).text)
+        text = find_sentences(type_name, definitions, part)
+        if text is not None:
+            _need_header(type_name, text[0].is_stamped)
+            self._sentences = SentenceTopic(choose_by_name(text[1]))
+            return partial(self._read_sentences, text[0])
         if not part:
             return partial(read_headings, type_name, self._convention)
-        field = find_heading_field(type_name, definitions_in(
-            type_name, schema_of(type_name).text), self._place, self._convention)
-        if not field.is_stamped:
-            raise MessageError(f'messages of the type {type_name} do not begin with a header, '
-                               'whose stamp a reading needs')
+        field = find_heading_field(type_name, definitions, self._place, self._convention)
+        _need_header(type_name, field.is_stamped)
         return partial(read_sound, field.decode, kind=Headings)
 
-    def _read_sentences(self, messages: Sequence[bytes]) -> _Rows:
+    def _read_sentences(self, place: FieldPlace, messages: Sequence[bytes]) -> _Rows:
         assert self._sentences is not None
-        column, refused = read_sentences(messages)
+        column, refused = read_sentences(place, messages)
         return self._sentences.take(column.stamp_ns, column.values), refused
 
     def flush(self) -> Headings:
