@@ -29,7 +29,7 @@ import struct
 from typing import Any, Callable, Iterable, Iterator, Mapping
 import weakref
 
-from rosbags.interfaces import MessageDefinitionFormat, Nodetype
+from rosbags.interfaces import Nodetype
 from rosbags.rosbag1 import Reader as Ros1Reader, ReaderError as Ros1Error
 from rosbags.rosbag2 import Reader as Ros2Reader, reader as ros2, ReaderError as Ros2Error
 from rosbags.serde import SerdeError
@@ -70,9 +70,8 @@ _FAULTS = (Ros1Error, Ros2Error, SerdeError, MessageError, sqlite3.Error, struct
            getattr(getattr(ros2, 'zstd', None), 'ZstdError', RuntimeError))
 #: Errors of a single message of ROS 1 that cannot be converted.
 _UNREADABLE = (SerdeError, struct.error, IndexError, ValueError)
-_PARSERS: dict[MessageDefinitionFormat, Callable[[str, str], Mapping[str, Any]]] = {
-    MessageDefinitionFormat.MSG: get_types_from_msg,
-    MessageDefinitionFormat.IDL: lambda text, name: get_types_from_idl(text)}
+#: Before each definition in IDL.
+_RULE = '=' * 80 + '\n'
 #: Types that the conversion from ROS 1 turns into those of ROS 2.
 _CONVERTED = ('std_msgs/msg/Header', 'builtin_interfaces/msg/Time',
               'builtin_interfaces/msg/Duration')
@@ -110,6 +109,22 @@ def _as_field(name: str, description: Any) -> Field:
         size = content[1] if kind == Nodetype.ARRAY else SEQUENCE
         kind, content = content[0]
     return Field(name, content[0] if kind == Nodetype.BASE else short_name(content), size)
+
+
+def _list_types(store: Any) -> Mapping[str, Any]:
+    """Return the types that the library holds; earlier versions have another name for them."""
+    types: Mapping[str, Any] = getattr(store, 'fielddefs', None) or store.FIELDDEFS
+    return types
+
+
+def _parse_types(text: str, type_name: str) -> Mapping[str, Any]:
+    """Return the types in a definition: of messages, or in IDL, section by section."""
+    if not text.startswith(f'{_RULE}IDL: '):
+        return get_types_from_msg(text, type_name)
+    types: dict[str, Any] = {}
+    for section in text.split(_RULE)[1:]:
+        types |= get_types_from_idl(section.partition('\n')[2])
+    return types
 
 
 class RosbagRecording:
@@ -234,25 +249,24 @@ class RosbagRecording:
     def _read_definitions(self, name: str) -> Definitions:
         """Return the fields of the type of a topic: those in the bag, or those of ROS itself."""
         type_name = self.topics[name].type_name
-        text = next((connection.msgdef for reader, _ in self._readers
-                     for connection in reader.connections if connection.topic == name
-                     and connection.msgdef.format in _PARSERS), None)
-        types: Mapping[str, Any]
-        if text is None:
-            types = get_typestore(Stores.LATEST).fielddefs
-            if type_name not in types:
-                raise ReaderError(self.path, f'topic {name}: the bag holds no definition of '
-                                  f'{type_name}; write it with one (ros2 bag convert to mcap, '
-                                  'where the package of the type is installed)')
-        elif len(text.data) > _MOST_LETTERS:
+        # Earlier versions of the library give the text itself.
+        texts = (getattr(connection.msgdef, 'data', connection.msgdef)
+                 for reader, _ in self._readers for connection in reader.connections
+                 if connection.topic == name)
+        text = next(filter(None, texts), '')
+        types: Mapping[str, Any] = {} if text else _list_types(get_typestore(Stores.LATEST))
+        if not text and type_name not in types:
+            raise ReaderError(self.path, f'topic {name}: the bag holds no definition of '
+                              f'{type_name}; write it with one (ros2 bag convert to mcap, where '
+                              'the package of the type is installed)')
+        if len(text) > _MOST_LETTERS:
             raise ReaderError(self.path, f'topic {name}: its definition has more than '
                               f'{_MOST_LETTERS} letters')
-        else:
-            try:
-                types = _PARSERS[text.format](text.data, type_name)
-            except TypesysError as error:
-                raise ReaderError(self.path, f'topic {name}: the definition of {type_name} '
-                                  'cannot be read') from error
+        try:
+            types = types or _parse_types(text, type_name)
+        except TypesysError as error:
+            raise ReaderError(self.path, f'topic {name}: the definition of {type_name} cannot be '
+                              'read') from error
         types = types if self._store is None else self._add_types(name, types)
         return {short_name(kind): tuple(_as_field(*field) for field in fields)
                 for kind, (_, fields) in types.items()}
@@ -260,7 +274,7 @@ class RosbagRecording:
     def _add_types(self, name: str, types: Mapping[str, Any]) -> Mapping[str, Any]:
         """Have the library convert types of ROS 1; return all types as they are converted."""
         assert self._store is not None
-        held = self._store.fielddefs
+        held = _list_types(self._store)
         for kind, (_, fields) in types.items():
             if kind in held and kind not in _CONVERTED and held[kind][1] != fields:
                 raise ReaderError(self.path, f'topic {name}: {kind} has other fields in the bag '

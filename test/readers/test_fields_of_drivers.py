@@ -22,7 +22,9 @@ import pytest
 
 pytest.importorskip('rosbags', reason='rosbags is not installed')
 
-from driver_bags import HEADINGS, N, read, S, STORAGES, T0, write
+from driver_bags import build, HEADER, HEADINGS, make_store, N, read, S, STORAGES, T0, write
+from rosbags.rosbag2 import StoragePlugin, Writer
+from rosbags.typesys import get_types_from_msg
 
 
 def turned(path, at, convention='enu'):
@@ -164,6 +166,45 @@ def test_bags_without_definitions_have_those_of_ros(tmp_path, capsys):
     assert 'topic /gps: the bag holds no definition of ixblue_ins_msgs/msg/Ins; write it' in said
     said = refusal(capsys, 'analyze', bag, '--ts', 'gps', '--rs', 'pose', *NORMS)
     assert 'topic /gps is ixblue_ins_msgs/msg/Ins; a heading is' in said
+
+
+IDL = f"""\
+{"=" * 80}
+IDL: maker_msgs/msg/Compass
+module maker_msgs {{ module msg {{
+  struct Compass {{ std_msgs::msg::Header header; string<8> maker; double heading; }}; }}; }};
+{"=" * 80}
+IDL: std_msgs/msg/Header
+module std_msgs {{ module msg {{
+  struct Header {{ builtin_interfaces::msg::Time stamp; string frame_id; }}; }}; }};
+{"=" * 80}
+IDL: builtin_interfaces/msg/Time
+module builtin_interfaces {{ module msg {{
+  struct Time {{ int32 sec; uint32 nanosec; }}; }}; }};
+"""
+
+
+@pytest.mark.parametrize('text, wrong', [
+    (IDL, ''),
+    (IDL.replace('struct Compass', 'struct'), 'the definition of maker_msgs/msg/Compass cannot'),
+    ('float64 heading\n' + '#' * 2**18, 'its definition has more than 262144 letters'),
+    ('] no definition', 'the definition of maker_msgs/msg/Compass cannot be read')])
+def test_a_definition_may_be_idl_and_a_wrong_one_is_one_line(tmp_path, capsys, text, wrong):
+    store = make_store('sqlite')
+    store.register(get_types_from_msg(HEADER + 'string maker\nfloat64 heading\n',
+                                      'maker_msgs/msg/Compass'))
+    kind = 'maker_msgs/msg/Compass'
+    with Writer(tmp_path / 'bag', version=9, storage_plugin=StoragePlugin.SQLITE3) as writer:
+        topic = writer.add_connection('/compass', kind, msgdef=text, rihs01='RIHS01_' + '0' * 64)
+        for at in range(N):
+            writer.write(topic, T0 + at, store.serialize_cdr(build(store, kind, {
+                'header.stamp.sec': at, 'maker': 'm' * (at % 5), 'heading': HEADINGS[at]}), kind))
+    if wrong:
+        assert wrong in refusal(capsys, 'analyze', tmp_path / 'bag', '--ts', 'compass.heading',
+                                '--rs', 'compass.heading', *NORMS)
+    else:
+        assert read(tmp_path / 'bag', 'compass.heading')[0].heading_deg.tolist() == (
+            HEADINGS.tolist())
 
 
 @pytest.mark.parametrize('storage', STORAGES)
