@@ -101,9 +101,11 @@ def find_heading_field(type_name: str, definitions: Definitions, place: HeadingP
         which way it turns and neither its name nor its type tells it.
 
     """
-    _check_axes(type_name, place)
     path = place.part
-    if set(_AXES) <= {field.name for field in list_fields(type_name, definitions, path)}:
+    is_quaternion = set(_AXES) <= {
+        field.name for field in list_fields(type_name, definitions, path)}
+    _check_axes(type_name, place, is_quaternion)
+    if is_quaternion:
         axes = [_find_real(type_name, definitions, f'{path}.{axis}') for axis in _AXES]
         return HeadingField(
             partial(_decode_quaternions, axes, _find_validity(type_name, definitions, path),
@@ -148,12 +150,12 @@ def list_candidates(type_name: str, definitions: Definitions) -> list[str]:
     return [*filter(None, (owner for owner, n in owners.items() if n == len(_AXES))), *named]
 
 
-def _check_axes(type_name: str, place: HeadingPlace) -> None:
+def _check_axes(type_name: str, place: HeadingPlace, is_quaternion: bool) -> None:
     """Raise MessageError if nobody states the axes of a field that may have either."""
     if place.axes:
         return
     parameter = _TURNED_BY.get(type_name.partition('/')[0])
-    if parameter or _find_word(place) == 'yaw':
+    if parameter or not is_quaternion and _find_word(place) == 'yaw':
         why = (f'the driver turns angles to ENU by its parameter {parameter}' if parameter else
                'a yaw may turn either way')
         raise MessageError(f'{place.part}: {why}: write {place.part}@ned if it turns from north '

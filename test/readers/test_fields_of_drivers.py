@@ -111,6 +111,17 @@ def test_a_setting_states_the_unit_of_a_field(tmp_path, unit, scale):
     assert np.abs(np.mod(headings.heading_deg - HEADINGS + 180.0, 360.0) - 180.0).max() < 5e-5
 
 
+@pytest.mark.parametrize('topic, kind, part', [
+    ('/yaw', 'geometry_msgs/msg/PoseStamped', 'pose.orientation'),
+    ('/yaw', 'ixblue_ins_msgs/msg/Ins', 'heading')])
+def test_what_lies_nearest_to_the_field_says_what_it_is(tmp_path, topic, kind, part):
+    """A quaternion of a topic called yaw has its axes, and a heading is one."""
+    bag = write(tmp_path / 'bag', 'mcap', {topic: (kind, lambda at: (
+        {'heading': HEADINGS[at]} if part == 'heading' else turned(part, at)))})
+    headings, oddities = read(bag, f'{topic}.{part}')
+    assert headings.heading_deg == pytest.approx(HEADINGS) and not oddities
+
+
 @pytest.mark.parametrize('storage', STORAGES)
 def test_a_field_that_no_name_calls_a_heading_is_said(tmp_path, storage):
     bag = write(tmp_path / 'a.bag', storage, {
