@@ -17,7 +17,7 @@
 How fast headings are read from bags, next to other readers of the same bags in the same run.
 
 The bags hold Imu or QuaternionStamped, in every compression. They are written in large chunks, as
-our simulator and `import-nmea` do; in one chunk per half second with pairs between the headings,
+our simulator and `import` do; in one chunk per half second with pairs between the headings,
 as our recorder does; by the `mcap` library, like `ros2 bag record`; and by `rosbags`.
 
 Our reader is measured as `analyze` uses it, with one process per core, and in a single process.

@@ -147,7 +147,7 @@ SECTIONS = (
 CHAPTERS = (
     ('The analysis', 'Section `/**`, for every node and for the command line.', Settings),
     ('Drivers', 'Sections `ts_driver`, `rs_driver` and `motion_driver`; some are options of '
-     '`import-nmea`.', DriverSettings),
+     '`import`.', DriverSettings),
     ('Drivers as nodes', 'In the same sections.', DriverNode),
     ('Synchronizer', 'Section `synchronizer`.', SynchronizerNode),
     ('Compliance', 'Section `compliance`.', ComplianceNode),

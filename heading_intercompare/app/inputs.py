@@ -24,7 +24,7 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Any, Callable, Iterable, Iterator, Mapping, Sequence
+from typing import Any, Callable, Iterable, Iterator, Mapping, Protocol, Sequence
 
 from heading_intercompare.app.sources.file_hash import hash_files
 from heading_intercompare.bags.errors import BagError
@@ -58,7 +58,7 @@ from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSe
 from heading_intercompare.core.pairing.pair_maker import PairMaker
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.pipeline import Compliance
-from heading_intercompare.core.records import Headings, Motion, Pairs
+from heading_intercompare.core.records import Headings, Losses, Motion, Pairs
 from heading_intercompare.core.sensor_table import Sensor
 from heading_intercompare.core.sensors.compared_sensors import list_sensors, pair_with_reference
 from heading_intercompare.core.sensors.pair_names import TWO
@@ -292,34 +292,23 @@ def _judge_recording(readers: Sequence[Readable], path: str, name: str, settings
                      comparison: InputComparison, progress: Callable[[str], None],
                      helpers: int, options: StreamOptions) -> JudgedInput:
     """Judge the recording at `path`, and those that go on with its trial."""
-    reference, first = comparison.reference, readers[0]
-    conventions = _list_conventions(comparison, settings)
+    first = readers[0]
+    conventions = list_conventions(comparison, settings)
     problems: list[str] = []
     remarks: list[str] = []
     n, whole = 0, _count_headings(readers, conventions)
     comparison.take_motion(Motion.concatenate(
-        [_read_motion(reader, settings, problems) for reader in readers]))
+        [read_motion(reader, settings, problems) for reader in readers]))
     joined = [is_joined(*two, conventions) for two in zip(readers, readers[1:])]
     for reader, before, goes_on, is_continued in zip(
             readers, [None, *readers], [False, *joined], [*joined, False]):
         _begin_reading(reader, before, goes_on, comparison, problems)
-        losses = BagLosses(reader, {sensor.heading_topic: sensor.name
-                                    for sensor in comparison.sensors
-                                    if sensor.heading_topic in conventions},
-                           comparison.lose, goes_on=reader is not first)
-        baseline = (None if settings.antennas.fore_topic is None
-                    else _read_antennas(reader, settings, remarks))
-        for chunk in _join_chunks(reader.headings(conventions, helpers, losses.take)):
-            headings = {sensor.name: chunk.get(sensor.heading_topic, Headings.empty())
-                        for sensor in comparison.sensors}
-            if baseline is not None and reference is not None:
-                headings[reference.name], baseline = baseline, Headings.empty()
+        for headings in read_sensors_of(reader, settings, comparison, remarks, helpers,
+                                        goes_on=reader is not first):
             n += sum(map(len, headings.values()))
             comparison.update(headings)
             progress(f'{n:,} of {whole:,} headings' if n <= whole else f'{n:,} headings')
-        losses.read_told()
-        losses.finish(comparison.comparison.newest_ns)
-        _describe_reading(reader, is_continued, problems, remarks)
+        describe_reading(reader, is_continued, problems, remarks)
     with ThreadPoolExecutor(1) as beside:
         # Beside the last runs, once all is read: only a process with a single thread can start
         # helpers.
@@ -331,6 +320,63 @@ def _judge_recording(readers: Sequence[Readable], path: str, name: str, settings
     return comparison.describe(
         results, [entry], lambda ts, rs: [_name_topics(entry, ts, rs, settings)],
         [f'{name}: {note}' for note in (*remarks, *problems)], path=name, label=name)
+
+
+class TakesReadings(Protocol):
+    """What takes the readings of a recording: a comparison of its sensors, or an import."""
+
+    @property
+    def sensors(self) -> tuple[Sensor, ...]:
+        """Return the sensors."""
+
+    @property
+    def reference(self) -> Sensor | None:
+        """Return the reference of all others; None if there is none."""
+
+    @property
+    def newest_ns(self) -> int | None:
+        """Return the newest stamp of the readings taken so far; None before the first."""
+
+    def lose(self, name: str, key: LedgerKey, losses: Losses) -> None:
+        """Take readings of a sensor that never came; `key` is that of a TS."""
+
+
+def read_sensors_of(reader: Readable, settings: Settings, taker: TakesReadings,
+                    remarks: list[str], helpers: int = 0, *, goes_on: bool = False,
+                    ) -> Iterator[dict[str, Headings]]:
+    """
+    Yield the readings of a recording by the names of their sensors.
+
+    Parameters
+    ----------
+    reader
+        The recording.
+    settings
+        Topics, conventions, antennas.
+    taker
+        Gets the losses; it takes the readings before it asks for the next ones.
+    remarks
+        Gets what to know of two antennas.
+    helpers
+        Processes that decode a bag in parallel with this one.
+    goes_on
+        Another recording of this trial was read before.
+
+    """
+    conventions = list_conventions(taker, settings)
+    losses = BagLosses(reader, {sensor.heading_topic: sensor.name for sensor in taker.sensors
+                                if sensor.heading_topic in conventions},
+                       taker.lose, goes_on=goes_on)
+    baseline = (None if settings.antennas.fore_topic is None
+                else _read_antennas(reader, settings, remarks))
+    for chunk in _join_chunks(reader.headings(conventions, helpers, losses.take)):
+        headings = {sensor.name: chunk.get(sensor.heading_topic, Headings.empty())
+                    for sensor in taker.sensors}
+        if baseline is not None and taker.reference is not None:
+            headings[taker.reference.name], baseline = baseline, Headings.empty()
+        yield headings
+    losses.read_told()
+    losses.finish(taker.newest_ns)
 
 
 def _begin_reading(reader: Readable, before: Readable | None, goes_on: bool,
@@ -347,7 +393,7 @@ def _begin_reading(reader: Readable, before: Readable | None, goes_on: bool,
             comparison.mark(kind, stamp_ns)
 
 
-def _describe_reading(reader: Readable, is_continued: bool, problems: list[str],
+def describe_reading(reader: Readable, is_continued: bool, problems: list[str],
                       remarks: list[str]) -> None:
     """Add what is wrong with a recording that was read to its end, and what else to know."""
     missing = find_problems(reader)
@@ -361,7 +407,7 @@ def _describe_reading(reader: Readable, is_continued: bool, problems: list[str],
         problems.append(f'{reader.kind}: {reader.words_present}')
 
 
-def _list_conventions(comparison: InputComparison, settings: Settings) -> dict[str, str]:
+def list_conventions(comparison: TakesReadings, settings: Settings) -> dict[str, str]:
     """Return the convention of each topic of headings to read; two antennas have none."""
     conventions = {sensor.heading_topic: sensor.convention for sensor in comparison.sensors}
     if settings.antennas.fore_topic is not None:
@@ -419,7 +465,7 @@ def _read_antennas(reader: Readable, settings: Settings, remarks: list[str]) -> 
     return baseline.headings
 
 
-def _read_motion(reader: Readable, settings: Settings, problems: list[str]) -> Motion:
+def read_motion(reader: Readable, settings: Settings, problems: list[str]) -> Motion:
     """Return the motion of the ship in a bag, and add what could not be read to the problems."""
     if not settings.motion.compare:
         return Motion.empty()

@@ -49,8 +49,8 @@ COMMANDS = {
                 'rejudge trial_*'),
     'history': ('history', 'list the runs of a logbook, and since when a sensor differs',
                 'history logbook.sqlite --since 2026-03-01'),
-    'import-nmea': ('import_nmea', 'convert the NMEA logs of two sensors to a bag',
-                    'import-nmea --ts gyro.log --rs seapath.log -o trial_bag'),
+    'import': ('import_inputs', 'convert logs, tables and recordings of other programs to a bag',
+               'import gyro.log seapath.log -o trial_bag'),
     'simulate': ('simulate', 'simulate a trial at full speed, and write it to a bag',
                  'simulate --scenario sea_trial_12h -o trial_bag'),
     'record': ('graph.record', 'record topics to a bag', 'record -o trial_bag'),
@@ -70,6 +70,10 @@ COMMANDS = {
                'replay trial_bag --rate 20 --remap ts/heading:=gyro/heading'),
 }
 
+#: Second names, by the name in `COMMANDS`.
+_ALIASES = {'import': ('import-nmea',)}
+_NAMES = {name: command for command, aliases in _ALIASES.items() for name in aliases}
+
 
 class _Parser(argparse.ArgumentParser):
     def error(self, message: str) -> NoReturn:
@@ -88,10 +92,11 @@ def _build_parser(argv: Sequence[str]) -> argparse.ArgumentParser:
     commands = parser.add_subparsers(dest='command', metavar='COMMAND', parser_class=_Parser)
     for name, (module, summary, example) in COMMANDS.items():
         command = commands.add_parser(
-            name, help=summary, description=summary[0].upper() + summary[1:] + '.',
+            name, aliases=_ALIASES.get(name, ()), help=summary,
+            description=summary[0].upper() + summary[1:] + '.',
             epilog=f'example: {PROGRAM} {example}')
         command.add_argument('--quiet', action='store_true', help='no progress, results only')
-        if name in argv:
+        if not {name, *_ALIASES.get(name, ())}.isdisjoint(argv):
             import_module(f'heading_intercompare.cli.commands.{module}').add_arguments(command)
     return parser
 
@@ -141,7 +146,8 @@ def _run(argv: Sequence[str]) -> int:
     if arguments.command is None:
         parser.print_help()
         return 2
-    module = import_module(f'heading_intercompare.cli.commands.{COMMANDS[arguments.command][0]}')
+    command = _NAMES.get(arguments.command, arguments.command)
+    module = import_module(f'heading_intercompare.cli.commands.{COMMANDS[command][0]}')
     code: int = module.run(arguments)
     return code
 

@@ -17,12 +17,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, Collection
+import shlex
+from typing import Any, Collection, Iterable
 
 from heading_intercompare.core.units.full_turns import ANGLE_UNITS
 
 from .declared_settings import (
     Checked,
+    list_settings,
     read_rows,
     setting,
     SettingsError,
@@ -122,6 +124,24 @@ def read_sensors(text: str | None) -> tuple[Sensor, ...]:
     if sensors and len(sensors) < _FEWEST:
         raise ValueError(f'has one sensor, {sensors[0].name}; it takes at least two')
     return tuple(sensors)
+
+
+def write_sensors(sensors: Iterable[Sensor]) -> str:
+    """
+    Return the table of sensors; `read_sensors` reads it back.
+
+    Examples
+    --------
+    >>> write_sensors(read_sensors('gyro sigma_max_deg=0.5; gnss topic=gnss/imu maker="A B" rs'))
+    "gyro sigma_max_deg=0.5; gnss role=rs topic=gnss/imu maker='A B'"
+
+    """
+    default = Sensor()
+    return '; '.join(' '.join([sensor.name, *(
+        f'{rule.name}={shlex.quote(str(value))}' for rule in list_settings(Sensor)
+        if rule.name != 'name'
+        and (value := getattr(sensor, rule.name)) != getattr(default, rule.name))])
+        for sensor in sensors)
 
 
 def _check_new(sensor: Sensor, before: list[Sensor]) -> None:

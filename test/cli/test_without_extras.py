@@ -93,7 +93,7 @@ WORKS = {
     'observe': (('seen.csv', '--common-u-deg', '0.1'), 'VERDICT: INDETERMINATE: no norm'),
     'rejudge': (('bag', *NORMS), 'of 1: '),
     'history': (('l.sqlite',), 'no charts yet: '),
-    'import-nmea': (('--ts', 'ts.log', '--rs', 'rs.log', '-o', 'imported'), 'bag: imported'),
+    'import': (('--ts', 'ts.log', '--rs', 'rs.log', '-o', 'imported'), 'bag: imported'),
     'simulate': (('--scenario', 'scenario.yaml', '-o', 'simulated'), 'bag: simulated'),
     'report': (('v.json', '-o', 'same.json'), 'VERDICT: '),
     'plan': ((*NORMS, '--set', 'risk.slowest_error_s=9', '--rate', '0.3'), 'a run must last '),

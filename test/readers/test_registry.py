@@ -151,6 +151,22 @@ def test_one_stream_of_several_is_chosen_by_its_name(files, capsys, tmp_path):
     assert of_bag['runs'][0]['n'] == N
 
 
+@pytest.mark.parametrize('sides', [False, True])
+def test_an_import_gives_the_verdict_of_its_input(files, capsys, tmp_path, sides):
+    _, (both, ts, rs), names = files
+    inputs = [ts, rs] if sides else [both, '--ts', names[0], '--rs', names[1]]
+    assert main(['import', *map(str, inputs), '-o', str(tmp_path / 'bag'), '--quiet']) == 0
+    out = capsys.readouterr().out
+    assert f': {N} headings on ts/heading' in out and f': {N} headings on rs/heading' in out
+    of_input, _ = analyze_json(capsys, *inputs)
+    of_bag, _ = analyze_json(capsys, tmp_path / 'bag')
+    assert of_bag['headline'] == of_input['headline']
+    (run,), (run_of_input,) = of_bag['runs'], of_input['runs']
+    assert run['n'] == run_of_input['n'] == N
+    for name in ('variance_deg2', 'mean_deg', 'max_deg'):
+        assert run[name] == pytest.approx(run_of_input[name], rel=1e-9, abs=1e-11), name
+
+
 def test_info_shows_the_streams(files, capsys):
     form, (both, _, _), names = files
     assert main(['info', str(both)]) == 0

@@ -134,6 +134,17 @@ def test_a_bag_gives_the_verdict_of_the_same_messages_in_mcap(bags, capsys, kind
     assert ('metadata.yaml is missing' in ''.join(notes)) == (kind == 'without metadata')
 
 
+@pytest.mark.parametrize('kind', ['sqlite', 'by message', 'ros1', 'ours'])
+def test_an_import_gives_the_verdict_of_the_bag(bags, capsys, tmp_path, kind):
+    assert main(['import', str(bags[kind]), '-o', str(tmp_path / 'bag'), '--quiet']) == 0
+    theirs, ours = (analyze_json(capsys, path)[0] for path in (bags[kind], tmp_path / 'bag'))
+    assert ours['headline'] == theirs['headline']
+    (run,), (of_theirs,) = ours['runs'], theirs['runs']
+    assert (run['n'], run['start_ns'], run['pairing']) == (
+        of_theirs['n'], of_theirs['start_ns'], of_theirs['pairing'])
+    assert run['variance_deg2'] == pytest.approx(of_theirs['variance_deg2'], rel=1e-9)
+
+
 @pytest.mark.parametrize('kind', KINDS)
 def test_info_shows_what_a_bag_holds(bags, capsys, kind):
     assert main(['info', str(bags[kind])]) == 0

@@ -89,6 +89,11 @@ class InputComparison:
         return find_reference(self.sensors)
 
     @property
+    def newest_ns(self) -> int | None:
+        """Return the newest stamp of the readings compared so far; None before the first."""
+        return self.comparison.newest_ns
+
+    @property
     def takes_marks(self) -> bool:
         """Whether marks start and stop runs: no table of runs does."""
         return self._table is None

@@ -229,7 +229,7 @@ def run(arguments: argparse.Namespace) -> int:
     settings = choose_pair(settings, arguments.ts, arguments.rs)
     check_norms(settings)
     drivers = drivers_for(arguments)
-    logs = _find_logs(arguments, settings, drivers)
+    logs = choose_logs(arguments, settings, drivers)
     _check_options(arguments, settings, logs is not None, drivers['ts'])
     inputs = arguments.inputs if logs is None else [*logs.values()]
     outputs = _plan_outputs(arguments, settings)
@@ -264,7 +264,7 @@ def run(arguments: argparse.Namespace) -> int:
     return deliver(judged.verdict, arguments, judged.sketches)
 
 
-def _find_logs(arguments: argparse.Namespace, settings: Settings,
+def choose_logs(arguments: argparse.Namespace, settings: Settings,
                drivers: Mapping[str, DriverSettings]) -> dict[str, str] | None:
     """Return the log of each sensor by its name; None if the inputs are no logs."""
     if settings.sensors is None:
@@ -373,7 +373,7 @@ def _cluster(address: str | None) -> ContextManager[Executor | None]:
 def _check_options(arguments: argparse.Namespace, settings: Settings, of_logs: bool,
                    driver: DriverSettings) -> None:
     """Reject options that do not go together, or not with these inputs."""
-    _check_input_options(arguments, settings, of_logs, driver)
+    check_input_options(arguments, settings, of_logs, driver)
     if arguments.dask is not None and arguments.jobs is not None:
         raise ValueError(f'--jobs {arguments.jobs}: with --dask the scheduler decides; '
                          'leave out one of them')
@@ -394,7 +394,7 @@ def _check_options(arguments: argparse.Namespace, settings: Settings, of_logs: b
             raise ValueError(f'{named}: the pairs stay on the workers; leave out --dask')
 
 
-def _check_input_options(arguments: argparse.Namespace, settings: Settings, of_logs: bool,
+def check_input_options(arguments: argparse.Namespace, settings: Settings, of_logs: bool,
                          driver: DriverSettings) -> None:
     """Reject options of logs without logs, and options of bags with logs."""
     several = settings.sensors is not None

@@ -131,13 +131,16 @@ def test_an_import_gives_the_verdict_of_the_logs(logs, tmp_path, capsys):
         assert one[figure] == pytest.approx(other[figure], rel=1e-9)
 
 
-@pytest.mark.parametrize('more', [['--rs', 'rs.log'], ['gyro=gyro.log']])
-def test_an_import_takes_the_antennas_or_another_rs(logs, tmp_path, capsys, more):
+@pytest.mark.parametrize('more, why', [
+    (['--ts', 'ts.log', '--rs', 'rs.log'], '--rs-antennas {} {}: rs.log is another log'),
+    (['gyro=gyro.log'], 'gyro=gyro.log: No such file'),
+    (['{}', '{}'], 'is one of 3 logs')])
+def test_an_import_takes_the_antennas_or_another_rs(logs, tmp_path, capsys, more, why):
     ts, fore, aft = logs
-    assert main(['import-nmea', *more, '--ts', ts, '--rs-antennas', fore, aft, '-o',
+    assert main(['import', *(text.format(ts) for text in more), '--rs-antennas', fore, aft, '-o',
                  str(tmp_path / 'b')]) == 2
     error = capsys.readouterr().err
-    assert error.count('\n') == 1 and f'--rs-antennas {fore} {aft}: ' in error
+    assert error.count('\n') == 1 and why.format(fore, aft) in error
 
 
 def test_a_log_without_positions_is_refused_in_one_line(logs, capsys):

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Two logs are judged in one step as the bag that `import-nmea` makes of them."""
+"""Two logs are judged in one step as the bag that `import` makes of them."""
 
 from __future__ import annotations
 

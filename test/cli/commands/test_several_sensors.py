@@ -215,11 +215,11 @@ def test_logs_become_one_bag_with_the_same_verdict(ship, tmp_path, capsys):
 
 def test_a_bag_of_logs_takes_two_logs_or_one_per_sensor(ship, tmp_path, capsys):
     given = ['-o', tmp_path / 'bag']
-    assert '--ts: is missing; give --ts FILE and --rs FILE, or NAME=LOG' in refusal(
+    assert '--ts: is missing; give the INPUTs of analyze, or --ts FILE and --rs FILE' in refusal(
         capsys, 'import-nmea', *given)
-    assert '--ts a: goes without NAME=LOG' in refusal(
+    assert '--ts a: with the setting sensors give --ts and --rs' in refusal(
         capsys, 'import-nmea', *ship, '--ts', 'a', *given)
-    assert 'x=y: must be NAME=LOG with a sensor of the setting sensors: there are none' in refusal(
+    assert 'x=y: No such file' in refusal(
         capsys, 'import-nmea', 'x=y', *given)
 
 
