@@ -29,10 +29,14 @@ from heading_intercompare.core.sensor_table import find_reference, Sensor
 from heading_intercompare.core.sensors.compared_sensors import list_sensors
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.drivers.settings import DriverSettings
-from heading_intercompare.readers.registry import find_format, open_recording
+from heading_intercompare.readers.registry import (
+    find_format,
+    find_written,
+    has_pairs,
+    open_recording,
+)
 
 from .inputs import describe_reading, options_of, read_motion, read_sensors_of, sha256
-from .sources.csv_source import has_pairs
 
 
 @dataclass(frozen=True, slots=True)
@@ -116,7 +120,8 @@ def import_recording(path: str, settings: Settings, driver: DriverSettings,
 
     """
     options = options_of(settings, driver)
-    if is_journal(path) or has_pairs(path, options):
+    written = find_written(path)
+    if is_journal(path) or has_pairs(path) or written is not None and written.contents == 'pairs':
         raise BagError('holds pairs, and a bag holds headings: give it to analyze', path)
     reader = open_recording(path, settings.bag_namespace, options)
     sensors = list_sensors(settings)

@@ -62,8 +62,8 @@ COMMANDS = {
              'decision', 'plan --set norms.sigma_max_deg=0.2 --set norms.sigma_ref_max_deg=0.1 '
              '--set risk.sensor_class=gnss_compass'),
     'norms': ('norms', 'list the norm presets with their sources', 'norms'),
-    'info': ('info', 'show what a bag holds: topics, rates, settings, runs, verdict',
-             'info trial_bag'),
+    'info': ('info', 'show what a file is and holds, such as topics, rates, settings, verdict, '
+             'and what to type next', 'info trial_bag'),
     'recover': ('recover', 'copy everything readable of a cut or damaged bag to a new one',
                 'recover trial_bag -o recovered_bag'),
     'replay': ('graph.replay', 'publish the topics of a bag, under the same or other names',

@@ -38,6 +38,7 @@ from heading_intercompare.natural_order import natural_key
 from . import json_lines, nmea2000, tables
 from .stream_recording import Collected, ReaderError, StreamOptions, StreamRecording, UNSTATED
 from .topic_bag import TopicBag
+from .written_files import find_written_file, WrittenFile
 
 if TYPE_CHECKING:
     from .rosbag_recording import RosbagRecording
@@ -104,7 +105,7 @@ def _read_parquet(path: str, options: StreamOptions) -> Collected:
 
 def _read_log(path: str, options: StreamOptions) -> Collected:
     """Read a log of the drivers; its stream is the sentence that it gives by default."""
-    collected, reader = Collected(), LogReader(path)
+    collected, reader = Collected(), LogReader(path, options.stamps)
     chunks = list(reader)
     for chunk in chunks:
         collected.add_chunk(reader.sentence or 'csv', 'log', chunk)
@@ -220,6 +221,9 @@ def find_format(path: str | os.PathLike[str],
 
 def _recognise(place: Path, options: StreamOptions) -> Format | None:
     head = _head(place)
+    written = find_written_file(place.name, head)
+    if written is not None and written.contents != 'pairs':
+        return None
     return next((form for form in FORMATS if form.recognise(place, head, options)), None)
 
 
@@ -257,6 +261,12 @@ def _read_files(form: Format, path: str, options: StreamOptions) -> Collected:
     return collected
 
 
+def find_written(path: str | os.PathLike[str]) -> WrittenFile | None:
+    """Return what a file that this program writes is; None for any other file."""
+    place = Path(path)
+    return find_written_file(place.name, _head(place))
+
+
 def refuse_unreadable(path: str | os.PathLike[str]) -> None:
     """
     Raise ReaderError for a file that cannot be read: what it is, or how it begins; what to do.
@@ -266,9 +276,14 @@ def refuse_unreadable(path: str | os.PathLike[str]) -> None:
     """
     place = Path(path)
     head, name = _head(place), place.name.lower()
+    if (written := find_written_file(name, head)) is not None:
+        raise ReaderError(path, f'is {written.name}: {written.use.format(os.fspath(path))}')
     for begin, end, problem in _UNREADABLE if head and not name.endswith('.mcap.zstd') else ():
         if head.startswith(begin) and name.endswith(end):
             raise ReaderError(path, problem)
+    if names := tables.list_columns(head):
+        raise ReaderError(path, 'is a table, and no column has the name of a heading: choose two '
+                          f'with --ts and --rs from {", ".join(names)}')
     if any(head) and not head.startswith(_MCAP) and '.mcap' not in name:
         raise ReaderError(path, f'has no form that can be read: it begins with {_show(head)}. '
                           'A log has sentences such as $HEHDT, a table a header with the names of '

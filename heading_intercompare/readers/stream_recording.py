@@ -282,6 +282,8 @@ class StreamRecording:
         All readings, by stream, in the order of the file.
     not_taken
         What gave no heading, by reason; of the motion of the ship after its kind.
+    other_columns : list of str
+        Columns of a table that are not read.
     motion : dict of str to (dict of str to Motion)
         What the file tells of the motion of the ship, 'fix', 'velocity', 'rate'; then by stream.
     topics, incomplete, oddities, recovered, start_ns, end_ns
@@ -306,7 +308,7 @@ class StreamRecording:
         self.path, self.kind = Path(path), kind
         collected = read(os.fspath(path))
         self.oddities = collected.oddities
-        self._other_columns = collected.other_columns
+        self.other_columns = collected.other_columns
         self._unsure = collected.settle_units(unit_of)
         self.streams, self.motion = collected.streams(), collected.motion()
         self.not_taken: Mapping[str, int] = dict(sorted(collected.not_taken.items()))
@@ -335,7 +337,7 @@ class StreamRecording:
                 raise ReaderError(self.path, f'{name}: {why}; state the unit (ts_unit, rs_unit: '
                                   'rad, rev or deg), or in the name of the column: hdg_rad')
             return name
-        others = ', '.join(self._other_columns)[:200]
+        others = ', '.join(self.other_columns)[:200]
         raise ReaderError(self.path, f'has no stream {topic!r}; it has {self.words_present}; '
                           + (f'other columns: {others}; ' if others else '')
                           + 'choose with --ts and --rs')

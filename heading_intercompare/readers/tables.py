@@ -48,9 +48,7 @@ def is_table(head: bytes, options: StreamOptions = UNSTATED) -> bool:
 
     A column that the options name is one of headings; then the column of times may have any name.
     """
-    lines = (line for line in _decode(head).splitlines()
-             if line.strip() and not line.startswith('#') and not _SEPARATOR_LINE.match(line))
-    names = [name.strip(' "') for name in _SPLIT.split(next(lines, ''))]
+    names = _names_in(head)
     # A csv with these columns is a log of the drivers.
     if 'heading_deg' in names and not COLUMNS_OF_LOG.isdisjoint(names):
         return False
@@ -58,6 +56,19 @@ def is_table(head: bytes, options: StreamOptions = UNSTATED) -> bool:
         return True
     return bool(find_time_columns(names, options.stamps.time_column)
                 and any(map(is_heading_name, names)))
+
+
+def list_columns(head: bytes) -> list[str]:
+    """Return the columns of a csv that begins so and has one of times; [] if it is none."""
+    names = _names_in(head)
+    return names if len(names) > 1 and find_time_columns(names) else []
+
+
+def _names_in(head: bytes) -> list[str]:
+    """Return the names in the header of a csv that begins so."""
+    lines = (line for line in _decode(head).splitlines()
+             if line.strip() and not line.startswith('#') and not _SEPARATOR_LINE.match(line))
+    return [name.strip(' "') for name in _SPLIT.split(next(lines, ''))]
 
 
 def _decode(head: bytes) -> str:

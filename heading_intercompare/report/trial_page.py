@@ -54,5 +54,6 @@ def compose_trial_page(title: str, lines: Iterable[str], traces: Sequence[Trace]
     if seeds is not None:
         charts += f'<h2>Seeds</h2>\n{draw_seeds(seeds)}\n'
     return ('<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
+            '<meta name="generator" content="heading-intercompare simulate"/>\n'
             f'<title>{escape(title)}</title>\n<style>{_STYLE}</style>\n</head>\n<body>\n'
             f'<h1>{escape(title)}</h1>\n{paragraphs}{charts}</body>\n</html>\n')

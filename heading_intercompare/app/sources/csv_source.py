@@ -24,7 +24,6 @@ from __future__ import annotations
 from dataclasses import replace
 from functools import partial
 import os
-import re
 from typing import Any, Callable, Iterator, Mapping, Protocol, Sequence
 
 import numpy as np
@@ -47,9 +46,11 @@ from heading_intercompare.core.units.angle_units import AngleWatch
 from heading_intercompare.core.verdict.verdict_document import Input
 from heading_intercompare.readers.registry import (
     find_format,
+    find_written,
     has_pairs as has_pairs_in_parquet,
 )
 from heading_intercompare.readers.stream_recording import StreamOptions, UNSTATED
+from heading_intercompare.readers.written_files import is_of_pairs
 from heading_intercompare.report import SegmentSketches
 
 from .file_hash import hash_files
@@ -57,8 +58,6 @@ from .input_comparison import describe_two, Spans
 from .judged_input import JudgedInput
 
 _HEAD_BYTES = 1 << 12
-_NAME = re.compile(rb'[a-z_]+')
-_NAMES = {b'ts_deg', b'rs_deg'}
 
 
 class _Pairs(Protocol):
@@ -86,15 +85,16 @@ def has_pairs(path: str, options: StreamOptions = UNSTATED) -> bool:
         return path.lower().endswith('.csv') and find_format(path, options) is None
     with open(path, 'rb') as file:
         head = file.read(_HEAD_BYTES)
-    if not head.startswith(b'PAR1') and _NAMES <= {*_NAME.findall(head.replace(b'\0', b''))}:
+    if not head.startswith(b'PAR1') and is_of_pairs(head):
         return True
     form = find_format(path, options)
     if form is None or form.extra != 'parquet':
-        return form is None and path.lower().endswith('.csv')
+        return (form is None and path.lower().endswith('.csv')
+                and find_written(path) is None)
     return has_pairs_in_parquet(path)
 
 
-def _find_reader(path: str) -> Callable[[str], _Pairs]:
+def find_pairs_reader(path: str) -> Callable[[str], _Pairs]:
     """Return what reads a table of pairs."""
     form = find_format(path)
     if form is None or form.extra != 'parquet':
@@ -137,7 +137,7 @@ def judge_csv(path: str, name: str, settings: Settings,
     """
     # A pipe can be read only once.
     digest = hash_files([path] if os.path.isfile(path) else [])
-    open_pairs = _find_reader(path)
+    open_pairs = find_pairs_reader(path)
     account, problems = _find_account(path, digest, open_pairs, progress)
     table = account.table if account is not None and runs is None else runs
     compliance = Compliance(settings, source=name, table=table, progress=progress)

@@ -40,7 +40,6 @@ from heading_intercompare.cli.terminal.console import (
     VERDICT_MARKS,
 )
 from heading_intercompare.cli.terminal.progress import Progress
-from heading_intercompare.core.declared_settings import from_mapping
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.sensor_table import read_sensors
 from heading_intercompare.core.sensors.compared_sensors import pair_with_reference
@@ -50,7 +49,7 @@ from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.units.full_turns import ANGLE_UNITS
 from heading_intercompare.core.validity.condition import is_doubtful
 from heading_intercompare.core.verdict.verdict_document import Verdict
-from heading_intercompare.drivers.settings import DriverSettings, SENTENCES, STAMP_FORMATS
+from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.logbook.run_row import make_rows
 from heading_intercompare.readers.registry import has_one_sensor, has_streams
@@ -58,48 +57,12 @@ from heading_intercompare.report import check_form, json, SeriesSketch, WRITERS
 from heading_intercompare.report.runs_csv import write_runs
 from heading_intercompare.report.sensors_report import sensor_path, write_protocols
 
+from .log_options import add_log_arguments, drivers_for, LOG_OPTIONS, OF_TABLES
+
 _CHECK_CODES = {Outcome.COMPLIANT: 0, Outcome.NON_COMPLIANT: 1, Outcome.INDETERMINATE: 3}
 _DOUBTFUL_CODE = 4
 _OF_TESTED = ('csv', 'ensembles', 'runs_csv')
 _OF_TWO = 'is for two sensors; choose them with --ts NAME --rs NAME'
-
-_SHARED_OPTIONS = {
-    'time': ('stamp headings of logs with the time of receipt (of the line; default) or of '
-             'validity (ZDA, RMC, GGA, PASHR)', ('receipt', 'validity')),
-    'stamp_format': ('form of the stamps of the lines (default: recognised automatically): '
-                     + ', '.join(STAMP_FORMATS), None),
-    'stamp_pattern': ('regular expression for stamps of another form, with named groups: epoch; '
-                      'or year, month, day, hour, minute, second, fraction', None),
-    'stamp_zone': ('zone of stamps that name none, such as +02:00 or Europe/Oslo (default: UTC)',
-                   None),
-    'time_column': ('column of the times of a csv or Parquet table; of several, such as '
-                    'Date,Time, their names in this order (default: by their names)', None),
-    'date': ('date of the first line, YYYY-MM-DD, for times of day without one', None),
-    'variation_deg': ('magnetic variation, positive to the east, for magnetic headings without '
-                      'one (HDG, HDM, VHW)', None),
-    'deviation_table': ('deviation of that compass, positive to the east: file:PATH with rows of '
-                        "heading and deviation, or the rows: '0 1.5; 90 -2; 180 -1; 270 2'", None),
-    'checksum': ('take sentences without a checksum too, or only those with one (default)',
-                 ('required', 'if_present')),
-    'bursts': ('take the stamp of a burst for all its lines, or for the first of a kind (default)',
-               ('reject', 'accept')),
-}
-_ROLE_OPTIONS = {
-    'sentence': 'kind of sentence in the log of the {}: ' + ', '.join(SENTENCES)
-                + ' (default: the first present)',
-    'own_sentence': 'sentence of the {} that is not among these, in one line, such as '
-                    "'PXYZ,ATT heading=3 unit=rad'; see Import NMEA logs in the docs",
-    'talker': 'talker of the {}, such as HE, several as GN,GP, or any (default: the first '
-              'present), or its stream in a file with several, such as a source of NMEA 2000',
-    'instrument': 'word of the lines of the {}, if a log has several instruments',
-}
-
-LOG_OPTIONS = (*(f'{role}_{name}' for name in (*_ROLE_OPTIONS, *_SHARED_OPTIONS)
-                 for role in ROLES), *_SHARED_OPTIONS, 'motion', 'rs_antennas')
-"""Options of `add_log_arguments`, by their names in the parser."""
-
-_OF_TABLES = ('stamp_format', 'stamp_pattern', 'stamp_zone', 'time_column', 'date')
-"""Those of them that hold for a table of several sensors, too."""
 
 
 def add_settings_arguments(parser: argparse.ArgumentParser) -> None:
@@ -107,24 +70,6 @@ def add_settings_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--config', metavar='F', help='ROS parameter file with the settings')
     parser.add_argument('--set', metavar='name=value', action='append', default=[],
                         help='one setting, e.g. norms.sigma_max_deg=0.2; may be repeated')
-
-
-def add_log_arguments(parser: argparse.ArgumentParser,
-                      roles: Sequence[str] = ROLES) -> None:
-    """Add the options that say how the logs of some sensors are read; see `drivers_for`."""
-    for name, words in _ROLE_OPTIONS.items():
-        for role in roles:
-            parser.add_argument(f'--{role}-{name.replace("_", "-")}', metavar=name[0].upper(),
-                                help=words.format(role.upper()))
-    for name, (words, choices) in _SHARED_OPTIONS.items():
-        option, value_type = name.replace('_', '-'), float if name.endswith('_deg') else str
-        parser.add_argument(f'--{option}', metavar=None if choices else name[0].upper(),
-                            choices=choices, type=value_type,
-                            help=words if len(roles) == 1 else
-                            f'{words}; --ts-{option}, --rs-{option}: of one log')
-        for role in roles:
-            parser.add_argument(f'--{role}-{option}', choices=choices, type=value_type,
-                                help=argparse.SUPPRESS)
 
 
 def add_motion_argument(parser: argparse.ArgumentParser) -> None:
@@ -144,19 +89,6 @@ def add_antenna_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--baseline-angle', metavar='DEG', type=float,
                         help='angle from the direction aft to fore antenna to the bow, clockwise '
                         '(antennas.baseline_angle_deg; default: 0)')
-
-
-def drivers_for(arguments: argparse.Namespace,
-                roles: Sequence[str] = ROLES) -> dict[str, DriverSettings]:
-    """Return how to read the log of each sensor and that of the motion; SettingsError if wrong."""
-    drivers = {}
-    for role in (*roles, 'motion'):
-        options = {name: getattr(arguments, name) for name in _SHARED_OPTIONS}
-        options.update((name, value) for name in (*_ROLE_OPTIONS, *_SHARED_OPTIONS)
-                       if (value := getattr(arguments, f'{role}_{name}', None)) is not None)
-        drivers[role] = from_mapping(DriverSettings, {
-            name: value for name, value in options.items() if value is not None})
-    return drivers
 
 
 def add_verdict_arguments(parser: argparse.ArgumentParser) -> None:
@@ -400,7 +332,7 @@ def check_input_options(arguments: argparse.Namespace, settings: Settings, of_lo
     several = settings.sensors is not None
     form = 'NAME=LOG' if several else 'one'
     wrong = dict.fromkeys(LOG_OPTIONS, f'is for logs, and no INPUT is {form}; leave it out')
-    of_tables = [option for option in _OF_TABLES if getattr(arguments, option) is not None]
+    of_tables = [option for option in OF_TABLES if getattr(arguments, option) is not None]
     if of_tables and not of_logs and any(has_streams(path, options_of(settings, driver))
                                          for path in arguments.inputs):
         wrong = {option: why for option, why in wrong.items() if option not in of_tables}

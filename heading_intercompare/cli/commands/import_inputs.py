@@ -49,13 +49,12 @@ from heading_intercompare.messages.status_messages import encode_mark, MARKER_TO
 
 from .analyze import (
     add_antenna_arguments,
-    add_log_arguments,
     add_motion_argument,
     add_settings_arguments,
     check_input_options,
     choose_logs,
-    drivers_for,
 )
+from .log_options import add_log_arguments, drivers_for
 from .note import add_note_argument, read_notes
 
 _PIECE = 20_000

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The command ``info``: the contents of a bag or journal, and whether all of it is intact."""
+"""The command ``info``: what a file is and holds, whether it is intact, and what to do next."""
 
 from __future__ import annotations
 
@@ -40,13 +40,19 @@ from heading_intercompare.cli.terminal.printable import safe_name
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.typed_reader import VerdictError
 from heading_intercompare.core.utc_text import utc
+from heading_intercompare.messages.sentence_messages import TOPIC_TYPES
 from heading_intercompare.readers.registry import (
     find_format,
+    find_written,
     Format,
+    has_pairs,
     open_recording,
     refuse_unreadable,
 )
-from heading_intercompare.readers.stream_recording import StreamRecording
+from heading_intercompare.readers.stream_recording import StreamOptions, StreamRecording
+from heading_intercompare.readers.written_files import WrittenFile
+
+from .log_options import add_log_arguments, drivers_for, SHARED_OPTIONS
 
 #: Counts by topic in the record of losses, and the heads of their columns.
 _LOSSES = {'received': 'received', 'lost_on_the_way': 'lost on the way',
@@ -54,6 +60,7 @@ _LOSSES = {'received': 'received', 'lost_on_the_way': 'lost on the way',
 #: Values that are not shown: most settings of a scenario are not given.
 _ABSENT = ('None', 'none', '')
 _REPORT, _RUNS = 'report.json', 'runs.csv'
+_DEFAULT_TOPICS = ('ts/heading', 'rs/heading')
 #: Highlights on a terminal.
 _MARKS = (*VERDICT_MARKS, (r'(?m)^(?:bag|format|journal|span|software|attachment): ', 'bold'),
           (r'(?m)^topic +type +messages\b.*$', 'bold'), (r'(?m)^complete: (yes)$', 'green'),
@@ -63,8 +70,13 @@ _MARKS = (*VERDICT_MARKS, (r'(?m)^(?:bag|format|journal|span|software|attachment
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
-    parser.add_argument('bag', metavar='BAG', help='a bag or another file that analyze '
-                        'reads, or .journal of a live run')
+    parser.add_argument('bag', metavar='FILE', help='a bag or another file that analyze '
+                        'reads, .journal of a live run, or a file that another command wrote')
+    for role, words in (('ts', 'tested'), ('rs', 'reference')):
+        parser.add_argument(f'--{role}', metavar='COLUMN',
+                            help=f'column of the {words} sensor in a table, if its name does not '
+                            'say that it is a heading')
+    add_log_arguments(parser, ())
     parser.add_argument('--check', action='store_true', help='read the whole bag: verify '
                         'every checksum, and count the missing sequence numbers of the messages; '
                         'exit code 2 if something is wrong')
@@ -73,12 +85,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the contents of the bag, and with --check the result of reading it through."""
+    """Print the contents of the file, and with --check the result of reading it through."""
     if is_journal(arguments.bag):
         return _show_journal(arguments)
-    form = find_format(arguments.bag)
+    if (written := find_written(arguments.bag)) is not None:
+        return _show_written(arguments, written)
+    options = StreamOptions(drivers_for(arguments, ())['motion'],
+                            tuple(filter(None, (arguments.ts, arguments.rs))))
+    form = find_format(arguments.bag, options)
     if form is not None:
-        return _show_recording(arguments, form)
+        return _show_recording(arguments, form, options)
     refuse_unreadable(arguments.bag)
     checked = None
     if arguments.check:
@@ -91,6 +107,7 @@ def run(arguments: argparse.Namespace) -> int:
              *_report_verdict(reader, attachments)]
     if arguments.extract is not None:
         lines += ['', *_extract(attachments, Path(arguments.extract))]
+    lines += ['', *_next_steps(arguments, reader)]
     if checked is not None:
         lines += ['', *_report_check(checked)]
     say_lines(lines, _MARKS)
@@ -99,21 +116,102 @@ def run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _show_recording(arguments: argparse.Namespace, form: Format) -> int:
-    """Print the streams of a recording of another program."""
+def _show_written(arguments: argparse.Namespace, written: WrittenFile) -> int:
+    """Print the contents of a file that this program writes, and what to do with it."""
+    from heading_intercompare.app.written_contents import describe_contents
+    path = arguments.bag
+    _refuse_extract(arguments, written.name)
+    say_lines([f'format: {written.name}', *describe_contents(path, written),
+               f'to use it: {written.use.format(shlex.quote(path))}'], _MARKS)
+    return 0
+
+
+def _refuse_extract(arguments: argparse.Namespace, kind: str) -> None:
     if arguments.extract is not None:
-        raise ValueError(f'--extract {arguments.extract}: {arguments.bag} is {form.name}, which '
+        raise ValueError(f'--extract {arguments.extract}: {arguments.bag} is {kind}, which '
                          'has no attachments; leave it out')
-    reader = open_recording(arguments.bag)
-    lines = [f'format: {form.name}', *_whole(reader), *_topics(reader, None)]
+
+
+def _show_recording(arguments: argparse.Namespace, form: Format, options: StreamOptions) -> int:
+    """Print the streams of a recording of another program."""
+    _refuse_extract(arguments, form.name)
+    if has_pairs(arguments.bag):
+        from heading_intercompare.app.written_contents import describe_pairs
+        path = arguments.bag
+        say_lines([f'format: {form.name} of pairs', *describe_pairs(path),
+                   *_to_judge(arguments, [])], _MARKS)
+        return 0
+    reader = open_recording(arguments.bag, options=options)
+    lines = [f'format: {form.name}', *_whole(reader)]
     if isinstance(reader, StreamRecording):
-        lines += ['', 'not taken: ' + (', '.join(
+        lines += [*_streams(reader), '', 'not taken: ' + (', '.join(
             f'{n} {why}' for why, n in reader.not_taken.items()) or 'nothing')]
-    elif arguments.check:
+        if reader.other_columns:
+            lines.append(f'other columns: {", ".join(reader.other_columns)}')
+    else:
+        lines += _topics(reader, None)
+    if not isinstance(reader, StreamRecording) and arguments.check:
         n = sum(1 for _ in reader.messages())
         lines += ['', f'check: all {n} messages can be read; this format has no checksums of them']
-    say_lines(lines, _MARKS)
+    say_lines([*lines, '', *_next_steps(arguments, reader)], _MARKS)
     return 0
+
+
+def _streams(reader: StreamRecording) -> Iterator[str]:
+    """Yield a row for each stream of headings, and a line for each thing told of the motion."""
+    rows: list[tuple[str, ...]] = [('stream', 'type', 'headings', 'from', 'to', 'rate [1/s]')]
+    for name, headings in sorted(reader.streams.items()):
+        kind = reader.topics[name].type_name
+        if not len(headings):
+            rows.append((name, kind, '0', '-', '-', '-'))
+            continue
+        begin_ns, end_ns = int(headings.stamp_ns.min()), int(headings.stamp_ns.max())
+        span_s = (end_ns - begin_ns) / 1e9
+        rows.append((name, kind, str(len(headings)), utc(begin_ns), utc(end_ns),
+                     f'{(len(headings) - 1) / span_s:.2f}' if span_s else '-'))
+    yield ''
+    yield from _columns(rows)
+    for what, streams in reader.motion.items():
+        yield f'motion: {what} of ' + ', '.join(
+            f'{name} ({len(moved)})' for name, moved in streams.items())
+
+
+def _next_steps(arguments: argparse.Namespace, reader: Readable) -> Iterator[str]:
+    """Yield what to type to judge a recording, and to make a bag of it."""
+    if isinstance(reader, StreamRecording):
+        sources = [name for name, info in sorted(reader.topics.items()) if info.count]
+    elif all(reader.find(topic) is not None for topic in _DEFAULT_TOPICS):
+        sources = []
+    else:
+        sources = [name for name, info in sorted(reader.topics.items())
+                   if info.type_name in TOPIC_TYPES]
+        sources += ['TOPIC.FIELD'] * (2 - len(sources))
+    if len(sources) == 1:
+        yield from _to_judge(arguments, ['OTHER_SENSOR'])
+        yield from _to_import(arguments, ['OTHER_SENSOR'])
+        return
+    chosen = [word for pair in zip(('--ts', '--rs'), (arguments.ts or sources[0],
+                                                      arguments.rs or sources[1]))
+              for word in pair] if sources else []
+    yield from _to_judge(arguments, chosen)
+    if not isinstance(reader, BagReader):
+        yield from _to_import(arguments, chosen)
+
+
+def _to_judge(arguments: argparse.Namespace, more: Sequence[str]) -> Iterator[str]:
+    yield _command('to judge it', 'analyze', arguments, [*more, '--config', 'NORMS.yaml'])
+
+
+def _to_import(arguments: argparse.Namespace, more: Sequence[str]) -> Iterator[str]:
+    yield _command('to make a bag of it', 'import', arguments, [*more, '-o', 'BAG'])
+
+
+def _command(words: str, name: str, arguments: argparse.Namespace, more: Sequence[str]) -> str:
+    """Return a command line for the file, with the options that were given to read it."""
+    given = [word for option in SHARED_OPTIONS
+             if (value := getattr(arguments, option, None)) is not None
+             for word in (f'--{option.replace("_", "-")}', str(value))]
+    return f'{words}: heading-intercompare {shlex.join([name, arguments.bag, *more, *given])}'
 
 
 def _show_journal(arguments: argparse.Namespace) -> int:
@@ -127,9 +225,7 @@ def _show_journal(arguments: argparse.Namespace) -> int:
     )
     from heading_intercompare.core.sensors.pair_names import list_names, TWO
     path = Path(arguments.bag)
-    if arguments.extract is not None:
-        raise ValueError(f'--extract {arguments.extract}: {path} is a journal, which has no '
-                         'attachments; leave it out')
+    _refuse_extract(arguments, 'a journal')
     contents = read_journal(path)
     origin = read_origin(contents, path)
     reader = JournalReader(path, origin.names)

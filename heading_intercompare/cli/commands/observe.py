@@ -35,7 +35,8 @@ from heading_intercompare.core.typed_reader import make_plain
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import Software
 
-from .analyze import add_log_arguments, add_settings_arguments, code_of, drivers_for
+from .analyze import add_settings_arguments, code_of
+from .log_options import add_log_arguments, drivers_for
 
 SCHEMA = 'heading_intercompare/observations/1'
 _TARGETS = {'line': 2, 'mark': 1}

@@ -23,10 +23,11 @@ from heading_intercompare.app.outputs import check_outputs, Outputs
 from heading_intercompare.report import json
 
 from . import analyze
+from .log_options import LOG_OPTIONS
 
 #: Options that need readings, which a verdict lacks.
 _JUDGING = ('ts', 'rs', 'config', 'set', 'runs', 'exclude', 'csv', 'ensembles', 'jobs', 'dask',
-            'baseline_m', 'baseline_angle', *analyze.LOG_OPTIONS)
+            'baseline_m', 'baseline_angle', *LOG_OPTIONS)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
