@@ -17,8 +17,9 @@ Reads YAML files as plain values, and reports a mistake in one line.
 
 Numbers and booleans are those of YAML 1.2: 1e9 is a number, as in ROS, and `on` is a word. The
 parser rejects everything that a reader could misunderstand or that could take unlimited time: a
-name given twice, an anchor or a tag, a second document, deep nesting, a large file. In settings it
-also rejects numbers such as 010, which is 10 in YAML 1.2 and 8 for ROS.
+name given twice, a tag, a second document, deep nesting, a large file. In settings it also rejects
+anchors and aliases, as ROS does, and numbers such as 010, which is 10 in YAML 1.2 and 8 for ROS.
+An alias is the value of its anchor, not a copy, so that a few lines cannot fill the memory.
 
 Values are built from the events of PyYAML, because the metadata of a bag may be long. For a bag
 with 3000 topics, 2.2 MB, that takes 0.5 s. The loader of PyYAML takes 2 s. ruamel.yaml, the
@@ -96,11 +97,12 @@ class _Builder:
         self._settings = settings
         self._line = 1
         self._depth = 0
+        self._anchors: dict[str, Any] = {}
 
     def _next(self) -> yaml.Event:
         event = next(self._events)
         self._line = event.start_mark.line + 1
-        if isinstance(event, yaml.AliasEvent) or getattr(event, 'anchor', None) is not None:
+        if self._settings and getattr(event, 'anchor', None) is not None:
             raise YamlError('anchors and aliases are not accepted: write the value out',
                             self._line)
         if getattr(event, 'tag', None) is not None:
@@ -121,6 +123,19 @@ class _Builder:
         return value
 
     def _value(self, event: yaml.Event) -> Any:
+        if isinstance(event, yaml.AliasEvent):
+            if event.anchor not in self._anchors:
+                raise YamlError(f'the alias *{event.anchor} stands before the end of what it '
+                                'means, or for nothing', self._line)
+            return self._anchors[event.anchor]
+        anchor: str | None = getattr(event, 'anchor', None)
+        if anchor is None:
+            return self._plain(event)
+        self._anchors.pop(anchor, None)
+        value = self._anchors[anchor] = self._plain(event)
+        return value
+
+    def _plain(self, event: yaml.Event) -> Any:
         if isinstance(event, yaml.ScalarEvent):
             if self._settings and event.implicit[0] and _OCTAL_IN_ROS.fullmatch(event.value):
                 raise YamlError(f'{event.value} may be octal: write it without the first zeros, '
@@ -146,13 +161,18 @@ class _Builder:
     def _mapping(self) -> dict[Any, Any]:
         values: dict[Any, Any] = {}
         while not isinstance(event := self._next(), yaml.MappingEndEvent):
-            if not isinstance(event, yaml.ScalarEvent):
-                raise YamlError('a name must be a word', self._line)
-            name, line = self._value(event), self._line
+            name, line = self._name(event), self._line
             if name in values:
                 raise YamlError(f'{name!r} is given twice', line)
             values[name] = self._value(self._next())
         return values
+
+    def _name(self, event: yaml.Event) -> Any:
+        if isinstance(event, (yaml.ScalarEvent, yaml.AliasEvent)):
+            name = self._value(event)
+            if not isinstance(name, (dict, list)):
+                return name
+        raise YamlError('a name must be a word', self._line)
 
 
 def load_yaml(text: str, most_bytes: int = _MOST_BYTES) -> Any:

@@ -42,6 +42,35 @@ def test_values_are_those_of_yaml_1_2(text, value):
     assert found == value and type(found) is type(value)
 
 
+@pytest.mark.parametrize('text, value', [
+    ('a: &x 1\nb: *x', {'a': 1, 'b': 1}), ('&x a: b\nc: *x', {'a': 'b', 'c': 'a'}),
+    ('a: &x {b: [1]}\nc: [*x, *x]', {'a': {'b': [1]}, 'c': [{'b': [1]}] * 2}),
+    ('a: &x\nb: *x', {'a': None, 'b': None}), ('a: &x b\n*x : 1', {'a': 'b', 'b': 1}),
+    ('a: &x 1\nb: &x 2\nc: *x', {'a': 1, 'b': 2, 'c': 2}),
+    ('a: &x {b: 1}\nc:\n  <<: *x', {'a': {'b': 1}, 'c': {'<<': {'b': 1}}})])
+def test_an_alias_is_the_value_of_its_anchor_as_ros2_bag_takes_it(text, value):
+    assert load_yaml(text) == value
+    with pytest.raises(YamlError, match='anchors and aliases are not accepted'):
+        load_settings(text)
+
+
+@pytest.mark.parametrize('text, line, problem', [
+    ('a: 1\nb: *x', 2, r'the alias \*x stands'), ('a: &x [1, *x]', 1, r'the alias \*x stands'),
+    ('a: &x 1\nb: &x [*x]', 2, r'the alias \*x stands'),
+    ('a: &x [1]\n*x : 1', 2, 'a name must be a word')])
+def test_an_alias_without_a_value_is_refused_with_its_line(text, line, problem):
+    with pytest.raises(YamlError, match=problem) as refused:
+        load_yaml(text)
+    assert refused.value.line == line
+
+
+def test_aliases_of_aliases_fill_no_memory():
+    lines = ['a0: &a0 [x]'] + [f'a{k}: &a{k} [{", ".join([f"*a{k - 1}"] * 9)}]'
+                               for k in range(1, 40)]
+    value = load_yaml('\n'.join(lines))
+    assert value['a39'][8][8][8] is value['a36']
+
+
 def test_what_is_no_number_is_none():
     assert math.isnan(load_yaml('.nan'))
 
@@ -49,8 +78,6 @@ def test_what_is_no_number_is_none():
 @pytest.mark.parametrize('text, line, problem', [
     ('a: 1\nb: 2\na: 3', 3, "'a' is given twice"), ('{1: a, 1: b}', 1, '1 is given twice'),
     ('a: {b: 1,\n b: 2}', 2, "'b' is given twice"),
-    ('a: &x 1\nb: *x', 1, 'anchors and aliases are not accepted'),
-    ('a: 1\nb: *x', 2, 'anchors and aliases are not accepted'),
     ('- 1\n- !!python/object:os.system x', 2, 'tags are not accepted'), ('!!str 7', 1, 'tags'),
     ('a: 1\n---\nb: 2', 2, 'there is a second document'),
     ('[' * 60 + ']' * 60, 1, 'nested deeper than 50 levels'),

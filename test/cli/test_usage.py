@@ -289,7 +289,7 @@ def test_a_name_given_twice_is_refused_in_one_line(command, text, words, bag, ca
 @pytest.mark.parametrize('text, words', [
     ('  a: ' + '[' * 100_000, 'nested deeper than 50 levels'),
     ('  a: 1\n  a: 2\n', "'a' is given twice"),
-    ('  relative_file_paths: [yes, 1:30]\n', None), ('  x: &a 1\n', 'anchors'),
+    ('  relative_file_paths: [yes, 1:30]\n', None), ('  x: *a\n', 'the alias *a stands'),
     ('  relative_file_paths: [010]\n', 'must be a list of names')])
 def test_traps_in_the_metadata_of_a_bag_are_refused_or_words(command, text, words, bag, capsys,
                                                              tmp_path):

@@ -38,7 +38,11 @@ METADATA = 'metadata.yaml'
 _MOST_NAMED = 5
 #: The index at the end of a file tells most files of one size apart.
 _END_BYTES, _PIECE_BYTES = 2**12, 2**20
-_NUMBERED = re.compile(r'(.*_)(?:0|[1-9]\d*)\.mcap(\.zstd)?')
+_NUMBER = r'(?:0|[1-9]\d*)'
+#: Number, name and local time of its beginning since rosbag2 #2265, name and number before.
+_NUMBERED = (
+    re.compile(rf'{_NUMBER}(_.+_)\d{{4}}_\d\d_\d\d-\d\d_\d\d_\d\d\.mcap(?:\.zstd)?'),
+    re.compile(rf'(.*_){_NUMBER}\.mcap(?:\.zstd)?'))
 
 
 class BagFiles(NamedTuple):
@@ -87,9 +91,9 @@ def find_files(path: Path, listed: list[str] | None = None) -> BagFiles:
 
     A copy of a file in the folder of a bag would double its readings. So files are left out that
     metadata.yaml does not list. Two kinds are read all the same: those with the name of the
-    listed ones and another number, because a recorder may be killed before it lists its newest
-    file; and all files if none of those listed is there. Of files with the same bytes only one is
-    read, the first that is listed.
+    listed ones and another number and time, because a recorder may be killed before it lists its
+    newest file; and all files if none of those listed is there. Of files with the same bytes only
+    one is read, the first that is listed.
 
     Parameters
     ----------
@@ -163,6 +167,6 @@ def _are_equal(path: Path, candidate: Path) -> bool:
 
 
 def _stem(name: str) -> str | None:
-    """Return what rosbag2 puts before the number of a file; None for other names."""
-    match = _NUMBERED.fullmatch(name)
+    """Return what the files of a bag of rosbag2 have in common; None for other names."""
+    match = next(filter(None, (form.fullmatch(name) for form in _NUMBERED)), None)
     return None if match is None else match[1]

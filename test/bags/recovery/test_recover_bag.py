@@ -219,7 +219,7 @@ def test_all_files_of_a_bag_are_read_and_a_missing_one_is_named(write_bag, tmp_p
 @pytest.mark.parametrize('content, note', [
     (b'', 'rosbag2_bagfile_information is missing'), (bytes(3000), 'line 1: not YAML: '),
     (b'rosbag2_bagfile_information:\n  relative_file_paths: [a_0.mcap, \xff', 'line 2: not UTF-8'),
-    (b'rosbag2_bagfile_information: &a\n  x: *a\n', 'line 1: anchors and aliases'),
+    (b'rosbag2_bagfile_information: &a\n  x: *a\n', 'line 2: the alias *a stands'),
     (b'[' * 10**6, 'line 1: nested deeper'), (b'#' * (2**24 + 1), 'longer than 16777216 bytes')])
 def test_damaged_metadata_keep_no_file_from_being_recovered(write_bag, tmp_path, content, note):
     path = write_bag('bag', chunk_bytes=20_000)

@@ -77,6 +77,22 @@ def test_a_file_that_goes_on_with_the_numbers_is_read(bag):
     assert find_files(bag).unlisted == []
 
 
+@pytest.mark.parametrize('listed, later, is_read', [
+    ('0_trial_2026_03_01-09_00_00.mcap', '1_trial_2026_03_01-10_00_07.mcap', True),
+    ('9_trial_2026_03_01-09_00_30.mcap', '10_trial_2026_03_02-00_00_00.mcap', True),
+    ('0_trial_2026_03_01-09_00_00.mcap', '1_other_2026_03_01-10_00_07.mcap', False),
+    ('0_trial_2026_03_01-09_00_00.mcap', '0_trial_2026_03_01-09_00_00 (copy).mcap', False),
+    ('0_trial_2026_03_01-09_00_00.mcap', 'trial_1.mcap', False)])
+def test_a_file_that_goes_on_has_the_next_number_and_a_later_time(bag, listed, later, is_read):
+    """Since rosbag2 #2265 the number stands first, and the time of the first message last."""
+    another(bag, later)
+    (bag / 'trial_0.mcap').rename(bag / listed)
+    place = bag / 'metadata.yaml'
+    place.write_text(place.read_text().replace('trial_0.mcap', listed))
+    assert names(bag) == ([listed, later] if is_read else [listed])
+    assert find_files(bag).unlisted == ([] if is_read else [later])
+
+
 def test_all_files_are_read_if_none_is_listed_or_none_of_the_listed_is_there(bag):
     another(bag, 'another.mcap')
     (bag / 'trial_0.mcap').rename(bag / 'other.mcap')
