@@ -19,14 +19,17 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Callable, Mapping, Sequence
 
-from heading_intercompare.core.records import Reals
+from heading_intercompare.core.records import Headings, Pairs, Reals
 from heading_intercompare.core.verdict.verdict_document import Verdict
 
 from . import json
 from .series_sketch import SegmentSketches, SeriesSketch
 from .sketching.track import Trace
 
-__all__ = ['check_form', 'SegmentSketches', 'SeriesSketch', 'write', 'write_trial_page', 'WRITERS']
+__all__ = ['check_form', 'check_picture', 'SegmentSketches', 'SeriesSketch', 'write',
+           'write_readings', 'write_trial_page', 'WRITERS']
+
+_PICTURES = ('.png', '.pdf', '.svg')
 
 
 def _write_html(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch],
@@ -114,6 +117,37 @@ def write(verdict: Verdict, path: str | Path,
     """
     check_form(path)
     WRITERS[Path(path).suffix.lower()](verdict, path, sketches, progress)
+
+
+def check_picture(path: str | Path) -> None:
+    """Raise ValueError, before any work, for a picture that cannot be drawn."""
+    if Path(path).suffix.lower() not in _PICTURES:
+        raise ValueError(f'{path}: a picture must end in {" or ".join(_PICTURES)}')
+    try:
+        from .figures import style  # noqa: F401
+    except ImportError as error:
+        raise ValueError(f"{path}: a picture needs matplotlib: pip install "
+                         f"'heading_intercompare[report]' (or apt: python3-matplotlib) [{error}]"
+                         ) from error
+
+
+def write_readings(path: str | Path, streams: Mapping[str, Headings], pairs: Pairs,
+                   not_taken: Mapping[str, int], silence_steps: float) -> None:
+    """
+    Write a picture of what was read: see `figures.readings.draw_readings` and `draw_counts`.
+
+    Raises
+    ------
+    ValueError
+        As `check_picture`.
+    OSError
+        If the file cannot be written.
+
+    """
+    check_picture(path)
+    from .figures.readings import draw_counts, draw_readings
+    from .figures.style import save
+    save([*draw_readings(streams, pairs, silence_steps), *draw_counts(not_taken)], path)
 
 
 def write_trial_page(path: str | Path, title: str, lines: Sequence[str],

@@ -111,6 +111,7 @@ REFUSED = {
     'observe': [(('seen.csv', '--sun', '--position', '54 10', '--common-u-deg', '0.1'),
                  'install heading_intercompare[sun]')],
     'history': [(('l.sqlite', '--html', 'x.html'), 'x.html: the protocol needs Jinja2')],
+    'info': [(('bag', '--plot', 'x.png'), 'x.png: a picture needs matplotlib')],
     'demo': [((), 'needs ROS 2 (no module ')],
     'live': [(('--config', 'live.yaml', '--quiet'), 'needs ROS 2 (no module ')],
     'record': [(('-o', 'b'), 'needs ROS 2 (no module ')],

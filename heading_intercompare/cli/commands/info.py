@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 import argparse
+import os
 from pathlib import Path
 import shlex
 from typing import Iterator, Mapping, Sequence
@@ -72,10 +73,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     parser.add_argument('bag', metavar='FILE', help='a bag or another file that analyze '
                         'reads, .journal of a live run, or a file that another command wrote')
+    parser.add_argument('--plot', metavar='F', help='draw what was read: headings, their '
+                        'difference, gaps, and what is rejected by reason: F.png, F.pdf or F.svg')
     for role, words in (('ts', 'tested'), ('rs', 'reference')):
-        parser.add_argument(f'--{role}', metavar='COLUMN',
-                            help=f'column of the {words} sensor in a table, if its name does not '
-                            'say that it is a heading')
+        parser.add_argument(f'--{role}', metavar='NAME',
+                            help=f'column, stream or topic of the {words} sensor, if its name '
+                            'does not say that it is a heading, or for --plot')
     add_log_arguments(parser, ())
     parser.add_argument('--check', action='store_true', help='read the whole bag: verify '
                         'every checksum, and count the missing sequence numbers of the messages; '
@@ -86,6 +89,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the contents of the file, and with --check the result of reading it through."""
+    _check_plot(arguments)
     if is_journal(arguments.bag):
         return _show_journal(arguments)
     if (written := find_written(arguments.bag)) is not None:
@@ -111,6 +115,7 @@ def run(arguments: argparse.Namespace) -> int:
     if checked is not None:
         lines += ['', *_report_check(checked)]
     say_lines(lines, _MARKS)
+    _plot(arguments, reader, options)
     if checked is not None and checked.faults:
         raise BagError('; '.join(checked.faults), arguments.bag)
     return 0
@@ -120,22 +125,25 @@ def _show_written(arguments: argparse.Namespace, written: WrittenFile) -> int:
     """Print the contents of a file that this program writes, and what to do with it."""
     from heading_intercompare.app.written_contents import describe_contents
     path = arguments.bag
-    _refuse_extract(arguments, written.name)
+    _refuse_options(arguments, written.name, 'extract', 'plot')
     say_lines([f'format: {written.name}', *describe_contents(path, written),
                f'to use it: {written.use.format(shlex.quote(path))}'], _MARKS)
     return 0
 
 
-def _refuse_extract(arguments: argparse.Namespace, kind: str) -> None:
-    if arguments.extract is not None:
-        raise ValueError(f'--extract {arguments.extract}: {arguments.bag} is {kind}, which '
-                         'has no attachments; leave it out')
+def _refuse_options(arguments: argparse.Namespace, kind: str, *options: str) -> None:
+    for option in options:
+        if (value := getattr(arguments, option)) is not None:
+            lacking = {'extract': 'attachments', 'plot': 'readings'}[option]
+            raise ValueError(f'--{option} {value}: {arguments.bag} is {kind}, which has no '
+                             f'{lacking}; leave it out')
 
 
 def _show_recording(arguments: argparse.Namespace, form: Format, options: StreamOptions) -> int:
     """Print the streams of a recording of another program."""
-    _refuse_extract(arguments, form.name)
+    _refuse_options(arguments, form.name, 'extract')
     if has_pairs(arguments.bag):
+        _refuse_options(arguments, f'{form.name} of pairs', 'plot')
         from heading_intercompare.app.written_contents import describe_pairs
         path = arguments.bag
         say_lines([f'format: {form.name} of pairs', *describe_pairs(path),
@@ -154,6 +162,7 @@ def _show_recording(arguments: argparse.Namespace, form: Format, options: Stream
         n = sum(1 for _ in reader.messages())
         lines += ['', f'check: all {n} messages can be read; this format has no checksums of them']
     say_lines([*lines, '', *_next_steps(arguments, reader)], _MARKS)
+    _plot(arguments, reader, options)
     return 0
 
 
@@ -176,26 +185,62 @@ def _streams(reader: StreamRecording) -> Iterator[str]:
             f'{name} ({len(moved)})' for name, moved in streams.items())
 
 
+def _choose_streams(arguments: argparse.Namespace, reader: Readable) -> list[str]:
+    """Return the streams of the TS and of the RS: those given, then the first ones present."""
+    if isinstance(reader, StreamRecording):
+        present = [name for name, info in sorted(reader.topics.items()) if info.count]
+    elif all(reader.find(topic) is not None for topic in _DEFAULT_TOPICS):
+        present = [*_DEFAULT_TOPICS]
+    else:
+        present = [name for name, info in sorted(reader.topics.items())
+                   if info.type_name in TOPIC_TYPES]
+    present = [name for name in present if name not in (arguments.ts, arguments.rs)]
+    names = [stated or (present.pop(0) if present else '')
+             for stated in (arguments.ts, arguments.rs)]
+    return [*filter(None, names)]
+
+
 def _next_steps(arguments: argparse.Namespace, reader: Readable) -> Iterator[str]:
     """Yield what to type to judge a recording, and to make a bag of it."""
-    if isinstance(reader, StreamRecording):
-        sources = [name for name, info in sorted(reader.topics.items()) if info.count]
-    elif all(reader.find(topic) is not None for topic in _DEFAULT_TOPICS):
-        sources = []
+    names = _choose_streams(arguments, reader)
+    if isinstance(reader, StreamRecording) and len(names) == 1:
+        more = ['OTHER_SENSOR']
+    elif names == [*_DEFAULT_TOPICS]:
+        more = []
     else:
-        sources = [name for name, info in sorted(reader.topics.items())
-                   if info.type_name in TOPIC_TYPES]
-        sources += ['TOPIC.FIELD'] * (2 - len(sources))
-    if len(sources) == 1:
-        yield from _to_judge(arguments, ['OTHER_SENSOR'])
-        yield from _to_import(arguments, ['OTHER_SENSOR'])
-        return
-    chosen = [word for pair in zip(('--ts', '--rs'), (arguments.ts or sources[0],
-                                                      arguments.rs or sources[1]))
-              for word in pair] if sources else []
-    yield from _to_judge(arguments, chosen)
+        ts, rs = [*names, *(['TOPIC.FIELD'] * 2)][:2]
+        more = ['--ts', ts, '--rs', rs]
+    yield from _to_judge(arguments, more)
     if not isinstance(reader, BagReader):
-        yield from _to_import(arguments, chosen)
+        yield from _to_import(arguments, more)
+
+
+def _check_plot(arguments: argparse.Namespace) -> None:
+    """Reject a picture that cannot be drawn, before any work."""
+    if arguments.plot is None:
+        return
+    from heading_intercompare.report import check_picture
+    check_picture(arguments.plot)
+    if os.path.realpath(arguments.plot) == os.path.realpath(arguments.bag):
+        raise ValueError(f'--plot {arguments.plot}: that is the FILE; name another one')
+
+
+def _plot(arguments: argparse.Namespace, reader: Readable, options: StreamOptions) -> None:
+    """Write the picture of what was read, if it is asked for."""
+    if arguments.plot is None:
+        return
+    from heading_intercompare.app.outputs import name_file
+    from heading_intercompare.app.read_streams import read_streams
+    from heading_intercompare.report import write_readings
+    names = _choose_streams(arguments, reader)
+    if not names:
+        raise ValueError(f'--plot {arguments.plot}: {arguments.bag} has no headings that are '
+                         'known as such; name a topic or a field with --ts and --rs')
+    read = read_streams(arguments.bag, names, options)
+    with name_file(arguments.plot):
+        write_readings(arguments.plot, read.streams, read.pairs, read.not_taken,
+                       read.silence_steps)
+    say_lines([f'written: {arguments.plot}'])
 
 
 def _to_judge(arguments: argparse.Namespace, more: Sequence[str]) -> Iterator[str]:
@@ -225,7 +270,7 @@ def _show_journal(arguments: argparse.Namespace) -> int:
     )
     from heading_intercompare.core.sensors.pair_names import list_names, TWO
     path = Path(arguments.bag)
-    _refuse_extract(arguments, 'a journal')
+    _refuse_options(arguments, 'a journal', 'extract', 'plot')
     contents = read_journal(path)
     origin = read_origin(contents, path)
     reader = JournalReader(path, origin.names)

@@ -18,8 +18,9 @@ from __future__ import annotations
 
 from contextlib import contextmanager
 from io import BytesIO
+from pathlib import Path
 import re
-from typing import Any, Callable, Iterator
+from typing import Any, Callable, Iterator, Sequence
 from xml.etree import ElementTree
 
 import matplotlib
@@ -86,27 +87,50 @@ class _Shown(Figure):
         return written.getvalue().decode('utf-8')
 
 
-def _lay_out(drawing: Drawing) -> Figure:
-    """Return a figure with its legend below the axes."""
+def _lay_out(*drawings: Drawing) -> Figure:
+    """Return a figure with the drawings one below the other, each with its legend."""
     figure = _Shown()
-    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    axes.set_title(drawing.title)
-    axes.set_xlabel(drawing.x_label)
-    axes.set_ylabel(drawing.y_label)
-    if drawing.is_time:
-        _set_time_axis(axes)
-    drawing.fill(axes)
-    handles, labels = axes.get_legend_handles_labels()
-    columns = min(2, max(1, len(labels)))
-    total = drawing.height_mm + _LEGEND_ROW * -(-len(labels) // columns)
+    blocks = []
+    for drawing in drawings:
+        axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+        axes.set_title(drawing.title)
+        axes.set_xlabel(drawing.x_label)
+        axes.set_ylabel(drawing.y_label)
+        if drawing.is_time:
+            _set_time_axis(axes)
+        drawing.fill(axes)
+        handles, labels = axes.get_legend_handles_labels()
+        columns = min(2, max(1, len(labels)))
+        blocks.append((drawing, axes, handles, labels, columns,
+                       drawing.height_mm + _LEGEND_ROW * -(-len(labels) // columns)))
+    total = sum(height_mm for *_, height_mm in blocks)
     figure.set_size_inches(_WIDTH / _MM_PER_INCH, total / _MM_PER_INCH)
-    axes.set_position((_LEFT / _WIDTH, 1.0 - (drawing.height_mm - _BOTTOM) / total,
-                       1.0 - (_LEFT + _RIGHT) / _WIDTH,
-                       (drawing.height_mm - _TOP - _BOTTOM) / total))
-    if labels:
-        figure.legend(handles, labels, loc='lower left', ncol=columns, borderaxespad=0.0,
-                      bbox_to_anchor=(_LEFT / _WIDTH, 1.0 / total))
+    top = 1.0
+    for drawing, axes, handles, labels, columns, height_mm in blocks:
+        axes.set_position((_LEFT / _WIDTH, top - (drawing.height_mm - _BOTTOM) / total,
+                           1.0 - (_LEFT + _RIGHT) / _WIDTH,
+                           (drawing.height_mm - _TOP - _BOTTOM) / total))
+        top -= height_mm / total
+        if labels:
+            figure.legend(handles, labels, loc='lower left', ncol=columns, borderaxespad=0.0,
+                          bbox_to_anchor=(_LEFT / _WIDTH, top + 1.0 / total))
     return figure
+
+
+def save(drawings: Sequence[Drawing], path: str | Path) -> None:
+    """
+    Write drawings one below the other into a file; its suffix is its form: .png, .pdf or .svg.
+
+    Raises
+    ------
+    OSError
+        If it cannot be written.
+
+    """
+    with _our_look():
+        figure = _lay_out(*drawings)
+        FigureCanvasAgg(figure)
+        figure.savefig(path, dpi=150.0)
 
 
 def to_figure(drawing: Drawing) -> Figure:

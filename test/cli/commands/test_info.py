@@ -26,7 +26,11 @@ from journals import some_pairs, write_journal
 import numpy as np
 import pytest
 
+from heading_intercompare.bags.recording.bag_writer import BagWriter
+from heading_intercompare.bags.rosbag2.provenance import RECORD
 from heading_intercompare.cli import main
+from heading_intercompare.core.records import Headings
+from heading_intercompare.messages.heading_messages import encode_imu, IMU
 from heading_intercompare.readers.written_files import WRITTEN_FILES
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -228,3 +232,49 @@ def test_info_names_the_pages_of_the_program(written, tmp_path, capsys):
 
 def test_no_two_kinds_of_written_files_have_one_name():
     assert len({written.name for written in WRITTEN_FILES}) == len(WRITTEN_FILES)
+
+
+@pytest.mark.parametrize('write, options, n_figures', [
+    (table, [], 2), (lambda path: table(path, 'time,GYRO,POS MV,mood'),
+                     ['--ts', 'GYRO', '--rs', 'POS MV'], 2),
+    (lambda path: table(path, 'time,ts_hdg,x,mood'), [], 1),
+    (raw, ['--date', '2024-05-28', '--ts', '36'], 2)])
+def test_a_picture_shows_what_was_read_before_it_is_judged(
+        tmp_path, capsys, write, options, n_figures):
+    pytest.importorskip('matplotlib')
+    picture = tmp_path / 'read.svg'
+    out = printed(capsys, 'info', write(tmp_path / 'a.csv'), *options, '--plot', picture)
+    assert out.splitlines()[-1] == f'written: {picture}'
+    text = picture.read_text('utf-8')
+    assert text.count('>time UTC<') == n_figures and f'headings as read: {N} of ' in text
+
+
+def test_a_picture_of_a_bag_counts_what_is_lost_and_rejected(tmp_path, capsys):
+    pytest.importorskip('matplotlib')
+    with BagWriter(tmp_path / 'bag') as bag:
+        bag.metadata(RECORD, {'version': 'x'})
+        for topic in ('/ts/heading', '/rs/heading'):
+            bag.add_topic(topic, IMU)
+            rows = encode_imu(Headings.of((10 ** 9 + np.arange(N)) * 10 ** 9, np.full(N, 9.0)),
+                              'x')
+            for k, row in enumerate(rows):
+                if topic[1] == 't' or k not in (100, 101):
+                    bag.write(topic, row.tobytes(), (10 ** 9 + k) * 10 ** 9, sequence=k + 1)
+    picture = tmp_path / 'read.svg'
+    printed(capsys, 'info', tmp_path / 'bag', '--plot', picture)
+    text = picture.read_text('utf-8')
+    assert 'ts/heading - rs/heading: n = ' in text
+    assert 'rs/heading: lost.on_the_way' in text and 'not taken: 2' in text
+
+
+def test_a_picture_that_cannot_be_drawn_is_one_line(tmp_path, capsys):
+    pytest.importorskip('matplotlib')
+    path = table(tmp_path / 'd.svg')
+    journal = tmp_path / 'trial.journal'
+    write_journal(journal, some_pairs(400))
+    assert 'must end in .png or .pdf or .svg' in refusal(
+        capsys, 'info', path, '--plot', tmp_path / 'x.gif')
+    assert 'that is the FILE' in refusal(capsys, 'info', path, '--plot', path)
+    assert 'is a journal, which has no readings' in refusal(
+        capsys, 'info', journal, '--plot', tmp_path / 'x.png')
+    assert not [*tmp_path.glob('x.*')]
