@@ -189,6 +189,8 @@ _UNREADABLE = (
      'heading_deg'),
     (b'%PDF', '', 'is a PDF: give the data that it was made of'),
     (b'', '.asc', 'is a CAN log of Vector: convert it to the form of `candump -l`'),
+    *((b'', end, 'is a log of Kongsberg SIS: write its headings as csv with the columns t_ns and '
+       'heading_deg') for end in ('.all', '.kmall')),
     (b'', '.ebl', 'is a log of Actisense: convert it with canboat (`analyzer -json`)'),
     (_SQLITE, '', 'is an SQLite file without the tables of a rosbag2 (messages, topics)'),
 )

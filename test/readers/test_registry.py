@@ -275,6 +275,7 @@ REFUSED = {
     'a.pcapng': (b'\x0a\x0d\x0d\x0a', 'is a capture of network packets'),
     'a.blf': (b'LOGG', 'convert it to the form of `candump -l`'),
     'a.EBL': (b'\x1b\x01', 'convert it with canboat'),
+    'a.all': (b'\x10\0\0\0\x02I', 'Kongsberg SIS: write'), 'a.kmall': (b'\0\2\0\0#IIP', 'SIS'),
     'a.tar.xz': (b'\xfd7zXZ\0', 'is compressed'), 'a.bz2': (b'BZh9', 'is compressed'),
     'a.7z': (b'7z\xbc\xaf', 'is compressed'), 'a.xls': (b'\xd0\xcf', 'is a spreadsheet'),
     'a.ods': (b'PK\x03\x04', 'is a spreadsheet'),
