@@ -37,6 +37,7 @@ from heading_intercompare.readers.registry import (
 )
 
 from .inputs import describe_reading, options_of, read_motion, read_sensors_of, sha256
+from .logs.log_import import describe_reading_options
 
 
 @dataclass(frozen=True, slots=True)
@@ -141,4 +142,5 @@ def import_recording(path: str, settings: Settings, driver: DriverSettings,
          for sensor in sensors}, taker.losses, motion, marks, read_notes(reader), problems,
         {'path': path, 'sha256': sha256(path, options),
          'format': 'rosbag2, MCAP' if form is None else form.name,
-         **{sensor.name: sensor.heading_topic for sensor in sensors}})
+         'stamp_format': driver.stamp_format, **describe_reading_options(driver),
+         **{f'topic.{sensor.name}': sensor.heading_topic for sensor in sensors}})

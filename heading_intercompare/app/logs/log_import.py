@@ -76,9 +76,7 @@ class ImportedLog:
     @property
     def origin(self) -> dict[str, Any]:
         """Return the provenance as a bag keeps it."""
-        default = DriverSettings()
-        driver_options = {name: getattr(self.driver, name) for name in _READING
-                          if getattr(self.driver, name) != getattr(default, name)}
+        driver_options = describe_reading_options(self.driver)
         if self.files > 1:
             driver_options['files'] = self.files
         return {'path': self.path, 'sha256': self.sha256, 'bytes': self.size,
@@ -92,6 +90,13 @@ class ImportedLog:
         """Return the lines that gave no heading, in words."""
         return ', '.join(f'{n} {reason}' for reason, n in sorted(self.not_taken.items())
                          if n) or 'nothing'
+
+
+def describe_reading_options(driver: DriverSettings) -> dict[str, Any]:
+    """Return what is stated of how a file is read, as a bag keeps it."""
+    default = DriverSettings()
+    return {name: getattr(driver, name) for name in _READING
+            if getattr(driver, name) != getattr(default, name)}
 
 
 def options_for(driver: DriverSettings, unit: str = 'auto') -> StreamOptions:

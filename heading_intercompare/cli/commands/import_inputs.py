@@ -120,13 +120,14 @@ def run(arguments: argparse.Namespace) -> int:
     fitting = _leave_out(contents)
     streams = [_of_headings(sensors[name], headings) for name, headings in fitting.items()]
     streams += _of_motion(_that_fit(contents.motion), motion_topics(settings.motion))
+    messages = _single_messages(contents, sensors)
     with BagWriter(arguments.output) as bag:
         bag.metadata(RECORD, describe_origin(settings.to_mapping(), contents.origins))
         notes = Notes(bag.metadata)
         for note in contents.notes:
             notes.add(note.text, note.stamp_ns)
         notes.add(note_text, time.time_ns())
-        _write(bag, streams, _single_messages(contents, sensors))
+        _write(bag, streams, messages)
     several = settings.sensors is not None
     for name, (before, after) in contents.sensor_lines.items():
         beyond = len(contents.headings[name]) - len(fitting[name])
@@ -271,10 +272,11 @@ def _encode_part(rows: Motion, what: str, lo: int, hi: int) -> np.ndarray:
 
 
 def _single_messages(contents: _Contents, sensors: Mapping[str, Sensor]) -> list[_Message]:
-    """Return the marks and the losses, in the order of their times."""
+    """Return the marks and the losses that a bag can hold, in the order of their times."""
     messages = [_Message(stamp_ns, MARKER_TOPIC, encode_mark(kind, stamp_ns))
-                for kind, stamp_ns in contents.marks]
-    for name, lost_as, losses in contents.losses:
+                for kind, stamp_ns in contents.marks if fits_message(np.array([stamp_ns]))[0]]
+    for name, lost_as, all_losses in contents.losses:
+        losses = all_losses[fits_message(all_losses.stamp_ns)]
         for at in range(0, len(losses), _LOSSES):
             rows = losses[at:at + _LOSSES]
             messages.append(_Message(int(rows.stamp_ns.max()),

@@ -170,6 +170,7 @@ def test_a_bag_of_topics_of_other_programs_is_imported_with_all_that_counts(
     record = imported.metadata()[RECORD]
     assert record['source.recording.format'] == 'rosbag2, MCAP'
     assert record['settings.ts_topic'] == 'ts/heading'
+    assert record['source.recording.topic.ts'] == '/gyro.twist.angular.z@deg'
 
 
 def test_axes_that_the_settings_state_hold_for_the_bag_too(foreign_bag, tmp_path, capsys):
