@@ -273,13 +273,14 @@ class StampColumns:
             unit = self._find_unit() if (numbers.plain & (numbers.sign == 0)).any() else None
             if unit is not None:
                 stamp_ns, stamped = _read_numbers(numbers, unit)
+                stamped &= self._leaves(stamp_ns[stamped])
                 for at in np.flatnonzero(~stamped).tolist():
                     read(at)
                 return stamp_ns, stamped
         for lo, hi in self._find_alike(plain):
             for first, last, elapsed_ns in self._find_minutes(plain, lo, hi):
                 read(first)
-                if stamped[first] and last - first > 1:
+                if stamped[first] and last - first > 1 and self._leaves(stamp_ns[first:first + 1]):
                     stamp_ns[first + 1:last] = stamp_ns[first] + elapsed_ns[1:]
                     stamped[first + 1:last] = True
                     # The day of the next time of day follows the last one.
@@ -288,6 +289,11 @@ class StampColumns:
                     for at in range(first + 1, last):
                         read(at)
         return stamp_ns, stamped
+
+    def _leaves(self, stamp_ns: Integers) -> bool:
+        """Tell whether no rollover of GPS is undone in some stamps."""
+        return self._rollovers is None or not len(stamp_ns) or self._rollovers.is_idle(
+            int(stamp_ns.min()), int(stamp_ns.max()))
 
     def _find_alike(self, plain: PlainRows) -> Iterator[tuple[int, int]]:
         """Yield the runs of rows whose stamps have the same length."""

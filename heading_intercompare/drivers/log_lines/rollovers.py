@@ -81,6 +81,15 @@ class Rollovers:
                           f'{utc(ns)}: undone by the {source}')
         return ns + n * ROLLOVER_NS
 
+    def is_idle(self, earliest_ns: int, latest_ns: int) -> bool:
+        """Tell whether `undo` leaves the times of a span, without a logger's clock."""
+        near_ns = self._days.noon_ns
+        if near_ns is None or self._n:
+            return near_ns is None
+        most = (near_ns - earliest_ns + _NEAR_NS) // ROLLOVER_NS
+        least = -((latest_ns + _NEAR_NS - near_ns) // ROLLOVER_NS)
+        return most < max(1, least)
+
 
 def _count_missed(ns: int, near_ns: int) -> int:
     """Return how many rollovers put a time near another one; 0 if none do."""
