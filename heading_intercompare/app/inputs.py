@@ -121,10 +121,11 @@ def load_config_or_journal(path: str | None, inputs: Sequence[str]) -> Config:
     return Config(first, stored[first])
 
 
-def options_of(settings: Settings, driver: DriverSettings) -> StreamOptions:
+def options_of(settings: Settings, driver: DriverSettings,
+               progress: Callable[[str], None] = lambda text: None) -> StreamOptions:
     """Return what is stated of a recording with the streams of all sensors."""
     return StreamOptions(driver, tuple(sensor.heading_topic for sensor in list_sensors(settings)),
-                         settings.unit_of)
+                         settings.unit_of, progress)
 
 
 def judge_input(path: str, settings: Settings, table: RunTable | None = None,
@@ -174,7 +175,7 @@ def judge_input(path: str, settings: Settings, table: RunTable | None = None,
     name = path if name is None else name
     spans = None if table is None else [
         (start, stop) for start, stop, source in table if source in ('', name)]
-    options = options_of(settings, driver)
+    options = options_of(settings, driver, progress)
     holds_pairs = is_journal(path) or has_pairs(path, options)
     if not holds_pairs:
         readers: list[Readable] = [open_recording(part, settings.bag_namespace, options)

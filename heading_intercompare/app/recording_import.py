@@ -120,7 +120,7 @@ def import_recording(path: str, settings: Settings, driver: DriverSettings,
         If it is damaged, lacks a sensor, or holds pairs.
 
     """
-    options = options_of(settings, driver)
+    options = options_of(settings, driver, progress)
     written = find_written(path)
     if is_journal(path) or has_pairs(path) or written is not None and written.contents == 'pairs':
         raise BagError('holds pairs, and a bag holds headings: give it to analyze', path)

@@ -254,7 +254,10 @@ def _read_files(form: Format, path: str, options: StreamOptions) -> Collected:
     if len(forms) > 1:
         # The date of the first line is not that of each file; the name of a file may tell it.
         options = replace(options, stamps=replace(options.stamps, date=None))
-    parts = {file: form.read(file, options) for file in forms}
+    parts = {}
+    for number, file in enumerate(forms):
+        options.progress(f'{number} of {len(forms)} files')
+        parts[file] = form.read(file, options)
     for file, part in sorted(parts.items(), key=lambda entry: entry[1].start_ns):
         part.oddities = [f'{file}: {words}' for words in part.oddities]
         collected.add_all(part)

@@ -58,12 +58,15 @@ class StreamOptions:
         Streams that are wanted: a column so named holds headings, whatever its name.
     unit_of
         Returns the unit that is stated for the angles of a stream, 'auto' if none.
+    progress
+        Called with the progress in words.
 
     """
 
     stamps: DriverSettings = DEFAULT_DRIVER
     names: tuple[str, ...] = ()
     unit_of: Callable[[str], str] = tell_no_unit
+    progress: Callable[[str], None] = lambda text: None
 
     def is_wanted(self, column: str) -> bool:
         """Tell whether a column is one of those named, with or without a leading slash."""

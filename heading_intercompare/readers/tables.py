@@ -105,6 +105,7 @@ def read_table(path: str, options: StreamOptions = UNSTATED) -> Collected:
             n_stamps = 0
             for part in rows.parts():
                 if isinstance(part, PlainRows):
+                    options.progress(f'{part.line:,} lines')
                     stamp_ns, stamped = stamps.read_many(rows, part, collected.not_taken)
                     n_stamps += int(np.count_nonzero(stamped))
                     headings.take_many(stamp_ns, stamped, part)

@@ -153,3 +153,11 @@ def test_a_stated_unit_wins_over_the_name(tmp_path):
     found = readings(tmp_path, trial(('ts_hdg_rad', 'rs_hdg_rad'), UNITS['deg']),
                      lambda stream: 'deg')
     assert found.streams['ts_hdg_rad'].heading_deg.max() > 359.0 and not found.not_taken
+
+
+def test_the_progress_of_a_large_table_is_told(tmp_path):
+    path, told = tmp_path / 'table.csv', []
+    path.write_text('time,heading\n' + ''.join(
+        f'{1_700_000_000 + row}.000,{row % 360}.000\n' for row in range(100_000)))
+    read_table(str(path), StreamOptions(progress=told.append))
+    assert len(told) > 1 and told[-1].endswith(' lines')

@@ -46,7 +46,6 @@ from heading_intercompare.core.sensors.compared_sensors import pair_with_referen
 from heading_intercompare.core.sensors.pair_settings import check_norms, settings_of_pair
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
-from heading_intercompare.core.units.full_turns import ANGLE_UNITS
 from heading_intercompare.core.validity.condition import is_doubtful
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.drivers.settings import DriverSettings
@@ -57,7 +56,13 @@ from heading_intercompare.report import check_form, json, SeriesSketch, WRITERS
 from heading_intercompare.report.runs_csv import write_runs
 from heading_intercompare.report.sensors_report import sensor_path, write_protocols
 
-from .log_options import add_log_arguments, drivers_for, LOG_OPTIONS, OF_TABLES
+from .log_options import (
+    add_log_arguments,
+    add_unit_arguments,
+    drivers_for,
+    LOG_OPTIONS,
+    OF_TABLES,
+)
 
 _CHECK_CODES = {Outcome.COMPLIANT: 0, Outcome.NON_COMPLIANT: 1, Outcome.INDETERMINATE: 3}
 _DOUBTFUL_CODE = 4
@@ -118,10 +123,7 @@ def add_analysis_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--ts', metavar='TOPIC', help='topic of the tested sensor, or its name '
                         'in the setting sensors')
     parser.add_argument('--rs', metavar='TOPIC', help='topic of the reference sensor, or its name')
-    for role, sensor in (('ts', 'tested'), ('rs', 'reference')):
-        parser.add_argument(f'--{role}-unit', choices=('auto', *ANGLE_UNITS), help='unit of the '
-                            f'headings of the {sensor} sensor, in files of numbers and in fields '
-                            'of messages')
+    add_unit_arguments(parser)
     add_log_arguments(parser)
     add_motion_argument(parser)
     add_antenna_arguments(parser)

@@ -54,7 +54,7 @@ from .analyze import (
     check_input_options,
     choose_logs,
 )
-from .log_options import add_log_arguments, drivers_for
+from .log_options import add_log_arguments, add_unit_arguments, drivers_for
 from .note import add_note_argument, read_notes
 
 _PIECE = 20_000
@@ -74,6 +74,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                             help=f'topic, stream or column of the {words} sensor in the '
                             'recording; without INPUT its log: a file, a folder, or a pattern in '
                             'quotes')
+    add_unit_arguments(parser)
     add_log_arguments(parser)
     add_motion_argument(parser)
     add_antenna_arguments(parser)
@@ -106,7 +107,8 @@ def run(arguments: argparse.Namespace) -> int:
     settings = plain
     if arguments.inputs:
         settings = choose_pair(settings_for(config, arguments.set, ts_topic=arguments.ts,
-                                            rs_topic=arguments.rs, **options),
+                                            rs_topic=arguments.rs, ts_unit=arguments.ts_unit,
+                                            rs_unit=arguments.rs_unit, **options),
                                arguments.ts, arguments.rs)
     note_text = read_notes(arguments)
     drivers = drivers_for(arguments)

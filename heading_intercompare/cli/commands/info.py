@@ -253,10 +253,10 @@ def _to_import(arguments: argparse.Namespace, more: Sequence[str]) -> Iterator[s
 
 def _command(words: str, name: str, arguments: argparse.Namespace, more: Sequence[str]) -> str:
     """Return a command line for the file, with the options that were given to read it."""
-    given = [word for option in SHARED_OPTIONS
-             if (value := getattr(arguments, option, None)) is not None
-             for word in (f'--{option.replace("_", "-")}', str(value))]
-    return f'{words}: heading-intercompare {shlex.join([name, arguments.bag, *more, *given])}'
+    stated = [word for option in SHARED_OPTIONS
+              if (value := getattr(arguments, option, None)) is not None
+              for word in (f'--{option.replace("_", "-")}', str(value))]
+    return f'{words}: heading-intercompare {shlex.join([name, arguments.bag, *more, *stated])}'
 
 
 def _show_journal(arguments: argparse.Namespace) -> int:

@@ -20,6 +20,7 @@ import argparse
 from typing import Sequence
 
 from heading_intercompare.core.declared_settings import from_mapping
+from heading_intercompare.core.units.full_turns import ANGLE_UNITS
 from heading_intercompare.drivers.settings import DriverSettings, SENTENCES, STAMP_FORMATS
 
 _ROLES = ('ts', 'rs')
@@ -79,6 +80,14 @@ def add_log_arguments(parser: argparse.ArgumentParser,
         for role in roles:
             parser.add_argument(f'--{role}-{option}', choices=choices, type=value_type,
                                 help=argparse.SUPPRESS)
+
+
+def add_unit_arguments(parser: argparse.ArgumentParser) -> None:
+    """Add the options that state the units of headings, `ts_unit` and `rs_unit`."""
+    for role, sensor in zip(_ROLES, ('tested', 'reference')):
+        parser.add_argument(f'--{role}-unit', choices=('auto', *ANGLE_UNITS), help='unit of the '
+                            f'headings of the {sensor} sensor, in files of numbers and in fields '
+                            'of messages')
 
 
 def drivers_for(arguments: argparse.Namespace,

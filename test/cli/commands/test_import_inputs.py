@@ -226,7 +226,7 @@ def test_options_of_tables_hold_and_radians_are_turned_to_degrees(tmp_path, caps
         + ';'.join(f'{math.radians(x[k]):.8f}'.replace('.', ',') for x in two_headings()) + '\n'
         for k in range(N)))
     verdict = compare(capsys, tmp_path, [table], ['--ts', 'A', '--rs', 'B', *options], [
-        '--set', 'ts_unit=rad', '--set', 'rs_unit=rad'])
+        '--ts-unit', 'rad', '--rs-unit', 'rad'])
     assert verdict['runs'][0]['n'] == N
 
 

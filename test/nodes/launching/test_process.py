@@ -172,10 +172,10 @@ def test_a_recorder_whose_terminal_is_closed_closes_its_bag(tmp_path):
                                   'recorder', 'replayer', 'motion_driver', 'alert_sender'])
 def test_every_executable_of_the_package_is_a_node_that_refuses_what_it_does_not_know(name):
     code = f'from heading_intercompare.nodes.{name} import main; raise SystemExit(main())'
-    done = subprocess.run([sys.executable, '-c', code, '--ros-args', '-p', 'nonsense:=1'],
+    done = subprocess.run([sys.executable, '-c', code, '--ros-args', '-p', 'zzz:=1'],
                           capture_output=True, text=True, timeout=DEADLINE_S)
     assert done.returncode == 2
-    assert done.stderr.strip() == f"{name}: error: unknown parameter 'nonsense'"
+    assert done.stderr.strip() == f"{name}: error: unknown parameter 'zzz'"
 
 
 HANGS = """
