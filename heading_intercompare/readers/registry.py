@@ -33,6 +33,7 @@ from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.drivers.csv_log import is_csv_file
 from heading_intercompare.drivers.log_lines.log_files import is_several, list_files
 from heading_intercompare.drivers.logs import is_log, LogReader
+from heading_intercompare.drivers.refused_lines import explain_no_heading, name_options
 from heading_intercompare.natural_order import natural_key
 
 from . import json_lines, nmea2000, tables
@@ -108,8 +109,12 @@ def _read_log(path: str, options: StreamOptions) -> Collected:
     collected, reader = Collected(), LogReader(path, options.stamps)
     chunks = list(reader)
     for chunk in chunks:
-        collected.add_chunk(reader.sentence or 'csv', 'log', chunk)
+        if len(chunk):
+            collected.add_chunk(reader.sentence or 'csv', 'log', chunk)
     collected.not_taken.update(reader.counts)
+    if not collected.kinds and collected.not_taken:
+        collected.oddities.append(name_options(
+            explain_no_heading(path, options.stamps, reader.counts), 'ts'))
     return collected
 
 

@@ -203,6 +203,8 @@ def _choose_streams(arguments: argparse.Namespace, reader: Readable) -> list[str
 def _next_steps(arguments: argparse.Namespace, reader: Readable) -> Iterator[str]:
     """Yield what to type to judge a recording, and to make a bag of it."""
     names = _choose_streams(arguments, reader)
+    if isinstance(reader, StreamRecording) and not names:
+        return
     if isinstance(reader, StreamRecording) and len(names) == 1:
         more = ['OTHER_SENSOR']
     elif names == [*_DEFAULT_TOPICS]:

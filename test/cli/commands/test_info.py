@@ -21,6 +21,7 @@ import math
 from pathlib import Path
 import shlex
 
+from checksums import with_checksum
 from command_line import NORMS, refusal
 from journals import some_pairs, write_journal
 import numpy as np
@@ -278,3 +279,14 @@ def test_a_picture_that_cannot_be_drawn_is_one_line(tmp_path, capsys):
     assert 'is a journal, which has no readings' in refusal(
         capsys, 'info', journal, '--plot', tmp_path / 'x.png')
     assert not [*tmp_path.glob('x.*')]
+
+
+def test_a_log_without_a_known_heading_is_shown_with_its_first_line(tmp_path, capsys):
+    """`analyze` refuses it in the same words; nothing is suggested that cannot work."""
+    path = tmp_path / 'own.log'
+    path.write_text(''.join(
+        f'2024-05-28T20:00:{k:02d}Z {with_checksum("PXYZ,ATT,1.5,1")}\n' for k in range(20)))
+    assert main(['info', str(path)]) == 0
+    out = capsys.readouterr().out
+    assert '$PXYZ,ATT,1.5,1' in out and 'describe another one with --ts-own-sentence' in out
+    assert 'not taken: 20 not_heading' in out and 'to judge it' not in out
