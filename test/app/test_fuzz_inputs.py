@@ -52,7 +52,8 @@ SENTENCES = {
     'HDT': of_body(lambda row, heading: f'HEHDT,{heading:.2f},T'),
     'THS': of_body(lambda row, heading: f'GPTHS,{heading:.2f},A'),
     'PASHR': of_body(lambda row, heading: (
-        f'PASHR,{iso(row)[11:19].replace(":", "")}.00,{heading:.2f},T,1.0,0.5,0.0,0.1,0.1,0.1,1,1')),
+        f'PASHR,{iso(row)[11:19].replace(":", "")}.00,{heading:.2f},T,1.0,0.5,0.0,0.1,0.1,0.1,'
+        '1,1')),
     'VHW': of_body(lambda row, heading: f'VWVHW,{heading:.2f},T,,M,10.0,N,18.5,K')}
 UNCHECKED = {
     'csv': lambda row, heading: f'{iso(row)},{heading:.2f},{heading + 0.1:.2f}',
