@@ -36,11 +36,11 @@ _NEWLINE, _RETURN, _SPACE, _QUOTE, _COMMENT = b'\n\r "#'
 _ZERO, _PLUS, _MINUS = b'0+-'
 #: Longer numbers are read one by one.
 _MOST_CHARACTERS = 24
-#: A number of so many digits that is too large for 64 bits turns negative.
+#: A whole number of 19 digits that does not fit into 64 bits turns negative.
 _MOST_DIGITS = 19
 #: No product from here on is sure to fit into 64 bits.
 _BELOW_LAST = 9.2e18
-#: A whole number of so many digits is below 2**53.
+#: A whole number of 15 digits is below 2**53.
 _EXACT_DIGITS = 15
 _POWERS = np.array([10.0 ** n for n in range(_EXACT_DIGITS + 1)])
 
@@ -54,9 +54,9 @@ class Decimals(NamedTuple):
     digits : ndarray of int64
         The digits as a whole number, where that fits into 64 bits.
     n_decimals, n_digits : ndarray of int64
-        How many digits are behind the mark, and in all.
+        The number of digits after the decimal mark, and of all digits.
     sign : ndarray of int8
-        -1 or 1 where the number begins with a sign, else 0.
+        -1 or 1 where the number begins with a sign, otherwise 0.
     plain : ndarray of bool
         The cell is such a number. The other fields hold only where it is.
 
