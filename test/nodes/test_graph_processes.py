@@ -284,10 +284,10 @@ def test_a_recorder_that_is_stopped_for_a_while_records_everything(processes, tm
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize('seconds', [
-    7.0, pytest.param(20.0, marks=pytest.mark.endurance)])
+@pytest.mark.parametrize('seconds, speed', [
+    (7.0, 5.0), pytest.param(20.0, 10.0, marks=pytest.mark.endurance)])
 def test_a_synchronizer_that_the_middleware_had_given_up_misses_nothing(
-        processes, tmp_path, monkeypatch, seconds):
+        processes, tmp_path, monkeypatch, seconds, speed):
     """
     Synchronizer and recorder stand still for longer than the lease of the middleware.
 
@@ -298,7 +298,7 @@ def test_a_synchronizer_that_the_middleware_had_given_up_misses_nothing(
     """
     monkeypatch.setattr(launch_files, 'LOOPBACK', short_lease(tmp_path / 'lease.xml', 3))
     config = config_of(tmp_path, log(tmp_path / 'ts.log', 1200, 0.0, 90.0),
-                       log(tmp_path / 'rs.log', 1200, 0.05, 90.1), 10.0)
+                       log(tmp_path / 'rs.log', 1200, 0.05, 90.1), pace(speed))
     bag, reports = tmp_path / 'bag', tmp_path / 'reports'
     for node in plan_trial(config, bag, reports).values():
         processes.start(node)
