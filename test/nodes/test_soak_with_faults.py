@@ -311,7 +311,8 @@ def test_whatever_goes_wrong_each_reading_is_judged_or_accounted_for(graph, tmp_
     assert scatter == pytest.approx(0.1, rel=0.15)
     assert report['outcome'] != 'non-compliant'
     for name, seen in graph.resident.items():
-        warm = seen[len(seen) // 4:]
+        # A node that has just started loads meanwhile; on a loaded machine that takes long.
+        warm = seen[max(len(seen) // 4, 4):]
         assert not warm or warm[-1] < warm[0] + 30e6, (name, seen)
     for log in tmp_path.glob('*.log*'):
         assert 'Traceback' not in log.read_text('utf-8'), log
