@@ -72,6 +72,7 @@ from heading_intercompare.report import SegmentSketches
 
 from .config import Config, load_config
 from .logs.antenna_logs import describe_baseline
+from .logs.log_import import describe_far_stamps
 from .run_table import RunTable
 from .sources.csv_source import has_pairs, judge_csv
 from .sources.input_comparison import describe_two, InputComparison, PairTakers, Spans
@@ -294,7 +295,7 @@ def _judge_recording(readers: Sequence[Readable], path: str, name: str, settings
                      helpers: int, options: StreamOptions) -> JudgedInput:
     """Judge the recording at `path`, and those that go on with its trial."""
     first = readers[0]
-    conventions = list_conventions(comparison, settings)
+    conventions = _list_conventions(comparison, settings)
     problems: list[str] = []
     remarks: list[str] = []
     n, whole = 0, _count_headings(readers, conventions)
@@ -364,7 +365,7 @@ def read_sensors_of(reader: Readable, settings: Settings, taker: TakesReadings,
         Another recording of this trial was read before.
 
     """
-    conventions = list_conventions(taker, settings)
+    conventions = _list_conventions(taker, settings)
     losses = BagLosses(reader, {sensor.heading_topic: sensor.name for sensor in taker.sensors
                                 if sensor.heading_topic in conventions},
                        taker.lose, goes_on=goes_on)
@@ -404,11 +405,13 @@ def describe_reading(reader: Readable, is_continued: bool, problems: list[str],
     problems += missing
     remarks += filter(None, [tell_judged(reader.metadata().get(RECORDING, {}))])
     remarks += reader.oddities
-    if isinstance(reader, StreamRecording) and reader.not_taken:
-        problems.append(f'{reader.kind}: {reader.words_present}')
+    if isinstance(reader, StreamRecording):
+        remarks += describe_far_stamps(reader.start_ns, reader.end_ns)
+        if reader.not_taken:
+            problems.append(f'{reader.kind}: {reader.words_present}')
 
 
-def list_conventions(comparison: TakesReadings, settings: Settings) -> dict[str, str]:
+def _list_conventions(comparison: TakesReadings, settings: Settings) -> dict[str, str]:
     """Return the convention of each topic of headings to read; two antennas have none."""
     conventions = {sensor.heading_topic: sensor.convention for sensor in comparison.sensors}
     if settings.antennas.fore_topic is not None:

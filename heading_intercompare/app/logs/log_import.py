@@ -142,7 +142,7 @@ def import_log(path: str, driver: DriverSettings,
                            sha256=hash_files(sources_of(path, options) or [path]),
                            size=os.path.getsize(path), sentence=name, not_taken=streams.not_taken,
                            driver=driver, remarks=[
-                               *streams.oddities, *_describe_far(streams.streams[name])])
+                               *streams.oddities, *_describe_span(streams.streams[name])])
     try:
         reader = LogReader(path, driver)
         chunks = []
@@ -155,19 +155,23 @@ def import_log(path: str, driver: DriverSettings,
                       sha256=hash_files(reader.paths), size=reader.size, sentence=reader.sentence,
                       not_taken=reader.counts, driver=driver, files=len(reader.paths),
                       remarks=[name_options(remark, role) for remark in reader.remarks])
-    log = dataclasses.replace(log, remarks=[*log.remarks, *_describe_far(log.headings)])
+    log = dataclasses.replace(log, remarks=[*log.remarks, *_describe_span(log.headings)])
     if role is not None and not len(log.headings):
         raise DriverError(_no_heading(log, role))
     return log
 
 
-def _describe_far(headings: Headings) -> list[str]:
-    """Return what to know of stamps before 2000 or in the future."""
-    if not len(headings):
-        return []
-    words = describe_far(int(headings.stamp_ns.min()), int(headings.stamp_ns.max()),
-                         time.time_ns())
+def describe_far_stamps(first_ns: int | None, last_ns: int | None) -> list[str]:
+    """Return what to know of a span with stamps before 2000 or in the future, in lines."""
+    words = '' if first_ns is None or last_ns is None else describe_far(
+        first_ns, last_ns, time.time_ns())
     return [name_options(words, None)] if words else []
+
+
+def _describe_span(headings: Headings) -> list[str]:
+    stamp_ns = headings.stamp_ns
+    return (describe_far_stamps(int(stamp_ns.min()), int(stamp_ns.max())) if len(headings)
+            else [])
 
 
 def _no_heading(log: ImportedLog, role: str) -> str:

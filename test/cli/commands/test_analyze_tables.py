@@ -22,6 +22,8 @@ import math
 from command_line import analyze_json, NORMS, refusal
 import pytest
 
+from heading_intercompare.cli import main
+
 START = datetime(2024, 5, 28, 20)
 N = 700
 
@@ -98,3 +100,17 @@ def test_an_option_of_one_log_is_refused_for_a_table(tmp_path, capsys):
     path = table(tmp_path / 'd.csv', 'time', '%H:%M:%S')
     assert refusal(capsys, 'analyze', path, '--ts', 'TS', '--rs', 'RS', '--ts-date', '2024-05-28',
                    *NORMS).startswith('--ts-date 2024-05-28: is for logs')
+
+
+@pytest.mark.parametrize('first_s, words', [
+    (3_800_000_000, 'is in the future'), (700_000_000, 'is before 2000'), (1_700_000_000, '')])
+def test_stamps_far_from_any_trial_are_said_of_tables_as_of_logs(
+        tmp_path, capsys, first_s, words):
+    path = tmp_path / 'table.csv'
+    path.write_text('time_s,gyro_heading,ins_heading\n' + ''.join(
+        f'{first_s + k},{90 + k % 7 / 10},{90 + k % 5 / 10}\n' for k in range(900)))
+    assert main(['analyze', str(path), '--ts', 'gyro_heading', '--rs', 'ins_heading', '--quiet',
+                 *NORMS]) == 0
+    notes = [line for line in capsys.readouterr().err.splitlines()
+             if 'the clock that gave' in line]
+    assert len(notes) == bool(words) and all(words in note for note in notes)
