@@ -20,11 +20,11 @@ from collections import Counter
 from dataclasses import dataclass
 from typing import Mapping, Sequence
 
+from heading_intercompare.bags.rosbag2.readable import Readable
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.records import Headings, Losses, Pairs
 from heading_intercompare.core.settings import Settings
-from heading_intercompare.readers.registry import open_recording
-from heading_intercompare.readers.stream_recording import StreamOptions, StreamRecording
+from heading_intercompare.readers.stream_recording import StreamRecording
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,18 +51,16 @@ class StreamReadings:
     silence_steps: float
 
 
-def read_streams(path: str, names: Sequence[str], options: StreamOptions) -> StreamReadings:
+def read_streams(reader: Readable, names: Sequence[str]) -> StreamReadings:
     """
     Read and pair the streams of a recording.
 
     Parameters
     ----------
-    path
-        A recording that `open_recording` reads.
+    reader
+        The recording.
     names
         One or two topics, streams or columns: that of the TS first.
-    options
-        What is stated of the file.
 
     Raises
     ------
@@ -72,7 +70,7 @@ def read_streams(path: str, names: Sequence[str], options: StreamOptions) -> Str
         If it is damaged, or has no such stream.
 
     """
-    reader, not_taken = open_recording(path, options=options), Counter[str]()
+    not_taken = Counter[str]()
 
     def lose(name: str, lost_as: str, losses: Losses) -> None:
         not_taken[f'{name}: {lost_as}'] += int(losses.count.sum())

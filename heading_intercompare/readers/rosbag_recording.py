@@ -21,7 +21,7 @@ An unreadable message is an invalid reading at its log time, as in MCAP bags.
 
 from __future__ import annotations
 
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 import os
 from pathlib import Path
 import sqlite3
@@ -47,7 +47,6 @@ from heading_intercompare.bags.rosbag2.topic_names import clean_namespace, find_
 from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.fields import Definitions, Field, leaves, SEQUENCE, short_name
-from heading_intercompare.messages.heading_fields import list_candidates
 from heading_intercompare.messages.heading_places import LOG_TIME, PUBLISH_TIME
 from heading_intercompare.messages.schemas import DEFINITIONS, definitions_of
 from heading_intercompare.messages.sentence_messages import SENTENCE, TOPIC_TYPES
@@ -232,10 +231,8 @@ class RosbagRecording:
         if key.place.part and type_name != SENTENCE:
             definitions = self._read_definitions(key.name)
         elif type_name not in TOPIC_TYPES:
-            with suppress(ReaderError):
-                definitions = self._read_definitions(key.name)
-            raise ReaderError(self.path, explain_type(key.name, type_name, list_candidates(
-                type_name, definitions)))
+            raise ReaderError(self.path, explain_type(key.name, type_name,
+                                                      self._read_definitions))
         if key.place.part and type_name in TRANSFORM_TYPES and [
                 *leaves(short_name(type_name), definitions)] != [
                 *leaves(short_name(TRANSFORMS), definitions_of(TRANSFORMS))]:

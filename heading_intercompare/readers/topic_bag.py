@@ -16,7 +16,6 @@
 
 from __future__ import annotations
 
-from contextlib import suppress
 import os
 from typing import Callable, Iterable, Iterator, Mapping, Sequence
 
@@ -25,7 +24,6 @@ from heading_intercompare.bags.rosbag2.bag_reader import BagReader, TopicNumbers
 from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.fields import Definitions, definitions_in
-from heading_intercompare.messages.heading_fields import list_candidates
 from heading_intercompare.messages.heading_messages import HEADING_TYPES
 from heading_intercompare.messages.sentence_messages import SENTENCE, TOPIC_TYPES
 from heading_intercompare.messages.transform_messages import TRANSFORMS
@@ -86,10 +84,7 @@ class TopicBag(BagReader):
         elif key.place.part and type_name != SENTENCE:
             definitions = self._read_definitions(key.name)
         elif type_name not in TOPIC_TYPES:
-            with suppress(BagError):
-                definitions = self._read_definitions(key.name)
-            raise BagError(explain_type(key.name, type_name, list_candidates(
-                type_name, definitions)), self.path)
+            raise BagError(explain_type(key.name, type_name, self._read_definitions), self.path)
         else:
             self.check_heading(key.name, TOPIC_TYPES)
         try:

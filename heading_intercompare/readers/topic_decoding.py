@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from contextlib import suppress
 from functools import partial
 from itertools import islice
 from typing import Callable, Iterator, Mapping, NamedTuple, Sequence
@@ -34,7 +35,7 @@ from heading_intercompare.messages.byte_columns import (
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.field_columns import decode_field
 from heading_intercompare.messages.fields import Definitions
-from heading_intercompare.messages.heading_fields import find_heading_field
+from heading_intercompare.messages.heading_fields import find_heading_field, list_candidates
 from heading_intercompare.messages.heading_messages import decode_headings
 from heading_intercompare.messages.heading_places import HeadingPlace, LOG_TIME, PUBLISH_TIME
 from heading_intercompare.messages.sentence_messages import (
@@ -244,9 +245,15 @@ def find_absence(decoders: Mapping[TopicKey, TopicDecoder]) -> str:
                  if decoder.absence), '')
 
 
-def explain_type(name: str, type_name: str, candidates: Sequence[str] = ()) -> str:
+def explain_type(name: str, type_name: str,
+                 read_definitions: Callable[[str], Definitions]) -> str:
     """Return in words that the messages of a topic are no headings, and what to name."""
-    parts = ('map:base_link',) if type_name in TRANSFORM_TYPES else candidates
+    parts = ['map:base_link']
+    if type_name not in TRANSFORM_TYPES:
+        definitions: Definitions = {}
+        with suppress(ValueError):
+            definitions = read_definitions(name)
+        parts = list_candidates(type_name, definitions)
     examples = ' or '.join(f'{name}.{part}' for part in parts[:_MOST_NAMED])
     hint = ('name two frames, parent and child, as in' if type_name in TRANSFORM_TYPES else
             'name a field:' if examples else 'of any other type name a field, as in')

@@ -173,7 +173,8 @@ class PairsCsv:
 
     def _begin(self, first: list[_Columns]) -> Iterator[Pairs]:
         """Yield the first pairs, once they agree with the unit of their stamps."""
-        self._check_unit([int(ns) for columns in first for ns in columns[0][:_FIRST_ROWS]])
+        self._check_unit([int(ns) for columns in first
+                          for ns in columns[0][:_FIRST_ROWS]][:_FIRST_ROWS])
         yield from (Pairs.of(*columns) for columns in first)
 
     def _check_unit(self, stamp_ns: list[int]) -> None:
@@ -184,7 +185,9 @@ class PairsCsv:
     def _read(self) -> Iterator[_Columns]:
         """Yield the columns of `Pairs`, of at most 65536 rows."""
         single: tuple[list[Any], ...] = ([], [], [], [], [], [])
-        for part in self._rows.parts():
+        # Times in words are read one by one.
+        rows = self._rows if self._stamp == 'stamp_utc' else self._rows.parts()
+        for part in rows:
             if isinstance(part, list):
                 for column, value in zip(single, self._read_row(part)):
                     column.append(value)
@@ -239,7 +242,7 @@ class PairsCsv:
         factors = [reals_of(place, 1.0) for place in self._factor_places]
         for factor in factors:
             good &= (factor > 0.0) & (factor <= LARGEST_FACTOR)
-        good &= (self._stamp != 'stamp_utc') & ~plain.empty(self._places[0])
+        good &= ~plain.empty(self._places[0])
         columns = stamp_ns, ts_deg, rs_deg, lag_ns, *factors
         for at in np.flatnonzero(~good).tolist():
             self._rows.line = plain.line + at

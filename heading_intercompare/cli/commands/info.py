@@ -51,6 +51,7 @@ from heading_intercompare.readers.registry import (
     refuse_unreadable,
 )
 from heading_intercompare.readers.stream_recording import StreamOptions, StreamRecording
+from heading_intercompare.readers.topic_bag import TopicBag
 from heading_intercompare.readers.written_files import WrittenFile
 
 from .log_options import add_log_arguments, drivers_for, SHARED_OPTIONS
@@ -104,7 +105,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.check:
         with Progress(arguments.bag, arguments.quiet) as progress:
             checked = check_bag(arguments.bag, progress.show)
-    reader = BagReader(arguments.bag)
+    reader = TopicBag(arguments.bag)
     attachments = reader.attachments()
     lines = [*_whole(reader), *_topics(reader, checked), *_notes(reader),
              *_states(reader), *_records(reader.metadata()), *_files(attachments),
@@ -115,7 +116,7 @@ def run(arguments: argparse.Namespace) -> int:
     if checked is not None:
         lines += ['', *_report_check(checked)]
     say_lines(lines, _MARKS)
-    _plot(arguments, reader, options)
+    _plot(arguments, reader)
     if checked is not None and checked.faults:
         raise BagError('; '.join(checked.faults), arguments.bag)
     return 0
@@ -162,7 +163,7 @@ def _show_recording(arguments: argparse.Namespace, form: Format, options: Stream
         n = sum(1 for _ in reader.messages())
         lines += ['', f'check: all {n} messages can be read; this format has no checksums of them']
     say_lines([*lines, '', *_next_steps(arguments, reader)], _MARKS)
-    _plot(arguments, reader, options)
+    _plot(arguments, reader)
     return 0
 
 
@@ -227,7 +228,7 @@ def _check_plot(arguments: argparse.Namespace) -> None:
         raise ValueError(f'--plot {arguments.plot}: that is the FILE; name another one')
 
 
-def _plot(arguments: argparse.Namespace, reader: Readable, options: StreamOptions) -> None:
+def _plot(arguments: argparse.Namespace, reader: Readable) -> None:
     """Write the picture of what was read, if it is asked for."""
     if arguments.plot is None:
         return
@@ -238,7 +239,7 @@ def _plot(arguments: argparse.Namespace, reader: Readable, options: StreamOption
     if not names:
         raise ValueError(f'--plot {arguments.plot}: {arguments.bag} has no headings that are '
                          'known as such; name a topic or a field with --ts and --rs')
-    read = read_streams(arguments.bag, names, options)
+    read = read_streams(reader, names)
     with name_file(arguments.plot):
         write_readings(arguments.plot, read.streams, read.pairs, read.not_taken,
                        read.silence_steps)
