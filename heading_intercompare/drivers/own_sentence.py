@@ -108,8 +108,8 @@ def read_own_sentence(text: str | None) -> OwnSentence | None:
     if not fields.heading:
         raise ValueError('heading is missing: the number of the field of the heading; the field '
                          'up to the first comma has number 0')
-    if taken := [number for number in numbers if 0 < number <= kind.count(',')]:
-        raise ValueError(f'field {taken[0]} is part of the identifier {kind}; the field up to '
+    if in_kind := [number for number in numbers if 0 < number <= kind.count(',')]:
+        raise ValueError(f'field {in_kind[0]} is part of the identifier {kind}; the field up to '
                          'the first comma has number 0')
     if len({*filter(None, numbers)}) < len([*filter(None, numbers)]):
         raise ValueError('two of heading, quality and time are the same field')

@@ -244,8 +244,9 @@ class Collected:
                 if n := int(np.count_nonzero(lacking)):
                     self.not_taken[reason] += n
             headings = Headings(angles.stamp_ns, heading_deg)
-            taken = ~missing & ~wrong
-            self.add_chunk(name, self.kinds[name], headings if taken.all() else headings[taken])
+            is_heading = ~missing & ~wrong
+            self.add_chunk(name, self.kinds[name],
+                           headings if is_heading.all() else headings[is_heading])
         self._units.clear()
         return unsure
 

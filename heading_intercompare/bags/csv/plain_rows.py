@@ -210,14 +210,14 @@ class PlainRows:
             byte = self._block[np.minimum(starts + at, last)]
             digit = byte - np.uint8(_ZERO)
             is_digit = (at < lengths) & (digit < 10)
-            other = (at < lengths) & ~is_digit
+            is_other = (at < lengths) & ~is_digit
             if at == 0:
-                other &= sign == 0
-            if mark and other.any():
-                is_mark = other & (byte == ord(mark)) & ~marked
+                is_other &= sign == 0
+            if mark and is_other.any():
+                is_mark = is_other & (byte == ord(mark)) & ~marked
                 marked |= is_mark
-                other &= ~is_mark
-            plain &= ~other
+                is_other &= ~is_mark
+            plain &= ~is_other
             digits = np.where(is_digit, digits * 10 + digit, digits)
             n_digits += is_digit
             n_decimals += is_digit & marked
