@@ -54,7 +54,7 @@ setup(
     project_urls={one.get('type'): one.text for one in PACKAGE.iter('url')},
     license='Apache-2.0',
     packages=find_packages(include=[NAME, f'{NAME}.*']),
-    package_data={NAME: ['py.typed', 'report/templates/*']},
+    package_data={NAME: ['py.typed', 'report/templates/*', 'web/static/*']},
     data_files=[
         ('share/ament_index/resource_index/packages', [f'resource/{NAME}']),
         (f'share/{NAME}', ['package.xml']),
@@ -79,7 +79,7 @@ setup(
         'test': ['pytest>=7.4', 'pytest-xdist>=3.4', 'pytest-timeout>=2.2', 'hypothesis>=6',
                  'rosbags', 'pyarrow>=14', 'mcap-ros2-support', 'pybag-sdk',
                  'jsonschema>=4', 'ephem>=4.1'],
-        'browser': ['nicegui>=3.0', 'playwright>=1.40'],
+        'browser': ['nicegui>=3.0', 'playwright>=1.40', 'axe-playwright-python>=0.1.4'],
         'docs': ['sphinx>=7', 'myst-parser>=2', 'numpydoc>=1.6', 'pydata-sphinx-theme>=0.14'],
         'notebook': ['nbclient>=0.6', 'ipykernel>=6', 'matplotlib>=3.5'],
         'dev': ['ruff', 'mypy>=2.4', 'pydocstyle>=6.3', 'pytest-cov>=4.1',

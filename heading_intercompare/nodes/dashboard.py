@@ -22,6 +22,9 @@ from typing import Any, Sequence
 
 from heading_intercompare.core.alarms.alarm import Priority
 from heading_intercompare.core.decision.criteria import Limits
+from heading_intercompare.core.sensors.compared_sensors import pair_with_reference
+from heading_intercompare.core.sensors.pair_settings import settings_of_pair
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.nodes.interface.parameters import declare
 from heading_intercompare.nodes.judging.operator_actions import OperatorActions
 from heading_intercompare.nodes.launching.process import run
@@ -48,11 +51,9 @@ class Dashboard(GraphNode):
         settings, taking, node_settings = declare(self, SHOWN, Taking, DashboardNode)
         self.ended = False
         self.health = Health(self, priority=Priority.CAUTION)
-        limit_deg = (Limits.of(settings.norms, settings.model).count_limit_deg
-                     if settings.sensors is None else None)
-        self._graph = BridgeIntake(self, self.health, settings, taking, limit_deg)
+        self._graph = BridgeIntake(self, self.health, settings, taking, _list_limits(settings))
         self._actions = OperatorActions(self)
-        self._seen: tuple[BridgeView, float] = BridgeView(), time.monotonic()
+        self._seen: tuple[BridgeView, float] = self._graph.view(), time.monotonic()
         self.page = PageServer(Controls(self._look, self._actions.ask), host=node_settings.host,
                                port=node_settings.port, token=node_settings.token)
         self._say_where(node_settings)
@@ -77,6 +78,14 @@ class Dashboard(GraphNode):
         """Close the page."""
         self.page.close()
         self.ended = True
+
+
+def _list_limits(settings: Settings) -> dict[str, float]:
+    """Return the limit of a single difference of each tested sensor, degrees."""
+    pairs = {tested.name: settings_of_pair(settings, tested, reference)
+             for tested, reference in pair_with_reference(settings)}
+    return {name: Limits.of(pair.norms, pair.model).count_limit_deg
+            for name, pair in pairs.items()}
 
 
 def main(args: Sequence[str] | None = None) -> int:

@@ -24,7 +24,7 @@ from heading_intercompare.core.utc_text import utc
 from heading_intercompare.web.bridge.bridge_records import NodeView, Tone, TrendView
 from heading_intercompare.web.bridge.bridge_view import BridgeView
 from heading_intercompare.web.bridge.view_texts import (
-    alarm_words,
+    alert_words,
     node_words,
     Said,
     sensor_words,
@@ -102,7 +102,7 @@ def lay_out(view: BridgeView, columns: int, rows: int, *, title: str = '', phase
         line('bag', 'bag'),
     ]
     last = [Line('', text) for text in (phase, foot) if text]
-    listed = [*_list_alarms(view), *_list_nodes(view)]
+    listed = [*_list_alerts(view), *_list_nodes(view)]
     left = rows - len(fixed) - len(last)
     if len(listed) > left:
         more = len(listed) - max(left, 1) + 1
@@ -127,11 +127,11 @@ def _list_sensors(view: BridgeView) -> list[Line]:
             Line('vote', vote.text, vote.tone)]
 
 
-def _list_alarms(view: BridgeView) -> list[Line]:
-    """Return a line per alarm; the first one has the label."""
-    alarms = [alarm for _, alarm in alarm_words(view)] or [Said('none')]
-    return [Line('' if at else 'alarms', alarm.text, alarm.tone)
-            for at, alarm in enumerate(alarms)]
+def _list_alerts(view: BridgeView) -> list[Line]:
+    """Return a line per alert; the first one has the label."""
+    alerts = [alert_words(alert) for alert in view.alerts] or [Said('none')]
+    return [Line('' if at else 'alerts', alert.text, alert.tone)
+            for at, alert in enumerate(alerts)]
 
 
 def _list_nodes(view: BridgeView) -> list[Line]:
@@ -228,6 +228,6 @@ def one_line(view: BridgeView, now_ns: int, phase: str = '') -> str:
         f'{texts["window"].text}, {texts["norm"].text}' if view.window.n else '',
         '' if view.paired_share is None else texts['paired'].text,
         '' if view.bag.age_s is None else texts['bag'].text,
-        *(alarm.text for _, alarm in alarm_words(view)),
+        *(alert_words(alert).text for alert in view.alerts),
         *(phrase.text for node, phrase in zip(view.nodes, node_words(view)) if not _is_well(node))]
     return f'{utc(now_ns)[11:19]} {"; ".join(filter(None, parts))}'

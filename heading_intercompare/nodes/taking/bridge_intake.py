@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from functools import partial
 import time
-from typing import Callable, Sequence
+from typing import Callable, Mapping, Sequence
 
 from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
@@ -36,6 +36,7 @@ from heading_intercompare.messages.status_messages import (
 )
 from heading_intercompare.nodes.interface import qos
 from heading_intercompare.nodes.interface.message_types import list_heading_types, PAIRS_TYPES
+from heading_intercompare.nodes.interface.places import label_tested, name_place
 from heading_intercompare.nodes.presence.health import Health
 from heading_intercompare.nodes.settings import Taking
 from heading_intercompare.nodes.spinning.batches import Arrivals
@@ -76,25 +77,31 @@ class BridgeIntake:
         Its state.
     settings
         Of the analysis.
-    trend_limit_deg
+    limits_deg
         As for `Bridge`.
 
     """
 
     def __init__(self, node: Node, health: Health, settings: Settings, taking: Taking,
-                 trend_limit_deg: float | None = None) -> None:
-        self._bridge = Bridge(settings, trend_limit_deg=trend_limit_deg,
+                 limits_deg: Mapping[str, float] | None = None) -> None:
+        self._bridge = Bridge(settings, limits_deg=limits_deg,
                               stale_s=taking.stale_s, namespace=node.get_namespace())
         several = settings.sensors is not None
-        self._listen(node, health, several)
-        self._intakes: dict[str, Intake] = {}
-        self._pairs: Intake | None = None
-        if not several:
-            self._hear_pair(node, health, settings, taking)
-
-    def _hear_pair(self, node: Node, health: Health, settings: Settings, taking: Taking) -> None:
-        """Make what hears the headings of two sensors, and their pairs."""
+        labels = {names[0]: name_place(label) for names, label in label_tested(settings).items()}
+        self._listen(node, health, labels, several)
         arrivals = Arrivals(node, self._drain, taking.drain_period_s)
+        self._intakes: dict[str, Intake] = {}
+        self._pairs = {tested: Intake(
+            node, f'{place}pairs', PAIRS_TYPES, qos.PAIRS_TAKEN, health, needed=False,
+            counted=False, arrivals=arrivals) for tested, place in labels.items()}
+        for intake in self._pairs.values():
+            intake.open = False
+        if not several:
+            self._hear_headings(node, health, settings, arrivals)
+
+    def _hear_headings(self, node: Node, health: Health, settings: Settings,
+                       arrivals: Arrivals) -> None:
+        """Make what hears the headings of two sensors; compliance says those of several."""
         places = {'ts': locate_headings(settings.ts_topic, settings.ts_unit),
                   'rs': locate_headings(settings.rs_topic, settings.rs_unit)}
         conventions = {'ts': settings.ts_convention, 'rs': settings.rs_convention}
@@ -104,19 +111,20 @@ class BridgeIntake:
             for stream, place in places.items()}
         self._readers = {stream: TopicHeadings(place, conventions[stream])
                          for stream, place in places.items()}
-        self._pairs = Intake(node, 'pairs', PAIRS_TYPES, qos.PAIRS_TAKEN, health,
-                             needed=False, counted=False, arrivals=arrivals)
-        for intake in (*self._intakes.values(), self._pairs):
+        for intake in self._intakes.values():
             intake.open = False
 
-    def _listen(self, node: Node, health: Health, several: bool) -> None:
+    def _listen(self, node: Node, health: Health, labels: Mapping[str, str],
+                several: bool) -> None:
         """Subscribe to the statuses of the graph."""
         bridge = self._bridge
         stamped: list[tuple[str, QoSProfile, _Stamped]] = [
-            (f'sensors/{name}', qos.STATE_IN, partial(bridge.take_sensors, name))
+            (f'{place}compliance/run', qos.STATUS, partial(bridge.take_run, tested=tested))
+            for tested, place in labels.items()]
+        stamped += [
+            (f'sensors/{name}', qos.STATE_IN, partial(self._take_sensors, name))
             for name in _OF_SENSORS] if several else [
                 ('compliance/rolling', qos.STATUS, bridge.take_rolling),
-                ('compliance/run', qos.STATUS, bridge.take_run),
                 ('compliance/verdict', qos.STATE_IN, bridge.take_verdict)]
         stamped += [
             (ALARMS_TOPIC, qos.STATE_IN, _without_stamp(bridge.take_alarms)),
@@ -128,6 +136,12 @@ class BridgeIntake:
             subscribe(node, DiagnosticArray, 'pairs/ledger', qos.LEDGER, health, decode_ledger,
                       self._book)
 
+    def _take_sensors(self, name: str, stamp_ns: int, statuses: Sequence[Status],
+                      now_s: float) -> None:
+        self._bridge.take_sensors(name, stamp_ns, statuses, now_s)
+        if any('age_s' in status.values for status in statuses):
+            self.open()
+
     def _book(self, told: LedgerMessage) -> None:
         self._bridge.take_ledger(told, time.monotonic())
         if any(told.ledger.total.counts.values()):
@@ -135,7 +149,7 @@ class BridgeIntake:
 
     def open(self) -> None:
         """Hear headings and pairs from now on."""
-        for intake in (*self._intakes.values(), *([self._pairs] if self._pairs else [])):
+        for intake in (*self._intakes.values(), *self._pairs.values()):
             intake.open = True
 
     def _drain(self) -> None:
@@ -144,9 +158,9 @@ class BridgeIntake:
             headings = intake.read_rows(self._readers[stream].read)
             if intake.received_ns is not None:
                 self._bridge.take_headings(stream, headings, intake.received_ns, now_s)
-        if self._pairs is not None:
-            self._bridge.take_pairs(self._pairs.read_rows(
-                lambda _, messages: read_pairs(messages)), now_s)
+        for tested, intake in self._pairs.items():
+            self._bridge.take_pairs(intake.read_rows(
+                lambda _, messages: read_pairs(messages)), now_s, tested)
 
     def view(self) -> BridgeView:
         """Return what to show now."""

@@ -16,8 +16,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import Enum
+from typing import Mapping
 
 from heading_intercompare.web.figures.trend import TrendColumn
 
@@ -84,6 +85,8 @@ class AlarmView:
         As on the topic.
     raised_ns
         Stamp at which it was last raised.
+    values
+        Figures of its condition.
 
     """
 
@@ -92,6 +95,7 @@ class AlarmView:
     state: str
     words: str
     raised_ns: int | None
+    values: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def acknowledged(self) -> bool:
@@ -102,6 +106,74 @@ class AlarmView:
     def active(self) -> bool:
         """Whether its condition still holds."""
         return self.state.startswith('active')
+
+
+@dataclass(frozen=True, slots=True)
+class AlertView:
+    """
+    What is wrong, as an officer of the watch reads it: an alarm with its consequences.
+
+    Attributes
+    ----------
+    priority
+        'alarm', 'warning' or 'caution', after IMO MSC.302(87).
+    words
+        What is wrong, in plain words.
+    details
+        The same as the node that watches says it, with its figures.
+    sensor, state
+        The sensor that it is about, '' if none, and the state of that sensor in a word.
+    alarms
+        Names of the alarm and of its consequences that nobody has acknowledged yet.
+    since_ns, age_s
+        Stamp at which it was raised, and the time since then, seconds; None if not known.
+    active, acknowledged
+        Whether its condition still holds, and whether somebody has acknowledged it.
+    consequences
+        What follows from it, in plain words.
+
+    """
+
+    priority: str
+    words: str
+    details: str = ''
+    sensor: str = ''
+    state: str = ''
+    alarms: tuple[str, ...] = ()
+    since_ns: int | None = None
+    age_s: float | None = None
+    active: bool = True
+    acknowledged: bool = False
+    consequences: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class JudgedRunView:
+    """
+    A run that was judged.
+
+    Attributes
+    ----------
+    number, start_ns, end_ns, n
+        Its number, the stamps of its first and last pairs, and its analysed differences.
+    mean_deg, std_deg
+        Of its differences, degrees.
+    word, tone
+        Its outcome in capitals, and how grave it is.
+    reason
+        Why, as in the verdict.
+
+    """
+
+    number: int
+    start_ns: int | None
+    end_ns: int | None
+    n: int
+    mean_deg: float | None
+    std_deg: float | None
+    word: str
+    tone: Tone
+    reason: str
 
 
 @dataclass(frozen=True, slots=True)
@@ -128,6 +200,8 @@ class WindowView:
         The norm for the scatter of the differences, degrees: root of GK (5).
     nu
         Effective degrees of freedom.
+    judges_mean
+        The norm holds for the mean, too, as the mean is known: variant A.
 
     """
 
@@ -138,6 +212,7 @@ class WindowView:
     age_s: float | None = None
     stale: bool = True
     nu: float | None = None
+    judges_mean: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -159,6 +234,8 @@ class RunView:
         What is missing, in words.
     ends_ns
         When the clock ends the run.
+    start_ns
+        Stamp of its first pair.
 
     """
 
@@ -171,11 +248,30 @@ class RunView:
     age_s: float | None = None
     stale: bool = True
     ends_ns: int | None = None
+    start_ns: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
 class TrendView:
-    """The trend, its newest stamp, the centre and half width of its limits, and its age."""
+    """
+    The trend of one difference.
+
+    Attributes
+    ----------
+    columns, span_s, newest_ns
+        The extremes per column, the length of the stretch, and the newest stamp.
+    center_deg, limit_deg
+        Centre and half width of the limits of a single difference, degrees.
+    age_s, stale
+        Time since the last pair came, and whether that is too long.
+    sensor
+        The tested sensor.
+    longer
+        The same over longer stretches: length in seconds, and columns.
+    doubtful
+        Begin and end of the stretches in which there was no comparison, as ages in seconds.
+
+    """
 
     columns: tuple[TrendColumn, ...] = ()
     span_s: float = 1800.0
@@ -184,6 +280,9 @@ class TrendView:
     limit_deg: float | None = None
     age_s: float | None = None
     stale: bool = True
+    sensor: str = 'ts'
+    longer: tuple[tuple[float, tuple[TrendColumn, ...]], ...] = ()
+    doubtful: tuple[tuple[float, float], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,22 +16,26 @@
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass, field, replace
 import math
 from typing import Mapping, Sequence
 
-from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.records import Headings, Pairs
-from heading_intercompare.core.sensor_table import read_sensors
+from heading_intercompare.core.sensors.compared_sensors import list_sensors, pair_with_reference
+from heading_intercompare.core.sensors.pair_settings import settings_of_pair
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.ledger_messages import LedgerMessage
 from heading_intercompare.messages.status_messages import ERROR, OK, Status, WARN
+from heading_intercompare.web.figures.difference_watch import DifferenceWatch
 from heading_intercompare.web.figures.stream_watch import SensorView, StreamWatch
-from heading_intercompare.web.figures.trend import Trend
 
+from .alert_list import AlertList, state_of
 from .bridge_records import (
     AlarmView,
+    AlertView,
     BagView,
+    JudgedRunView,
     LampView,
     NodeView,
     RunView,
@@ -40,12 +44,13 @@ from .bridge_records import (
     ValidityView,
     WindowView,
 )
-from .sensors_panel import SensorsPanel, SensorsView
-from .verdict_lamp import light_lamp
+from .sensors_panel import SensorRow, SensorsPanel, SensorsView
+from .verdict_lamp import light_lamp, list_runs
 from .view_texts import integer, lacking_words, real, shorten
 
 #: Names in messages of others must not fill the memory.
 _MOST_NODES, _MOST_ALARMS, _MOST_PARTS, _LONGEST = 50, 200, 100, 300
+_MOST_STRETCHES = 100
 #: A node that has kept silent for this time has ended; its states are dropped.
 _FORGET_S = 600.0
 
@@ -74,6 +79,14 @@ class BridgeView:
         What speaks against the comparison now.
     alarms
         Those that are not normal, the gravest first.
+    alerts
+        The same in plain words, each with what follows from it.
+    rows
+        What to show of each sensor, of two as of several.
+    trends
+        The trend of each tested sensor; the first one is `trend`.
+    runs
+        The runs that were judged, the newest first.
     nodes
         By name.
     mode
@@ -103,6 +116,10 @@ class BridgeView:
     run: RunView = RunView()
     trend: TrendView = TrendView()
     alarms: tuple[AlarmView, ...] = ()
+    alerts: tuple[AlertView, ...] = ()
+    rows: tuple[SensorRow, ...] = ()
+    trends: tuple[TrendView, ...] = ()
+    runs: tuple[JudgedRunView, ...] = ()
     nodes: tuple[NodeView, ...] = ()
     mode: str | None = None
     bag: BagView = BagView()
@@ -141,8 +158,9 @@ class Bridge:
     ----------
     settings
         Of the analysis.
-    trend_limit_deg
-        Limit of a single difference, degrees; drawn about the centre of the trend.
+    limits_deg
+        Limit of a single difference of each tested sensor, degrees; drawn about the centre of its
+        trend.
     stale_s
         Age after which a figure is stale, seconds; a slow sensor has longer.
     namespace
@@ -155,23 +173,34 @@ class Bridge:
 
     """
 
-    def __init__(self, settings: Settings, *, trend_limit_deg: float | None = None,
+    def __init__(self, settings: Settings, *, limits_deg: Mapping[str, float] | None = None,
                  stale_s: float = 3.0, namespace: str = '/') -> None:
         self._settings, self._stale_s = settings, stale_s
         self._owners = f'{namespace.rstrip("/")}/'
         self._streams = {'ts': StreamWatch(stale_s), 'rs': StreamWatch(stale_s)}
-        self._trend, self._trend_limit_deg = Trend(), trend_limit_deg
-        self._x_deg: float | None = None
-        self._pair_ns: int | None = None
-        self._pair_s: float | None = None
+        self._limits_deg = limits_deg or {}
+        self._differences = {
+            tested.name: DifferenceWatch(settings_of_pair(settings, tested, reference))
+            for tested, reference in pair_with_reference(settings)}
+        self._first_s: float | None = None
+        self._data_time: tuple[int, float] | None = None
         self._ledger: LedgerMessage | None = None
-        self._rolling, self._run, self._verdict = _LastMessage(), _LastMessage(), _LastMessage()
+        self._rolling, self._verdict = _LastMessage(), _LastMessage()
+        self._runs = {tested: _LastMessage() for tested in self._differences}
         self._alarms: dict[str, Status] = {}
         self._nodes: dict[str, _Node] = {}
         self._heard_s: float | None = None
-        sensors = read_sensors(settings.sensors)
-        self._panel = SensorsPanel(sensors, stale_s) if sensors else None
-        self._places = {'', *(sensor.name for sensor in sensors)}
+        # Begin and end of the stretches without a comparison, stamps; one may still be going on.
+        self._doubtful: deque[tuple[int, int]] = deque(maxlen=_MOST_STRETCHES)
+        self._in_doubt = False
+        sensors = list_sensors(settings)
+        several = settings.sensors is not None
+        self._panel = SensorsPanel(sensors, stale_s) if several else None
+        self._places = {'', *(sensor.name for sensor in sensors)} if several else {''}
+        self._titles = {sensor.name: sensor.name for sensor in sensors} if several else {
+            'ts': 'Tested sensor', 'rs': 'Reference'}
+        self._alert_list = AlertList(
+            self._titles, next((sensor.name for sensor in sensors if sensor.is_reference), ''))
 
     def take_sensors(self, topic: str, stamp_ns: int, statuses: Sequence[Status],
                      now_s: float) -> None:
@@ -181,6 +210,7 @@ class Bridge:
             return
         if topic == 'figures':
             self._panel.take_figures(statuses, now_s)
+            self._data_time = stamp_ns, now_s
         elif topic == 'vote':
             self._panel.take_vote(statuses)
         else:
@@ -191,26 +221,25 @@ class Bridge:
         """Take readings of 'ts' or 'rs'; the last one came at this time of day, UTC ns."""
         if len(headings):
             self._heard_s = now_s
+            self._data_time = int(headings.stamp_ns[-1]), now_s
+            if self._first_s is None:
+                self._first_s = now_s
             self._streams[stream].take(headings, received_ns, now_s)
 
-    def take_pairs(self, pairs: Pairs, now_s: float) -> None:
-        """Take pairs in the order of their stamps."""
-        if not len(pairs):
-            return
-        differences = subtract(pairs, self._settings.installation_offset_deg,
-                               self._settings.wrap_center_deg)
-        self._heard_s = self._pair_s = now_s
-        self._x_deg = float(differences.x_deg[-1])
-        self._pair_ns = int(differences.stamp_ns[-1])
-        self._trend.take(differences.stamp_ns, differences.x_deg)
+    def take_pairs(self, pairs: Pairs, now_s: float, tested: str = 'ts') -> None:
+        """Take pairs of a tested sensor with the reference, in the order of their stamps."""
+        if len(pairs):
+            self._heard_s = now_s
+            self._differences[tested].take(pairs, now_s)
 
     def take_rolling(self, stamp_ns: int, statuses: Sequence[Status], now_s: float) -> None:
         """Take `compliance/rolling`."""
         self._rolling = self._tell(stamp_ns, statuses, now_s)
 
-    def take_run(self, stamp_ns: int, statuses: Sequence[Status], now_s: float) -> None:
-        """Take `compliance/run`."""
-        self._run = self._tell(stamp_ns, statuses, now_s)
+    def take_run(self, stamp_ns: int, statuses: Sequence[Status], now_s: float,
+                 tested: str = 'ts') -> None:
+        """Take `compliance/run` of a tested sensor."""
+        self._runs[tested] = self._tell(stamp_ns, statuses, now_s)
 
     def take_verdict(self, stamp_ns: int, statuses: Sequence[Status], now_s: float) -> None:
         """Take `compliance/verdict`."""
@@ -257,54 +286,104 @@ class Bridge:
     def view(self, now_s: float) -> BridgeView:
         """Return what to show at a time of the steady clock, seconds."""
         self._forget(now_s)
-        if self._panel is not None:
-            return self._view_several(self._panel, now_s)
-        ts, rs = (self._streams[name].view(now_s) for name in ('ts', 'rs'))
-        pair_age_s = None if self._pair_s is None else now_s - self._pair_s
-        # A pair waits for the readings on both sides of it.
-        slow_s = max(4.0 / sensor.rate_hz if sensor.rate_hz else 0.0 for sensor in (ts, rs))
-        stale = pair_age_s is None or pair_age_s > max(self._stale_s, slow_s)
-        window, run = self._view_window(now_s), self._view_run(now_s)
-        judged = not self._is_silent('compliance', now_s)
         alarms = self._view_alarms()
-        validity = self._view_validity(alarms, judged, stale)
+        alerts = self._alert_list.list_alerts(alarms, self._now_ns(now_s))
+        judged = not self._is_silent('compliance', now_s)
+        view = BridgeView(
+            alarms=alarms, alerts=alerts, judged=judged,
+            nodes=tuple(self._view_node(name, now_s) for name in sorted(self._nodes)),
+            mode=self._view_mode(now_s), bag=self._view_bag(now_s),
+            graph_age_s=None if self._heard_s is None else now_s - self._heard_s)
+        self._follow_doubt(alerts, now_s)
+        whole = self._view_pair(view, now_s) if self._panel is None else self._view_several(
+            view, self._panel, now_s)
+        if whole.lamp.tone is Tone.GOOD and (whole.validity.tone is not Tone.NONE or not judged):
+            # It is never good while something speaks against the comparison.
+            return replace(whole, lamp=replace(whole.lamp, tone=Tone.DOUBT))
+        return whole
+
+    def _now_ns(self, now_s: float) -> int | None:
+        """Return the present in the time of the data; None before any came."""
+        if self._data_time is None:
+            return None
+        stamp_ns, came_s = self._data_time
+        return stamp_ns + round((now_s - came_s) * 1e9)
+
+    def _follow_doubt(self, alerts: Sequence[AlertView], now_s: float) -> None:
+        """Keep the stretches in which an alert makes the comparison meaningless."""
+        now_ns = self._now_ns(now_s)
+        grave = any(alert.active and alert.priority != 'caution' for alert in alerts)
+        if grave and now_ns is not None:
+            begin_ns = self._doubtful.pop()[0] if self._in_doubt else now_ns
+            self._doubtful.append((begin_ns, now_ns))
+        self._in_doubt = grave and now_ns is not None
+
+    def _view_pair(self, view: BridgeView, now_s: float) -> BridgeView:
+        """Return a view with what there is of two sensors."""
+        ts, rs = (self._streams[name].view(now_s) for name in ('ts', 'rs'))
+        watch = self._differences['ts']
+        stale = self._is_stale(watch, now_s, (ts, rs))
+        window = self._view_window(now_s)
+        validity = self._view_validity(view, window, stale, now_s)
+        run = self._view_run(now_s, validity)
         ledger = None if self._ledger is None else self._ledger.ledger
         pairing = self._part('synchronizer', 'pairing')
         silent = pairing is None or self._is_silent('synchronizer', now_s)
-        return BridgeView(
-            ts=ts, rs=rs, difference_deg=None if stale else self._x_deg,
-            last_difference_deg=self._x_deg, difference_age_s=pair_age_s, difference_stale=stale,
+        trend = self._view_trend('ts', validity, stale, now_s)
+        x_deg = None if stale else watch.x_deg
+        return replace(
+            view, ts=ts, rs=rs, difference_deg=x_deg,
+            last_difference_deg=watch.x_deg, difference_age_s=watch.age_s(now_s),
+            difference_stale=stale,
             turn_deg_min=ts.turn_deg_min if rs.turn_deg_min is None else rs.turn_deg_min,
             paired_share=None if silent or pairing is None else real(
                 pairing.values.get('paired_share')),
             paired=None if ledger is None else ledger.paired,
             rejected=None if ledger is None else ledger.rejected,
-            lamp=self._view_lamp(run, validity, judged), validity=validity, window=window,
-            run=run, trend=self._view_trend(window, pair_age_s, stale), alarms=alarms,
-            nodes=tuple(self._view_node(name, now_s) for name in sorted(self._nodes)),
-            mode=self._view_mode(now_s), bag=self._view_bag(now_s),
-            graph_age_s=None if self._heard_s is None else now_s - self._heard_s, judged=judged)
+            lamp=light_lamp(self._verdict.statuses, self._verdict.stamp_ns, run.next_look_ns,
+                            run.ends_ns),
+            runs=list_runs(self._verdict.statuses), validity=validity, window=window, run=run,
+            trend=trend, trends=(trend,), rows=tuple(
+                SensorRow(name, name == 'rs', now, title=self._titles[name],
+                          difference_deg=x_deg if name == 'ts' else None,
+                          state=self._state_of(name, view))
+                for name, now in (('ts', ts), ('rs', rs))))
 
-    def _view_several(self, panel: SensorsPanel, now_s: float) -> BridgeView:
-        """Return what to show of a graph of several sensors."""
-        sensors, alarms = panel.view(now_s), self._view_alarms()
-        judged = not self._is_silent('compliance', now_s)
-        grave = [alarm.name for alarm in alarms if alarm.active and alarm.priority == 'warning']
+    def _view_several(self, view: BridgeView, panel: SensorsPanel, now_s: float) -> BridgeView:
+        """Return a view with what there is of several sensors."""
+        sensors = panel.view(now_s)
+        grave = [alert.words for alert in view.alerts if alert.active
+                 and alert.priority != 'caution']
         if grave:
-            validity = ValidityView(f'not all sensors are sound now: {", ".join(grave)}', Tone.BAD)
-        elif not judged:
+            validity = ValidityView(f'not all sensors are sound now: {"; ".join(grave)}', Tone.BAD)
+        elif not view.judged:
             validity = ValidityView('not known: the compliance node is not heard', Tone.DOUBT)
         else:
             validity = ValidityView('nothing speaks against a sensor now', Tone.NONE)
-        lamp = panel.lamp
-        if lamp.tone is Tone.GOOD and (validity.tone is not Tone.NONE or not judged):
-            lamp = replace(lamp, tone=Tone.DOUBT)
-        return BridgeView(
-            lamp=lamp, validity=validity, alarms=alarms,
-            nodes=tuple(self._view_node(name, now_s) for name in sorted(self._nodes)),
-            mode=self._view_mode(now_s), bag=self._view_bag(now_s),
-            graph_age_s=None if self._heard_s is None else now_s - self._heard_s, judged=judged,
-            sensors=sensors)
+        readings = {row.name: row.now for row in sensors.rows}
+        stale = {name: self._is_stale(watch, now_s, (readings[name],))
+                 for name, watch in self._differences.items()}
+        return replace(
+            view, lamp=panel.lamp, validity=validity, sensors=sensors,
+            run=self._view_run(now_s, validity), rows=tuple(replace(
+                row, title=row.name, state=self._state_of(row.name, view),
+                difference_deg=None if stale.get(row.name, True) else
+                self._differences[row.name].x_deg) for row in sensors.rows),
+            trends=tuple(self._view_trend(name, validity, stale[name], now_s)
+                         for name in self._differences))
+
+    @staticmethod
+    def _state_of(sensor: str, view: BridgeView) -> str:
+        """Return what is wrong with a sensor, in a word; '' if nothing is."""
+        alert = state_of(sensor, view.alerts)
+        return '' if alert is None else alert.state
+
+    def _is_stale(self, watch: DifferenceWatch, now_s: float,
+                  sensors: Sequence[SensorView]) -> bool:
+        """Tell whether the newest difference is old; a pair waits for readings on both sides."""
+        slow_s = max(4.0 / sensor.rate_hz if sensor.rate_hz else 0.0 for sensor in sensors)
+        age_s = watch.age_s(now_s)
+        return age_s is None or age_s > max(self._stale_s, slow_s)
 
     def _forget(self, now_s: float) -> None:
         """Drop the nodes that ended long ago, with their alarms: nobody is left to clear them."""
@@ -334,59 +413,69 @@ class Bridge:
             n=integer(values.get('n')) or 0, mean_deg=real(values.get('mean_deg')),
             std_deg=real(values.get('std_deg')), age_s=age_s, stale=stale,
             limit_deg=None if limit_deg2 is None else math.sqrt(max(0.0, limit_deg2)),
-            nu=real(values.get('nu')))
+            nu=real(values.get('nu')), judges_mean=self._settings.variant == 'A')
 
-    def _view_run(self, now_s: float) -> RunView:
-        values = self._run.values('run')
-        age_s, stale = self._age_of(self._run, now_s)
+    def _view_run(self, now_s: float, validity: ValidityView) -> RunView:
+        # Runs of several sensors have the same cuts; the one that lacks most decides last.
+        message = max(self._runs.values(), default=_LastMessage(), key=lambda run: real(
+            run.values('run').get('needed_s')) or 0.0)
+        values = message.values('run')
+        age_s, stale = self._age_of(message, now_s)
         if age_s is None:
             return RunView()
         number, n = integer(values.get('run')) or 0, integer(values.get('n')) or 0
         if not number:
             return RunView(lacking='no run is in progress', age_s=age_s, stale=stale)
         needed_s = real(values.get('needed_s'))
+        std_deg, limit_deg2 = real(values.get('std_deg')), real(values.get('limit_deg2'))
+        beyond = std_deg is not None and limit_deg2 is not None and std_deg ** 2 > limit_deg2
         return RunView(
             number=number, n=n, span_s=real(values.get('span_s')), needed_s=needed_s,
             next_look_ns=integer(values.get('next_look_ns')),
-            ends_ns=integer(values.get('ends_ns')),
-            lacking=lacking_words(n, needed_s), age_s=age_s, stale=stale)
+            ends_ns=integer(values.get('ends_ns')), start_ns=integer(values.get('start_ns')),
+            lacking='waits until the alert is over' if validity.tone is Tone.BAD else
+            lacking_words(n, needed_s, beyond), age_s=age_s, stale=stale)
 
-    def _view_lamp(self, run: RunView, validity: ValidityView, judged: bool) -> LampView:
-        """Return the lamp; it is never good while something speaks against the comparison."""
-        lamp = light_lamp(self._verdict.statuses, self._verdict.stamp_ns, run.next_look_ns,
-                          run.ends_ns)
-        if lamp.tone is Tone.GOOD and (validity.tone is not Tone.NONE or not judged):
-            return replace(lamp, tone=Tone.DOUBT)
-        return lamp
-
-    def _view_validity(self, alarms: Sequence[AlarmView], judged: bool,
-                       stale: bool) -> ValidityView:
-        active = [alarm for alarm in alarms if alarm.active]
-        grave = [alarm.name for alarm in active if alarm.priority == 'warning']
+    def _view_validity(self, view: BridgeView, window: WindowView, stale: bool,
+                       now_s: float) -> ValidityView:
+        active = [alert for alert in view.alerts if alert.active]
+        grave = [alert.words for alert in active if alert.priority != 'caution']
         if grave:
-            return ValidityView(f'no comparison now: {", ".join(grave)}', Tone.BAD)
-        if not judged:
+            return ValidityView(f'no comparison now: {"; ".join(grave)}', Tone.BAD)
+        if not view.judged:
             return ValidityView('not known: the compliance node is not heard', Tone.DOUBT)
-        if self._pair_s is None and not self._verdict.statuses:
-            # A start in order.
-            rule = self._settings.pairing
-            when = f'the first pairs come after {rule.auto_s:g} s of readings' \
-                if rule.method == 'auto' else 'no pair has come'
-            return ValidityView(f'no comparison yet: {when}', Tone.NONE)
+        if self._differences['ts'].came_s is None and not self._verdict.statuses:
+            return ValidityView(self._describe_start(now_s), Tone.NONE)
         if stale:
             return ValidityView('no comparison now: no pairs come', Tone.BAD)
         if active:
-            names = ', '.join(alarm.name for alarm in active)
-            return ValidityView(f'the comparison goes on, with trouble: {names}', Tone.DOUBT)
+            words = '; '.join(alert.words for alert in active)
+            return ValidityView(f'the comparison goes on, with trouble: {words}', Tone.DOUBT)
+        if window.std_deg is not None and window.limit_deg and not window.stale and (
+                window.std_deg > window.limit_deg):
+            return ValidityView('the scatter of the window is '
+                                f'{window.std_deg / window.limit_deg:.2g} times the norm',
+                                Tone.DOUBT)
         return ValidityView('nothing speaks against the comparison now', Tone.NONE)
+
+    def _describe_start(self, now_s: float) -> str:
+        """Return what a comparison that has no pair yet waits for; such a start is in order."""
+        rule = self._settings.pairing
+        if rule.method != 'auto':
+            return 'no comparison yet: no pair has come'
+        if self._first_s is None:
+            return f'no comparison yet: the first pairs come after {rule.auto_s:g} s of readings'
+        left_s = rule.auto_s - (now_s - self._first_s)
+        return ('choosing the pairing: a moment more' if left_s < 1.0 else
+                f'choosing the pairing: {left_s:.0f} s more')
 
     def _view_alarms(self) -> tuple[AlarmView, ...]:
         alarms = [AlarmView(status.name, status.values.get('priority', ''), status.values['state'],
                             shorten(status.message, _LONGEST),
-                            integer(status.values.get('raised_ns')))
+                            integer(status.values.get('raised_ns')), status.values)
                   for status in self._alarms.values()]
         return tuple(sorted(alarms, key=lambda alarm: (
-            alarm.acknowledged, not alarm.active, alarm.priority != 'warning', alarm.name)))
+            alarm.acknowledged, not alarm.active, alarm.priority == 'caution', alarm.name)))
 
     def _view_node(self, name: str, now_s: float) -> NodeView:
         node = self._nodes[name]
@@ -415,9 +504,15 @@ class Bridge:
                        free_bytes=integer(part.values.get('free_bytes')),
                        age_s=now_s - self._nodes['recorder'].came_s, stale=silent)
 
-    def _view_trend(self, window: WindowView, age_s: float | None, stale: bool) -> TrendView:
-        about_mean = self._settings.variant != 'A' and window.mean_deg is not None
+    def _view_trend(self, tested: str, validity: ValidityView, stale: bool,
+                    now_s: float) -> TrendView:
+        watch = self._differences[tested]
+        columns = watch.columns()
         return TrendView(
-            columns=self._trend.columns(), span_s=self._trend.span_s, newest_ns=self._pair_ns,
-            center_deg=window.mean_deg if about_mean and window.mean_deg is not None else 0.0,
-            limit_deg=self._trend_limit_deg, age_s=age_s, stale=stale)
+            columns=columns, newest_ns=watch.stamp_ns, center_deg=watch.follow_center(
+                columns, validity.tone is Tone.NONE, now_s),
+            limit_deg=self._limits_deg.get(tested), age_s=watch.age_s(now_s), stale=stale,
+            sensor=tested,
+            longer=watch.longer_columns(now_s), doubtful=() if watch.stamp_ns is None else tuple(
+                ((watch.stamp_ns - begin_ns) / 1e9, (watch.stamp_ns - end_ns) / 1e9)
+                for begin_ns, end_ns in self._doubtful))

@@ -52,6 +52,13 @@ class SensorRow:
         Its last outcome.
     named
         The vote on the window names it as wrong.
+    difference_deg
+        Its newest difference from the reference, wrapped, the installation offset removed,
+        degrees; None if there is none or it is stale.
+    title
+        What people call it.
+    state
+        What is wrong with it, in a word; '' if nothing is.
 
     """
 
@@ -64,6 +71,9 @@ class SensorRow:
     share: float | None = None
     lamp: LampView = _NONE_YET
     named: bool = False
+    difference_deg: float | None = None
+    title: str = ''
+    state: str = ''
 
 
 @dataclass(frozen=True, slots=True)

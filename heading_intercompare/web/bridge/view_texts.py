@@ -23,7 +23,7 @@ from heading_intercompare.core.decision.coverage import span_words
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.web.figures.stream_watch import SensorView
 
-from .bridge_records import NodeView, Tone
+from .bridge_records import AlertView, NodeView, Tone
 
 if TYPE_CHECKING:
     from .bridge_view import BridgeView
@@ -74,6 +74,37 @@ def clock(stamp_ns: int | None) -> str:
     return '-' if stamp_ns is None else f'{utc(stamp_ns)[11:16]} UTC'
 
 
+def compass_words(heading_deg: float) -> str:
+    """
+    Return a heading; what rounds to 360 is north.
+
+    Examples
+    --------
+    >>> compass_words(7.25), compass_words(359.97)
+    ('007.2°', '000.0°')
+
+    """
+    return f'{round(heading_deg, 1) % 360.0:05.1f}°'
+
+
+def big_difference(x_deg: float | None) -> str:
+    """Return the difference with as many digits as fit its panel in any size."""
+    if x_deg is None:
+        return '– –'
+    digits = 2 if abs(x_deg) < 9.995 else 1 if abs(x_deg) < 99.95 else 0
+    # What rounds to zero is no negative difference.
+    return f'{round(x_deg, digits) + 0.0:+.{digits}f}°'
+
+
+def stamp_words(alert: AlertView) -> str:
+    """Return for how long an alert has been standing, or since when; '' if that is not known."""
+    if alert.age_s is None:
+        return '' if alert.since_ns is None else f'since {clock(alert.since_ns)}'
+    if not alert.active:
+        return f'over, raised {clock(alert.since_ns)}'
+    return f'for {age_words(float(round(alert.age_s)))}'.replace('.0 s', ' s')
+
+
 def coming_words(next_look_ns: int | None, ends_ns: int | None) -> str:
     """Return when the next verdict is due, in words; '' if that is not known."""
     if next_look_ns is not None and (ends_ns is None or next_look_ns < ends_ns):
@@ -96,9 +127,9 @@ def age_words(age_s: float | None) -> str:
     return f'{age_s:.1f} s' if age_s < 10.0 else span_words(age_s)
 
 
-def lacking_words(n: int, needed_s: float | None) -> str:
+def lacking_words(n: int, needed_s: float | None, beyond: bool = False) -> str:
     """
-    Return what a run in progress lacks.
+    Return what a run in progress lacks, given whether its scatter is beyond the norm.
 
     Examples
     --------
@@ -111,7 +142,7 @@ def lacking_words(n: int, needed_s: float | None) -> str:
     if math.isinf(needed_s):
         return 'more time alone does not decide'
     if needed_s <= 0.0:
-        return 'long enough if it goes on like this'
+        return f'enough to {"reject" if beyond else "accept"} if it goes on like this'
     return f'{span_words(needed_s)} more if it goes on like this'
 
 
@@ -131,6 +162,8 @@ def size_words(size: int | None) -> str:
 
 
 _SIGNS = {Tone.NONE: '…', Tone.GOOD: '✔', Tone.DOUBT: '!', Tone.BAD: '✖'}
+#: Where more readings are paired than this share, the others are no news.
+_MOST_PAIRED = 0.98
 _LEVELS = ('OK', 'WARNING', 'ERROR')
 _TONES = (Tone.NONE, Tone.DOUBT, Tone.BAD)
 
@@ -156,7 +189,7 @@ def tell(view: BridgeView) -> dict[str, Said]:
     return {
         'ts_heading': _heading(view.ts), 'ts_state': _sensor(view.ts),
         'rs_heading': _heading(view.rs), 'rs_state': _sensor(view.rs),
-        'difference': Said(_big_difference(view.difference_deg)),
+        'difference': Said(big_difference(view.difference_deg)),
         'difference_state': _difference(view),
         'turn': Said('rate of turn not known' if view.turn_deg_min is None else
                      f'rate of turn {abs(view.turn_deg_min):.1f}°/min {_side(view.turn_deg_min)}'),
@@ -166,6 +199,12 @@ def tell(view: BridgeView) -> dict[str, Said]:
         'lamp_headline': Said(lamp.headline),
         'validity': Said(f'{_SIGNS[view.validity.tone]} {view.validity.words}',
                          view.validity.tone),
+        'last_run': _last_run(view),
+        'run_begin': Said('' if run.start_ns is None else f'began {clock(run.start_ns)}'),
+        'run_next': Said(coming or ('' if not run.number else 'judged when it ends')),
+        'missing': Said('' if not run.number else run.lacking),
+        'now': Said('' if any(alert.active for alert in view.alerts) else
+                    f'{_SIGNS[view.validity.tone]} {view.validity.words}', view.validity.tone),
         'lacking': _aged(f'{run.lacking}{more}', run.age_s, run.stale),
         'run': Said('no run' if not run.number else f'run {run.number}: {run.n:,} differences in '
                     f'{span_words(run.span_s or 0.0)}'),
@@ -175,6 +214,9 @@ def tell(view: BridgeView) -> dict[str, Said]:
                      'window'),
         'paired': Said('share paired not known' if view.paired_share is None else
                        f'paired {view.paired_share:.1%}'),
+        'unpaired': Said('' if view.paired_share is None or view.paired_share >= _MOST_PAIRED else
+                         f'{1.0 - view.paired_share:.1%} of the readings have no partner',
+                         Tone.DOUBT),
         'ledger': Said('no ledger' if view.paired is None else
                        f'{view.paired:,} pairs, {view.rejected:,} readings rejected'),
         'trend': Said('no pairs yet' if view.trend.newest_ns is None else
@@ -191,15 +233,39 @@ def tell(view: BridgeView) -> dict[str, Said]:
     }
 
 
-def alarm_words(view: BridgeView) -> list[tuple[str, Said]]:
-    """Return the alarms: the name to acknowledge, '' of an acknowledged alarm, and the words."""
-    return [('' if alarm.acknowledged else alarm.name, Said(
-        f'{alarm.priority.upper()}: {alarm.name}: {alarm.words} '
-        f'({"active" if alarm.active else "over"}, '
-        f'{"acknowledged" if alarm.acknowledged else "not acknowledged"}, '
-        f'{clock(alarm.raised_ns)})',
-        Tone.BAD if alarm.active and alarm.priority == 'warning' else Tone.DOUBT))
-        for alarm in view.alarms]
+def alert_words(alert: AlertView) -> Said:
+    """Return an alert in a line; the tone is that of its priority."""
+    state = ', '.join(filter(None, [
+        '' if alert.active else 'over', '' if alert.acknowledged else 'not acknowledged',
+        f'since {clock(alert.since_ns)}' if alert.since_ns is not None else '']))
+    more = ''.join(f'; follows: {words}' for words in alert.consequences)
+    return Said(f'{alert.priority.upper()}: {alert.words}{more} ({state})',
+                Tone.BAD if alert.active and alert.priority != 'caution' else Tone.DOUBT)
+
+
+def tile_state(row: SensorRow, no_reference: bool) -> Said:
+    """
+    Return the state of a sensor in a word, with a sign.
+
+    Parameters
+    ----------
+    row
+        The sensor.
+    no_reference
+        The reference is silent or frozen, so nothing can be said of a tested sensor.
+
+    """
+    if row.now.age_s is None:
+        return Said('not heard yet')
+    if row.now.stale:
+        return Said(f'{_SIGNS[Tone.BAD]} silent {age_words(row.now.age_s)}', Tone.BAD)
+    if row.state or row.named:
+        return Said(f'{_SIGNS[Tone.BAD]} {row.state or "differs"}', Tone.BAD)
+    if row.now.flagged:
+        return Said(f'{_SIGNS[Tone.DOUBT]} flags itself invalid', Tone.DOUBT)
+    if no_reference and not row.reference:
+        return Said(f'{_SIGNS[Tone.DOUBT]} no reference', Tone.DOUBT)
+    return Said('sound')
 
 
 def sensor_words(view: BridgeView) -> list[tuple[str, Said]]:
@@ -247,26 +313,13 @@ def _node_line(node: NodeView) -> Said:
 
 
 def _heading(sensor: SensorView) -> Said:
-    return Said('– –' if sensor.heading_deg is None else _compass(sensor.heading_deg))
-
-
-def _compass(heading_deg: float) -> str:
-    """Return a heading; what rounds to 360 is north."""
-    return f'{round(heading_deg, 1) % 360.0:05.1f}°'
-
-
-def _big_difference(x_deg: float | None) -> str:
-    """Return the difference with as many digits as fit its panel in any size."""
-    if x_deg is None:
-        return '– –'
-    digits = 2 if abs(x_deg) < 9.995 else 1 if abs(x_deg) < 99.95 else 0
-    return f'{x_deg:+.{digits}f}°'
+    return Said('– –' if sensor.heading_deg is None else compass_words(sensor.heading_deg))
 
 
 def _sensor(sensor: SensorView) -> Said:
     if sensor.age_s is None:
         return Said('not heard yet')
-    last = '' if sensor.last_deg is None else f'last {_compass(sensor.last_deg)}, '
+    last = '' if sensor.last_deg is None else f'last {compass_words(sensor.last_deg)}, '
     if sensor.stale:
         return Said(f'STALE: {last}{age_words(sensor.age_s)} ago', Tone.BAD)
     rate = 'rate not known' if sensor.rate_hz is None else f'{sensor.rate_hz:.1f} Hz'
@@ -297,6 +350,15 @@ def _deg(value: float | None, sign: str = '') -> str:
 
 def _side(turn_deg_min: float) -> str:
     return '' if abs(turn_deg_min) < 0.5 else 'to starboard' if turn_deg_min > 0.0 else 'to port'
+
+
+def _last_run(view: BridgeView) -> Said:
+    """Return the verdict of the last run, if the lamp shows something else beside it."""
+    if not view.runs or not view.lamp.what.startswith('look'):
+        return Said('')
+    run = view.runs[0]
+    return Said(f'run {run.number}, {clock(run.start_ns)} to {clock(run.end_ns)}: {run.word}',
+                run.tone)
 
 
 def _aged(text: str, age_s: float | None, stale: bool) -> Said:

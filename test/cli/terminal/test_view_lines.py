@@ -25,7 +25,7 @@ from heading_intercompare.cli.terminal.view_lines import (
     one_line,
 )
 from heading_intercompare.web.bridge.bridge_records import (
-    AlarmView,
+    AlertView,
     BagView,
     LampView,
     NodeView,
@@ -86,7 +86,7 @@ def test_a_view_of_a_trial_in_order_says_everything():
     assert said['window'].startswith('mean +0.190°, sd 0.120°; norm for sd 0.316°')
     assert said['pairs'] == 'paired 99.9%; 2,345 pairs, 2 readings rejected'
     assert said['bag'] == 'bag: recording to trial; free disk 81.2 GB'
-    assert said['alarms'] == 'none'
+    assert said['alerts'] == 'none'
     assert said['nodes'] == 'compliance, recorder: OK\nCtrl-C ends the trial'
 
 
@@ -98,10 +98,9 @@ def test_no_line_of_a_trial_in_order_is_coloured_before_a_verdict():
 
 @pytest.mark.parametrize('rows', [5, 12, 18, 23, 60])
 def test_a_view_fits_and_says_how_much_is_cut(rows):
-    alarms = tuple(AlarmView(f'synchronizer: a{i}', 'warning', 'active_unacknowledged', 'bad',
-                             T0_NS) for i in range(9))
+    alerts = tuple(AlertView('warning', f'bad {i}', since_ns=T0_NS) for i in range(9))
     nodes = tuple(NodeView(f'n{i}', 2, 'broken', 0.1, False) for i in range(9))
-    lines = lay_out(a_view(alarms=alarms, nodes=nodes), 80, rows, foot='Ctrl-C')
+    lines = lay_out(a_view(alerts=alerts, nodes=nodes), 80, rows, foot='Ctrl-C')
     assert len(lines) <= rows
     shown = [line for line in lines if 'bad' in line.text or 'broken' in line.text]
     if rows == 60:
@@ -113,12 +112,11 @@ def test_a_view_fits_and_says_how_much_is_cut(rows):
 
 def test_a_verdict_and_an_alarm_have_their_colours():
     lamp = LampView('COMPLIANT', Tone.GOOD, T0_NS, 'look 2 of 5', 'COMPLIANT for slow errors')
-    alarm = AlarmView('synchronizer: ts_silent', 'warning', 'active_unacknowledged', 'silent',
-                      T0_NS)
-    lines = lay_out(a_view(lamp=lamp, alarms=(alarm,)), 80, 23)
+    alert = AlertView('warning', 'Tested sensor silent', since_ns=T0_NS)
+    lines = lay_out(a_view(lamp=lamp, alerts=(alert,)), 80, 23)
     verdict, = [line for line in lines if line.label == 'verdict']
     assert (verdict.text, verdict.tone) == ('✔ COMPLIANT', Tone.GOOD)
-    alarmed, = [line for line in lines if line.label == 'alarms']
+    alarmed, = [line for line in lines if line.label == 'alerts']
     assert alarmed.tone is Tone.BAD and 'not acknowledged' in alarmed.text
     assert 'last verdict: 2023-11-14 22:13 UTC, look 2 of 5' in texts(lines)['verdict']
 

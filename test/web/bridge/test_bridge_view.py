@@ -43,7 +43,7 @@ NORMS = {'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.4}
 
 
 def make(**names):
-    return Bridge(Settings.from_mapping({**NORMS, **names}), trend_limit_deg=1.0)
+    return Bridge(Settings.from_mapping({**NORMS, **names}), limits_deg={'ts': 1.0})
 
 
 def health(node, part='node', level=OK, message='running', started=1, namespace='', **values):
@@ -77,7 +77,10 @@ def compliant(runs=1, outcome=Outcome.COMPLIANT):
 
 def test_before_anything_is_heard_the_page_says_so():
     view = make().view(0.0)
-    assert view == BridgeView(trend=view.trend, validity=view.validity, lamp=view.lamp)
+    assert view == BridgeView(trend=view.trend, trends=(view.trend,), rows=view.rows,
+                              validity=view.validity, lamp=view.lamp)
+    assert [row.title for row in view.rows] == ['Tested sensor', 'Reference']
+    assert all(row.now.stale and row.difference_deg is None for row in view.rows)
     assert view.lamp.word == 'NONE YET' and view.lamp.tone is Tone.NONE
     assert view.validity.words == 'not known: the compliance node is not heard'
     assert view.graph_age_s is None and view.difference_stale and view.window.stale
@@ -129,7 +132,7 @@ def test_figures_between_looks_colour_nothing_as_good_and_name_no_outcome(rng):
                         0.0)
     bridge.take_run(*decode_statuses(encode_figures('run', judge.run_figures(), T0)), 0.0)
     view = bridge.view(0.0)
-    assert view.run.lacking == 'long enough if it goes on like this'
+    assert view.run.lacking == 'enough to accept if it goes on like this'
     assert view.lamp.word == 'NONE YET' and view.lamp.tone is Tone.NONE
     assert 'compliant' not in repr(view).lower() and 'Tone.GOOD' not in repr(view)
 
@@ -155,7 +158,7 @@ def test_the_lamp_is_good_only_while_nothing_speaks_against_the_comparison():
     bridge.take_alarms([alarm('jump')], 0.0)
     seen = bridge.view(0.0)
     assert (seen.lamp.word, seen.lamp.tone) == ('COMPLIANT', Tone.DOUBT)
-    assert seen.validity.words == 'no comparison now: compliance: jump'
+    assert seen.validity.words == 'no comparison now: words of jump'
     bridge.take_alarms([alarm('jump', 'normal')], 0.0)
     assert bridge.view(0.0).lamp.tone is Tone.GOOD
     assert bridge.view(10.0).lamp.tone is Tone.DOUBT
@@ -269,13 +272,106 @@ def test_the_ledger_says_what_was_paired_and_rejected():
     assert (view.paired, view.rejected) == (90, 3)
 
 
-def test_the_trend_has_limits_about_the_mean_or_about_zero():
+def test_the_limits_stand_about_the_usual_difference_or_about_zero():
     bridge = lit(make(variant='B'))
-    bridge.take_rolling(T0, [Status('rolling', OK, '', {'n': '9', 'mean_deg': '0.2'})], 0.0)
     trend = bridge.view(0.0).trend
-    assert (trend.center_deg, trend.limit_deg, trend.newest_ns) == (0.2, 1.0, T0 + 19 * S // 10)
+    assert (trend.center_deg, trend.limit_deg, trend.newest_ns) == (
+        pytest.approx(0.1), 1.0, T0 + 19 * S // 10)
     assert trend.columns[-1].low_deg == pytest.approx(0.1)
     assert lit(make(variant='A')).view(0.0).trend.center_deg == 0.0
+
+
+def test_a_fault_does_not_move_the_limits():
+    """A step by 90 degrees for less than half of the trend, with and without an alarm."""
+    for alarms in ([], [alarm('jump')]):
+        bridge = make(variant='B')
+        bridge.take_pairs(pairs(600.0), 0.0)
+        bridge.take_health([health('compliance')], 0.0)
+        assert bridge.view(0.0).trend.center_deg == pytest.approx(0.1)
+        bridge.take_alarms(alarms, 0.0)
+        bridge.take_pairs(pairs(400.0, 90.0, 600.0), 20.0)
+        assert bridge.view(20.0).trend.center_deg == pytest.approx(0.1)
+    bridge.take_pairs(pairs(700.0, 90.0, 1000.0), 40.0)
+    assert bridge.view(40.0).trend.center_deg == pytest.approx(0.1), 'while the alert stands'
+    bridge.take_alarms([alarm('jump', 'normal')], 60.0)
+    bridge.take_pairs(pairs(10.0, 90.0, 1700.0), 60.0)
+    bridge.take_health([health('compliance')], 60.0)
+    assert bridge.view(60.0).trend.center_deg == pytest.approx(90.0)
+
+
+def test_the_trend_names_the_stretches_without_a_comparison():
+    bridge = lit(make())
+    bridge.take_headings('ts', Headings.of([T0], [0.05]), T0, 0.0)
+    bridge.take_alarms([alarm('jump')], 0.0)
+    bridge.view(1.0), bridge.view(5.0)
+    bridge.take_alarms([alarm('jump', 'normal')], 6.0)
+    bridge.view(6.0)
+    bridge.take_pairs(pairs(1.0, start_s=99.1), 100.0)
+    (begin_s, end_s), = bridge.view(100.0).trend.doubtful
+    assert (begin_s, end_s) == (pytest.approx(99.0), pytest.approx(95.0))
+
+
+def test_a_trend_of_a_day_is_kept():
+    bridge = make()
+    for hour in range(24):
+        bridge.take_pairs(pairs(2.0, 0.1 * hour, 3600.0 * hour), 0.0)
+    trend = bridge.view(0.0).trend
+    six, day = (columns for _, columns in trend.longer)
+    assert [span_s for span_s, _ in trend.longer] == [21600.0, 86400.0]
+    assert len(trend.columns) <= 2 and len(six) == 6 and len(day) == 24
+
+
+def test_what_is_missing_waits_while_an_alert_stands():
+    bridge = lit(make())
+    figures = {'run': 2, 'n': 900, 'span_s': 600.0, 'needed_s': 2e7}
+    bridge.take_run(*decode_statuses(encode_figures('run', figures, T0)), 0.0)
+    assert 'more if it goes on' in bridge.view(0.0).run.lacking
+    bridge.take_alarms([alarm('rotated')], 0.0)
+    assert bridge.view(0.0).run.lacking == 'waits until the alert is over'
+
+
+@pytest.mark.parametrize('std_deg, words', [
+    (0.6, 'enough to reject if it goes on like this'),
+    (0.4, 'enough to accept if it goes on like this')])
+def test_enough_says_for_what(std_deg, words):
+    bridge = lit(make())
+    figures = {'run': 2, 'n': 900, 'span_s': 600.0, 'needed_s': 0.0, 'std_deg': std_deg,
+               'limit_deg2': 0.25}
+    bridge.take_run(*decode_statuses(encode_figures('run', figures, T0)), 0.0)
+    assert bridge.view(0.0).run.lacking == words
+
+
+def test_nothing_speaks_against_the_comparison_never_stands_beside_a_scatter_beyond_the_norm():
+    bridge = lit(make())
+    for std_deg, words in ((0.4, 'nothing speaks against the comparison now'),
+                           (27.0, 'the scatter of the window is 54 times the norm')):
+        figures = {'n': 500, 'mean_deg': 0.0, 'std_deg': std_deg, 'limit_deg2': 0.25}
+        bridge.take_rolling(*decode_statuses(encode_figures('rolling', figures, T0)), 0.0)
+        assert bridge.view(0.0).validity.words == words
+
+
+def test_the_first_minute_counts_down_to_the_pairing():
+    bridge = make(**{'pairing.method': 'auto', 'pairing.auto_s': 60.0})
+    bridge.take_health([health('compliance')], 100.0)
+    assert 'after 60 s of readings' in bridge.view(100.0).validity.words
+    bridge.take_headings('ts', Headings.of([T0], [5.0]), T0, 100.0)
+    bridge.take_health([health('compliance')], 118.0)
+    seen = bridge.view(118.0).validity
+    assert (seen.words, seen.tone) == ('choosing the pairing: 42 s more', Tone.NONE)
+    bridge.take_health([health('compliance')], 170.0)
+    assert bridge.view(170.0).validity.words == 'choosing the pairing: a moment more'
+
+
+def test_the_judged_runs_are_listed_the_newest_first():
+    bridge = lit(make())
+    runs = [Status(f'run {number}', OK, 'why', {
+        'outcome': outcome, 'validity': 'holds', 'n': '500', 'start_ns': str(T0 - 900 * S),
+        'end_ns': str(T0), 'mean_deg': '0.1', 'std_deg': '0.2'})
+            for number, outcome in ((1, 'compliant'), (2, 'non_compliant'))]
+    bridge.take_verdict(T0, [*compliant(runs=2), *runs], 0.0)
+    newest, oldest = bridge.view(0.0).runs
+    assert (newest.number, newest.word, newest.tone) == (2, 'NON-COMPLIANT', Tone.BAD)
+    assert (oldest.number, oldest.n, oldest.mean_deg, oldest.std_deg) == (1, 500, 0.1, 0.2)
 
 
 def test_memory_is_bounded_whatever_others_say():

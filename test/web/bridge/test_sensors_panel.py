@@ -16,6 +16,9 @@
 
 from __future__ import annotations
 
+import pytest
+
+from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.status_messages import ERROR, OK, Status
 from heading_intercompare.web.bridge.bridge_records import Tone
@@ -72,6 +75,35 @@ def test_the_words_say_all_of_it():
     assert words['ins'].text.startswith('– –     STALE: last 046.0°, 60 s ago')
     assert 'the reference' in words['gnss'].text
     assert vote_words(view) == ('now: gyro differs from ins and gnss', Tone.BAD)
+
+
+def test_two_and_several_sensors_are_shown_by_the_same_rows():
+    for view, names in ((bridge(ROWS + ' rs').view(100.5), ['gyro', 'ins', 'gnss']),
+                        (Bridge(Settings()).view(1.0), ['ts', 'rs'])):
+        assert [row.name for row in view.rows] == names
+        assert all(row.title for row in view.rows)
+        assert [trend.sensor for trend in view.trends] == names[:-1]
+
+
+def test_each_tested_sensor_has_its_difference_and_its_trend():
+    """The difference of 0.5 less an installation offset of 0.4 degrees."""
+    made = Bridge(Settings(sensors='gyro sigma_max_deg=0.3 installation_offset_deg=0.4; '
+                           'gnss sigma_max_deg=0.1 rs'), limits_deg={'gyro': 0.7})
+    made.take_sensors('figures', 5, FIGURES, 100.0)
+    made.take_pairs(Pairs.of([10 ** 9, 2 * 10 ** 9], [45.5, 45.5], [45.0, 45.0]), 100.0, 'gyro')
+    gyro, gnss = made.view(100.5).rows
+    assert gyro.difference_deg == pytest.approx(0.1) and gnss.difference_deg is None
+    trend, = made.view(100.5).trends
+    assert trend.limit_deg == 0.7 and trend.columns[-1].high_deg == pytest.approx(0.1)
+    assert made.view(120.0).rows[0].difference_deg is None, 'it is stale'
+
+
+def test_the_run_that_lacks_most_says_when_several_sensors_are_decided():
+    made = bridge(ROWS + ' rs')
+    for tested, needed_s in (('gyro', '60'), ('ins', '600')):
+        made.take_run(5, [Status('run', OK, '', {'run': '1', 'n': '9', 'needed_s': needed_s})],
+                      100.0, tested=tested)
+    assert made.view(100.5).run.needed_s == 600.0
 
 
 def test_figures_that_are_old_are_no_longer_values():

@@ -19,7 +19,7 @@ from __future__ import annotations
 import pytest
 
 from heading_intercompare.web.bridge.bridge_records import (
-    AlarmView,
+    AlertView,
     BagView,
     LampView,
     NodeView,
@@ -29,7 +29,15 @@ from heading_intercompare.web.bridge.bridge_records import (
     WindowView,
 )
 from heading_intercompare.web.bridge.bridge_view import BridgeView
-from heading_intercompare.web.bridge.view_texts import alarm_words, node_words, tell
+from heading_intercompare.web.bridge.sensors_panel import SensorRow
+from heading_intercompare.web.bridge.view_texts import (
+    alert_words,
+    big_difference,
+    node_words,
+    stamp_words,
+    tell,
+    tile_state,
+)
 from heading_intercompare.web.figures.stream_watch import SensorView
 
 T0 = 1_700_000_000 * 10 ** 9
@@ -91,24 +99,52 @@ def test_tones_have_a_sign_and_a_word_each():
     assert len(signs) == len(Tone)
 
 
-def test_alarms_and_nodes_in_words():
-    alarms = (AlarmView('compliance: jump', 'warning', 'active_unacknowledged', 'jumped', T0),
-              AlarmView('ts_driver: x', 'caution', 'active_acknowledged', 'y', None))
+def test_alerts_and_nodes_in_words():
+    alert = AlertView('warning', 'Tested sensor frozen', since_ns=T0,
+                      consequences=('Tested sensor differs from the others',))
+    quiet = AlertView('caution', 'Messages were lost', acknowledged=True, active=False)
+    said = alert_words(alert)
+    assert said == ('WARNING: Tested sensor frozen; follows: Tested sensor differs from the '
+                    'others (not acknowledged, since 22:13 UTC)', Tone.BAD)
+    assert alert_words(quiet) == ('CAUTION: Messages were lost (over)', Tone.DOUBT)
     nodes = (NodeView('a', 0, 'running', 0.1, False), NodeView('b', 2, 'no', 9.0, True))
-    (name, said), (other, quiet) = alarm_words(BridgeView(alarms=alarms))
-    assert name == 'compliance: jump' and other == ''
-    assert said.text == ('WARNING: compliance: jump: jumped (active, not acknowledged, '
-                         '22:13 UTC)')
-    assert said.tone is Tone.BAD and quiet.tone is Tone.DOUBT
     lines = node_words(BridgeView(nodes=nodes))
     assert [line.text for line in lines] == ['a: OK, running', 'b: STALE, heard 9.0 s ago']
 
 
+@pytest.mark.parametrize('alert, words', [
+    (AlertView('warning', 'x', since_ns=T0, age_s=12.2), 'for 12 s'),
+    (AlertView('warning', 'x', since_ns=T0, age_s=300.0), 'for 5 min'),
+    (AlertView('warning', 'x', since_ns=T0), 'since 22:13 UTC'),
+    (AlertView('warning', 'x', since_ns=T0, age_s=9.0, active=False), 'over, raised 22:13 UTC'),
+    (AlertView('warning', 'x'), '')])
+def test_how_long_an_alert_has_been_standing(alert, words):
+    assert stamp_words(alert) == words
+
+
+LIVE = SensorView(7.25, 7.25, 0.1, 10.0, -0.04, 3.0, False)
+
+
+@pytest.mark.parametrize('row, no_reference, words, tone', [
+    (SensorRow('ts', now=LIVE), False, 'sound', Tone.NONE),
+    (SensorRow('ts'), False, 'not heard yet', Tone.NONE),
+    (SensorRow('ts', now=SensorView(None, 7.25, 4.0)), False, '✖ silent 4.0 s', Tone.BAD),
+    (SensorRow('ts', now=LIVE, state='frozen'), False, '✖ frozen', Tone.BAD),
+    (SensorRow('ts', now=LIVE, named=True), False, '✖ differs', Tone.BAD),
+    (SensorRow('ts', now=LIVE), True, '! no reference', Tone.DOUBT),
+    (SensorRow('rs', True, now=LIVE), True, 'sound', Tone.NONE),
+    (SensorRow('ts', now=SensorView(None, 7.0, 0.1, stale=False, flagged=True)), False,
+     '! flags itself invalid', Tone.DOUBT)])
+def test_the_state_of_a_sensor_in_a_word(row, no_reference, words, tone):
+    assert tile_state(row, no_reference) == (words, tone)
+
+
 @pytest.mark.parametrize('x_deg, words', [
-    (0.004, '+0.00°'), (-9.99, '-9.99°'), (9.996, '+10.0°'), (-99.94, '-99.9°'), (179.9, '+180°'),
-    (-179.99, '-180°')])
+    (0.004, '+0.00°'), (-0.004, '+0.00°'), (-9.99, '-9.99°'), (9.996, '+10.0°'),
+    (-99.94, '-99.9°'), (179.9, '+180°'), (-179.99, '-180°')])
 def test_a_large_difference_has_fewer_digits_so_that_it_is_never_cut_off(x_deg, words):
     assert tell(BridgeView(difference_deg=x_deg))['difference'].text == words
+    assert big_difference(x_deg) == words
 
 
 @pytest.mark.parametrize('heading_deg, words', [(359.96, '000.0°'), (0.0, '000.0°'),

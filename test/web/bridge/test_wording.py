@@ -38,10 +38,14 @@ def test_values_of_others_are_read_with_care(text, whole, value):
 
 @pytest.mark.parametrize('needed_s, words', [
     (None, 'too few differences to tell (40)'), (math.inf, 'more time alone does not decide'),
-    (0.0, 'long enough if it goes on like this'), (30.0, '30 s more if it goes on like this'),
+    (0.0, 'enough to accept if it goes on like this'), (30.0, '30 s more if it goes on like this'),
     (5400.0, '90 min more if it goes on like this')])
 def test_what_is_missing_is_said_in_words(needed_s, words):
     assert lacking_words(40, needed_s) == words
+
+
+def test_a_scatter_beyond_the_norm_is_enough_to_reject():
+    assert lacking_words(40, 0.0, True) == 'enough to reject if it goes on like this'
 
 
 def test_a_long_text_is_cut_and_keeps_to_one_line():
