@@ -37,7 +37,7 @@ OF_VERSIONS := $(addprefix test/,$(addprefix core/,statistics timing pairing dec
 	report/figures test_packaging.py)
 TESTS := -m pytest --numprocesses $(WORKERS) --dist loadscope --no-loadscope-reorder
 SITE := $(BIN)/python -m sphinx --fail-on-warning --keep-going -q -b html docs docs/_build
-TABLES := A B E cells gaps drift rates runs means looks short
+TABLES := A B E cells gaps drift rates runs means looks open short
 
 .PHONY: demo quick test test-pins coverage release addresses docs format clean help
 

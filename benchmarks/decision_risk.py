@@ -27,8 +27,9 @@ fail.
     python benchmarks/decision_risk.py --table rates --jobs 4
 
 Tables: A one run; cells the same with cells of equal time; drift, gaps, rates, short; B lengths
-needed; E slow components; runs and means several runs together; looks; stated, stated_lengths and
-stated_runs the same with the slowest error stated; longer what a longer run decides.
+needed; E slow components; runs and means several runs together; looks; open looks whose end is
+not planned; stated, stated_lengths and stated_runs the same with the slowest error stated; longer
+what a longer run decides.
 """
 
 from __future__ import annotations

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import math
-from typing import Callable
+from typing import Callable, Sequence
 
 from error_processes import (
     ar1,
@@ -180,6 +180,78 @@ def table_looks() -> list[Campaign]:
             for looks, first in ((7, 10), (4, 80))]
 
 
+#: Ends of a run with open looks, in least lengths: four an octave, so every fourth is at a look.
+ENDS = tuple(2.0 ** (k / 4.0) for k in range(25))
+#: True standard deviations of which the time until a decision is told.
+OPEN_SIGMAS = (0.5, 0.7, 0.8, 0.9)
+
+
+def _follow(x: np.ndarray, sizes: list[int], plan: Looks, alpha: float,
+            least_s: float) -> list[tuple[float, ...]]:
+    """Return for each end L and U at the full risks, at those of an end and at those of a look."""
+    cells, rows, at = Cells(), [], 0
+    for size, times in zip(sizes, ENDS):
+        cells.update(x[at:size], np.arange(at, size, dtype=np.int64))
+        at = size
+        f = estimate_spread(cells)
+        share = plan.risk_at_the_end(times * least_s * (1.0 + 1e-9)).alpha_consumer
+        rows.append(tuple(bound(f, a) for a in (alpha, share, plan.plan[0].risk.alpha_consumer)
+                          for bound in (lower_bound, upper_bound)))
+    return rows
+
+
+def _open(name: str, samples: int, errors: Errors) -> Campaign:
+    """Return a row of open looks; the least length is 20 correlation times."""
+    def measure(rng: np.random.Generator, wanted: int | None, alpha: float) -> Result:
+        plan = Looks('open', 7, Risk(alpha_consumer=alpha, alpha_producer=alpha))
+        least_s = plan.plan[0].span_ns / 1e9
+        sizes = [round(20 * samples * times) for times in ENDS]
+        rows = [_follow(x, sizes, plan, alpha, least_s)
+                for many in batches(errors, sizes[-1], runs_for(sizes[-1] // 2, wanted), rng)
+                for x in many]
+        low_one, up_one, low_end, up_end, low, up = np.array(rows).transpose(2, 0, 1)
+        wrong = [_decide_wrongly(looks, ends) for looks, ends in (
+            (up < 1.0, up_end < 1.0), (low > 1.0, low_end > 1.0))]
+        return Result((name, str(len(up)), *(rate(of_ends.T[of_ends.mean(axis=0).argmax()], alpha)
+                                             for of_ends in wrong),
+                       f'{np.mean((up_end < 1.0).any(axis=1)):.3f} / '
+                       f'{np.mean((low_end > 1.0).any(axis=1)):.3f}',
+                       *(_wait(s, up_one, up_end, up) for s in OPEN_SIGMAS)),
+                      any(fails(of_end, alpha) for of_ends in wrong for of_end in of_ends.T))
+    return Campaign(name, measure)
+
+
+def _decide_wrongly(looks: np.ndarray, ends: np.ndarray) -> np.ndarray:
+    """Return which runs are wrong at a look before each end, or at that end."""
+    at_look = (np.arange(len(ENDS)) % 4 == 0) & (np.arange(len(ENDS)) < len(ENDS) - 1)
+    return np.logical_or.accumulate(looks & at_look, axis=1) | ends
+
+
+def _wait(sigma: float, *uppers: np.ndarray) -> str:
+    """Return the lengths until 80 % are accepted: one decision, end of open looks, by a look."""
+    one, end, look = (sigma * sigma * upper <= 1.0 for upper in uppers)
+    seen = np.logical_or.accumulate(look[:, :-1:4], axis=1)
+    return ' / '.join([_length(one.mean(axis=0), ENDS), _length(end.mean(axis=0), ENDS),
+                       _first(seen.mean(axis=0), ENDS[:-1:4])])
+
+
+def _first(share: np.ndarray, lengths: tuple[float, ...]) -> str:
+    """Return the first length at which a share is at least 0.8."""
+    reached = np.flatnonzero(share >= 0.8)
+    return f'{lengths[reached[0]]:g}' if reached.size else f'> {lengths[-1]:g}'
+
+
+def table_open() -> list[Campaign]:
+    """Return the rows of looks at a run whose end is not planned."""
+    return [_open(name, samples, errors) for name, samples, errors in (
+        ('white', 10, white), ('AR(1)', 10, ar1(10.0)),
+        ('0.5 white + 0.5 AR(1)', 10, half(ar1(10.0))),
+        ('narrow band', 20, band(20.0)),
+        ('Laplace AR(1)', 10, as_laplace(ar1(10.0))),
+        ('Student-5 AR(1)', 10, as_student5(ar1(10.0))),
+        ('sea state of sd 0.7, white', 10, sea_state(0.7, 10.0, white)))]
+
+
 LENGTHS = tuple(round(7 * 2.0 ** (k / 2.0)) for k in range(15))
 TARGETS = (0.5, 0.7, 0.85, 1.2, 1.5)
 
@@ -207,16 +279,16 @@ def _power(name: str, samples: int, errors: Errors) -> Campaign:
     return Campaign(name, measure)
 
 
-def _length(share: np.ndarray, lengths: list[int]) -> str:
+def _length(share: np.ndarray, lengths: Sequence[float]) -> str:
     """Return the length from which a share is at least 0.8, interpolated in its logarithm."""
     below = np.flatnonzero(share < 0.8)
     if not below.size:
-        return f'<= {lengths[0]}'
+        return f'<= {lengths[0]:g}'
     k = int(below[-1])
     if k == len(lengths) - 1:
-        return f'> {lengths[-1]}'
+        return f'> {lengths[-1]:g}'
     part = (0.8 - share[k]) / (share[k + 1] - share[k])
-    return f'{lengths[k] * (lengths[k + 1] / lengths[k]) ** part:.0f}'
+    return f'{lengths[k] * (lengths[k + 1] / lengths[k]) ** part:.{0 if lengths[0] > 1 else 1}f}'
 
 
 def table_b() -> list[Campaign]:
@@ -376,6 +448,9 @@ CAMPAIGNS = {
     'looks': (table_looks, ('errors', 'runs', 'ever accepted', 'ever rejected',
                             'risk not shared', 'accepted at (share of plan)',
                             'accepted by the end')),
+    'open': (table_open, ('errors', 'runs', 'ever accepted', 'ever rejected',
+                          'end chosen by the data: accepted / rejected',
+                          *(f'accept {s:g}: one decision / end / look' for s in OPEN_SIGMAS))),
     'stated_lengths': (table_stated_lengths, (
         'errors', *(f'accept {s:g}: known / not stated / stated' for s in SIGMAS))),
     'stated_runs': (table_stated_runs, (

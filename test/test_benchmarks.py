@@ -47,7 +47,7 @@ import error_processes as processes  # noqa: E402
 import history  # noqa: E402
 import live  # noqa: E402
 import plain_rule  # noqa: E402
-from risk_campaigns import CAMPAIGNS  # noqa: E402
+from risk_campaigns import _decide_wrongly, CAMPAIGNS, ENDS  # noqa: E402
 from risk_rows import ROWS  # noqa: E402
 import same_source  # noqa: E402
 import sound_pairs  # noqa: E402
@@ -57,7 +57,8 @@ import sources  # noqa: E402
 QUICK = {'A': '^AR.1., 20$', 'cells': '^AR.1., 20$', 'drift': '^AR.1., 20; (order 3|auto)',
          'gaps': '^AR.1., 20; five', 'short': 'white, n = 128$', 'rates': '^10 Hz, n = 512: sea',
          'E': '0.5 slow, 1, n = 600', 'runs': '^AR.1., 50$', 'means': '^1, 2 runs',
-         'looks': '^white; 4', 'B': '^AR', 'stated': '^AR.1., 20$', 'stated_lengths': '^AR',
+         'looks': '^white; 4', 'open': '^white$', 'B': '^AR', 'stated': '^AR.1., 20$',
+         'stated_lengths': '^AR',
          'longer': '^R from 0',
          'stated_runs': '^AR.1.; 5 of 20$'}
 
@@ -240,6 +241,15 @@ def test_the_legs_of_a_pair_are_its_runs_by_marks_and_by_a_table(burden):
     assert [[(run.start_ns, run.n) for run in one.runs] for one in found[:1]] * 2 == [
         [(run.start_ns, run.n) for run in one.runs] for one in found]
     assert len(found[0].runs) == len(pair.legs) == 3
+
+
+def test_a_wrong_look_counts_from_its_time_on_and_a_wrong_end_alone():
+    looks, ends = np.zeros((3, len(ENDS)), bool), np.zeros((3, len(ENDS)), bool)
+    looks[0, 8], looks[1, 9] = True, True  # At four times the least length, and at no look.
+    ends[2, 3] = True
+    wrong = _decide_wrongly(looks, ends)
+    assert wrong[0].tolist() == [at >= 8 for at in range(len(ENDS))]
+    assert not wrong[1].any() and np.flatnonzero(wrong[2]).tolist() == [3]
 
 
 def test_names_of_rows_are_unique_for_they_are_seeds():

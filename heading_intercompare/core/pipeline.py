@@ -20,7 +20,12 @@ from dataclasses import replace
 from typing import Any, Callable, Iterator, Sequence
 
 from heading_intercompare.core.decision.criteria import Limits, require_norms
-from heading_intercompare.core.decision.sequential import find_standing, Look, LookVerdict
+from heading_intercompare.core.decision.sequential import (
+    find_standing,
+    Look,
+    LookVerdict,
+    risk_at_the_end,
+)
 from heading_intercompare.core.decision.taken_out import Stretch
 from heading_intercompare.core.motion.motion_record import RunMotion
 from heading_intercompare.core.pairing.difference import subtract
@@ -79,7 +84,7 @@ class Compliance:
     Raises
     ------
     SettingsError
-        If a norm is missing.
+        If a norm is missing, or a risk is too small to share among the looks.
 
     Notes
     -----
@@ -97,6 +102,8 @@ class Compliance:
         self._keeper, self._progress, self._thins = keeper, progress, thins
         self.newest_ns: int | None = None
         require_norms(settings.norms, settings.model)
+        # A risk that is too small for the looks is refused before the first pair.
+        risk_at_the_end(settings)
         # The limits of the newest run also serve the rolling window, which ends in it.
         self._limits: Limits | None = None
         self._source = source
@@ -235,7 +242,7 @@ class Compliance:
                        headline=f'INTERMEDIATE, what a stop now would give: {verdict.headline}')
 
     def _look(self, run: RunSeries, look: Look, looks: int) -> None:
-        """Judge the run in progress; the last look of a plan is the end of the run."""
+        """Judge the run in progress; the last of all looks is the end of the run."""
         if look.index < looks - 1:
             self._looks.append(look_at(run, look, looks, self.settings, self.motion.rows))
 
@@ -295,7 +302,8 @@ class Compliance:
             return {**result, 'n': 0}
         result |= {'start_ns': run.start_ns, 'newest_ns': run.end_ns,
                    'ends_ns': self._cutter.next_cut_ns, 'n_input': run.n_input,
-                   'n_invalid': run.n_invalid, 'n_stabilization': run.n_stabilization}
+                   'n_invalid': run.n_invalid, 'n_stabilization': run.n_stabilization,
+                   'next_look_ns': run.next_look_ns}
         if not len(run):
             return {**result, 'n': 0}
         limits = run.limits(self.settings.norms, self.settings.model)

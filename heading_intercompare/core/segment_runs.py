@@ -31,7 +31,7 @@ from heading_intercompare.core.verdict.recorded import judge_piece, JudgedPiece
 from heading_intercompare.core.verdict.verdict_document import RunVerdict
 
 from .outcome import Outcome
-from .settings import Settings
+from .settings import Risk, Settings
 
 _PAIR_KEYS = LedgerKey.PAIRED, LedgerKey.TS_PAIRED, LedgerKey.RS_USED
 
@@ -45,6 +45,7 @@ class KeptRun:
     limits: Limits
     printed: Printed
     alone: tuple[Outcome, str]
+    risk: Risk
     stabilization_s: float | str
     cut_ns: int
     judged: tuple[Finding, ...]

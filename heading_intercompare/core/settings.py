@@ -219,9 +219,10 @@ class Alignment(Checked):
 class Sequential(Checked):
     """Early verdicts at doubling looks."""
 
-    plan_s: float | None = setting(
-        None, 'planned length of a run [s]; none: no early verdict', 0.0)
-    looks: int = setting(7, 'number of doubling looks', 2, 20)
+    plan_s: float | str | None = setting(
+        None, "planned length of a run [s]; 'open': its end is not planned, and the looks begin "
+        'at the least length of a run; none: no early verdict', 0.0, choices=('open',))
+    looks: int = setting(7, 'number of doubling looks, the end of the run among them', 2, 20)
 
 
 @dataclass(frozen=True, slots=True)

@@ -355,6 +355,38 @@ def test_looks_do_not_depend_on_chunks(rng):
     assert len(texts) == 1
 
 
+@pytest.mark.parametrize('chunk', [1, 250, 3000])
+def test_open_looks_decide_in_progress_and_the_end_has_what_they_left(rng, chunk):
+    """Looks at 75 and 150 s of 299.8 s: each has 1 / 6 of the half, the end 5 / 6 of the whole."""
+    ts, rs = sensors(rng)
+    rule = {'norms__sigma_max_deg': 0.5, 'risk__min_duration_s': 75.0}
+    compliance = Compliance(settings(sequential__plan_s='open', **rule))
+    pairs, _ = pair(ts, rs, compliance.settings)
+    following = []
+    for k in range(0, len(pairs), chunk):
+        compliance.update(pairs[k:k + chunk])
+        following.append(compliance.run_figures()['next_look_ns'])
+    assert following[-1] == int(pairs.stamp_ns[0]) + 300 * 10 ** 9
+    assert compliance.early.outcome is Outcome.COMPLIANT
+    compliance.finish()
+    (run,) = compliance.verdict().runs
+    assert [(look.look, look.looks, look.outcome) for look in run.looks] == \
+        [(1, 7, Outcome.COMPLIANT), (2, 7, Outcome.COMPLIANT)]
+    left = 0.05 / (12 / 10)
+    (alone,) = analyze(ts, rs, settings(risk__alpha_consumer=left, risk__alpha_producer=left,
+                                        **rule)).runs
+    assert run.outcome is Outcome.COMPLIANT and run.guarded == alone.guarded
+    assert run.looks == analyze(ts, rs, compliance.settings).runs[0].looks
+
+
+@pytest.mark.parametrize('plan_s', ['open', 36_000.0])
+def test_a_risk_too_small_for_the_looks_is_refused_before_the_first_pair(plan_s):
+    rule = {'risk__alpha_consumer': 5e-6}
+    with pytest.raises(SettingsError, match='at least 12e-06, or sequential.plan_s must be none'):
+        Compliance(settings(sequential__plan_s=plan_s, risk__min_duration_s=1.0, **rule))
+    assert not Compliance(settings(**rule)).finished_runs
+
+
 def test_with_a_plan_the_end_of_a_run_takes_the_share_of_the_last_look(rng):
     ts, rs = sensors(rng, sigma=0.28)
     (plain,) = analyze(ts, rs, settings()).runs

@@ -109,7 +109,7 @@ Time in which the sea state changes, and the size of the errors with it, seconds
 Wave buoys take the sea as steady over records of half an hour.
 """
 
-_UNSTATED_LEAST_S = 600.0
+UNSTATED_LEAST_S = 600.0
 """Least duration of a run if the slowest error is not stated, seconds."""
 
 
@@ -265,18 +265,18 @@ def least_duration_s(risk: Risk) -> float:
     slowest = slowest_error_s(risk)
     stated = [s for s in (None if slowest is None else LEAST_TIMES * slowest,
                           risk.min_duration_s) if s is not None]
-    return max(stated, default=_UNSTATED_LEAST_S)
+    return max(stated, default=UNSTATED_LEAST_S)
 
 
 def least_apart_s(risk: Risk) -> float:
     """Return the least time between runs whose means count as independent, seconds."""
     slowest = slowest_error_s(risk)
-    return _UNSTATED_LEAST_S if slowest is None else slowest
+    return UNSTATED_LEAST_S if slowest is None else slowest
 
 
 def least_together_s(risk: Risk) -> float:
     """Return the least total length of runs that may comply by their means, seconds."""
-    return _UNSTATED_LEAST_S if risk.min_duration_s is None else risk.min_duration_s
+    return UNSTATED_LEAST_S if risk.min_duration_s is None else risk.min_duration_s
 
 
 def least_duration_words(risk: Risk) -> str:

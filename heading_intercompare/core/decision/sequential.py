@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+import math
 from typing import Sequence
 
 import numpy as np
@@ -26,7 +27,7 @@ from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import Risk, Settings
 
-from .coverage import least_duration_s
+from .coverage import least_duration_s, UNSTATED_LEAST_S
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +38,7 @@ class Look:
     Attributes
     ----------
     index
-        Number of the look, from 0; the last look is the planned end of the run.
+        Number of the look, from 0; the last look of a plan in seconds is the end of the run.
     span_ns
         Time from the first difference to the look, nanoseconds.
     risk
@@ -55,7 +56,7 @@ class LookVerdict:
     """The result of a look at a run in progress; keys of the JSON."""
 
     look: int = figure('number of the look, from 1')
-    looks: int = figure('looks planned')
+    looks: int = figure('looks planned, with the end of the run')
     span_s: float = figure('time since the first difference')
     outcome: Outcome = figure('outcome at the look')
     reason: str = figure('why, as for a run', '`not_confirmed` if only an earlier look accepted')
@@ -102,18 +103,25 @@ class Looks:
     Parameters
     ----------
     plan_s
-        Planned length of the run, seconds, greater than 0.
+        Planned length of the run, seconds, greater than 0; or 'open'.
     looks
-        Number of looks, at least 2: at plan, plan/2, plan/4, ... Looks earlier than the least
-        duration of a run are dropped.
+        Number of looks, at least 2, the end of the run among them. Of a plan in seconds they are
+        at plan, plan/2, plan/4, ..., and those earlier than the least duration of a run are
+        dropped. Of an open plan they are at 1, 2, 4, ... times the least duration, and the end is
+        whenever it comes.
     risk
-        Risk to share. The last look gets half of each alpha, the earlier looks share the other
-        half equally. A single look gets all of it.
+        Risk to share. The looks before the end share half of each alpha equally. The end of a
+        plan in seconds has the other half, and all if no look comes before it; that of an open
+        plan has all that the looks taken left.
 
     Attributes
     ----------
     plan : tuple of Look
-        All looks, first to last.
+        All looks, first to last; the end is one of them only if it is planned.
+    is_planned : bool
+        Whether the end of the run is planned.
+    number : int
+        Number of looks, with the end.
     taken : int
         Number of looks taken.
 
@@ -127,7 +135,8 @@ class Looks:
     The probability that any look decides wrongly is at most the sum of the shares, whatever the
     dependence between looks (Bonferroni). Do not look more often, or at the full risk each time:
     a rule of 5 % applied every minute for ten hours accepts at the limit in more than a quarter
-    of all runs.
+    of all runs. An open plan keeps this for an end that does not depend on the data, and for one
+    right after a look that decided.
 
     References
     ----------
@@ -142,29 +151,57 @@ class Looks:
     [0.0125, 0.0125, 0.025]
     >>> [look.index for look in looks.take_due(2000.0)], looks.take_due(3000.0)
     ([0, 1], [])
+    >>> looks = Looks('open', 4, Risk())
+    >>> [look.span_ns // 10 ** 9 for look in looks.plan]
+    [600, 1200, 2400]
+    >>> [looks.risk_at_the_end(span_s).alpha_consumer for span_s in (599.0, 1200.0, 5000.0)]
+    [0.05, 0.03333333333333333, 0.025]
 
     """
 
-    def __init__(self, plan_s: float, looks: int, risk: Risk) -> None:
-        if not plan_s > 0.0:
-            raise SettingsError(f'sequential.plan_s = {plan_s!r}: must be greater than 0')
+    def __init__(self, plan_s: float | str, looks: int, risk: Risk) -> None:
         if looks < 2:
             raise SettingsError(f'sequential.looks = {looks!r}: must be at least 2')
-        plan_ns = round(plan_s * 1e9)
         least_ns = round(least_duration_s(risk) * 1e9)
-        spans = [plan_ns >> (looks - 1 - k) for k in range(looks)]
-        spans = [span for span in spans[:-1] if span >= least_ns] + spans[-1:]
-        early, last = (_share(risk, 2 * (len(spans) - 1)), _share(risk, 2)) \
-            if len(spans) > 1 else (risk, risk)
-        self.plan = tuple(Look(k, span, last if k == len(spans) - 1 else early)
-                          for k, span in enumerate(spans))
-        self.taken = 0
+        self.is_planned = not isinstance(plan_s, str)
+        if isinstance(plan_s, str):
+            # Without a least length the looks begin where they would if none were stated.
+            first_ns = least_ns or round(UNSTATED_LEAST_S * 1e9)
+            spans = [first_ns << k for k in range(looks - 1)]
+        else:
+            spans = _plan_spans(plan_s, looks, least_ns)
+        self.number = len(spans) + (not self.is_planned)
+        # Each early look has one of these parts of the risks; the end has what is left.
+        self._parts = 2 * (self.number - 1)
+        _check_parts(risk, self._parts)
+        self.plan = tuple(
+            Look(k, span, _divide(risk, self._parts if k < self.number - 1
+                                  else self._divisor_at_the_end(k)))
+            for k, span in enumerate(spans))
+        self._risk, self.taken = risk, 0
+
+    def _divisor_at_the_end(self, n_taken: int) -> float:
+        """Return by what the risks are divided at the end, after this many looks."""
+        return self._parts / (self._parts - n_taken) if self._parts else 1.0
+
+    def risk_at_the_end(self, span_s: float) -> Risk:
+        """
+        Return the risks at the end of a run.
+
+        Parameters
+        ----------
+        span_s
+            Time from the first to the last difference of the run, seconds.
+
+        """
+        span_ns = math.inf if self.is_planned else span_s * 1e9
+        n_taken = sum(look.span_ns <= span_ns for look in self.plan[:self.number - 1])
+        return _divide(self._risk, self._divisor_at_the_end(n_taken))
 
     @property
     def next_span_ns(self) -> int | None:
-        """Span of the next look, nanoseconds; None if only the planned end of the run is left."""
-        early = self.plan[:-1]
-        return early[self.taken].span_ns if self.taken < len(early) else None
+        """Span of the next look, nanoseconds; None if only the end of the run is left."""
+        return self.plan[self.taken].span_ns if self.taken < self.number - 1 else None
 
     def take_due(self, span_s: float) -> list[Look]:
         """
@@ -214,18 +251,44 @@ class Looks:
                 for look in reached]
 
 
-def risk_at_the_end(settings: Settings) -> Risk:
-    """Return the risks of the verdict at the end of a run; with a plan, those of the last look."""
+def risk_at_the_end(settings: Settings, span_s: float = math.inf) -> Risk:
+    """
+    Return the risks of the verdict at the end of a run: what its looks leave of them.
+
+    Parameters
+    ----------
+    settings
+        Uses the risks and the looks.
+    span_s
+        Time from the first to the last difference of the run, seconds; by default it is so long
+        that all looks were taken.
+
+    """
     plan, risk = settings.sequential, settings.risk
     if plan.plan_s is None:
         return risk
-    return Looks(plan.plan_s, plan.looks, risk).plan[-1].risk
+    return Looks(plan.plan_s, plan.looks, risk).risk_at_the_end(span_s)
 
 
-def _share(risk: Risk, parts: int) -> Risk:
+def _plan_spans(plan_s: float, looks: int, least_ns: int) -> list[int]:
+    """Return the spans of the looks of a plan in seconds, nanoseconds; the last is its end."""
+    if not plan_s > 0.0:
+        raise SettingsError(f'sequential.plan_s = {plan_s!r}: must be greater than 0')
+    plan_ns = round(plan_s * 1e9)
+    spans = [plan_ns >> (looks - 1 - k) for k in range(looks)]
+    return [span for span in spans[:-1] if span >= least_ns] + spans[-1:]
+
+
+def _check_parts(risk: Risk, parts: int) -> None:
+    """Raise SettingsError if a risk is too small for its parts."""
     for name in ('alpha_consumer', 'alpha_producer'):
-        if getattr(risk, name) / parts < 1e-6:
+        if parts and getattr(risk, name) / parts < 1e-6:
             raise SettingsError(f'risk.{name} = {getattr(risk, name)!r}: too small to share '
-                                f'among the looks; must be at least {parts}e-06')
-    return replace(risk, alpha_consumer=risk.alpha_consumer / parts,
-                   alpha_producer=risk.alpha_producer / parts)
+                                f'among the looks; must be at least {parts}e-06, or '
+                                'sequential.plan_s must be none')
+
+
+def _divide(risk: Risk, divisor: float) -> Risk:
+    """Return a part of both risks."""
+    return replace(risk, alpha_consumer=risk.alpha_consumer / divisor,
+                   alpha_producer=risk.alpha_producer / divisor)

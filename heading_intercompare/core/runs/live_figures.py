@@ -84,7 +84,7 @@ def compute_run_figures(run: RunSeries, limits: Limits, settings: Settings) -> d
     limits
         Of the criteria.
     settings
-        Norms, model, variant, risk and times of looks.
+        Norms, model, variant, risk and looks.
 
     Returns
     -------
@@ -92,18 +92,18 @@ def compute_run_figures(run: RunSeries, limits: Limits, settings: Settings) -> d
         Those of `compute_figures`, and: `span_s`, the time from the first to the last analysed
         difference; `needed_s`, how much longer the run must be to decide at the risks of its end,
         other things being equal (0: no longer; inf: no length of such data decides; None: not
-        known yet); `next_look_ns`, the stamp at which the next look is due, or None if none is.
+        known yet).
 
     Notes
     -----
-    `needed_s` does not say which way the run will be decided.
+    `needed_s` does not say which way the run will be decided. Its risks are those that all looks
+    leave, so an end before the last look needs no more than it says.
 
     """
     figures, evidence = _compute(run, limits, settings)
     hours = decide(evidence, limits, risk_at_the_end(settings)).hours_needed
     needed_s = None if hours is None else max(0.0, hours * 3600.0 - run.span_s)
-    return {**figures, 'span_s': run.span_s, 'needed_s': needed_s,
-            'next_look_ns': run.next_look_ns}
+    return {**figures, 'span_s': run.span_s, 'needed_s': needed_s}
 
 
 def _compute(part: RunSeries | Rolling, limits: Limits,

@@ -41,8 +41,8 @@ class RunSeries:
     settings
         Uses the stabilisation period and the plan of looks.
     on_look
-        ``on_look(run, look, looks)`` is called when a look is due, with the planned number of
-        looks. The run then holds exactly the differences that belong to the look.
+        ``on_look(run, look, looks)`` is called when a look is due, with the number of looks, the
+        end among them. The run then holds exactly the differences that belong to the look.
     keep
         Stores full pages of the columns; see `Column`.
     since_ns
@@ -133,15 +133,21 @@ class RunSeries:
 
     @property
     def next_look_ns(self) -> int | None:
-        """Stamp at which the next look is due; None if there is none before the planned end."""
-        if self._looks is None or not len(self):
+        """
+        Stamp at which the next look is due; None if there is none before the end of the run.
+
+        Before the first analysed difference it is that of a run whose differences are analysed
+        from the end of the stated stabilisation period on.
+        """
+        span_ns = None if self._looks is None else self._looks.next_span_ns
+        if span_ns is None or self.start_ns is None:
             return None
-        span_ns = self._looks.next_span_ns
-        return None if span_ns is None else int(self.stamp_ns.first) + span_ns
+        from_ns = int(self.stamp_ns.first) if len(self) else max(self.start_ns, self._settled_ns)
+        return from_ns + span_ns
 
     def _announce(self, look: Look) -> None:
         if self._looks is not None and self._on_look is not None:
-            self._on_look(self, look, len(self._looks.plan))
+            self._on_look(self, look, self._looks.number)
 
     def _append(self, x: Differences, pairs: Pairs) -> None:
         if not len(x):

@@ -84,7 +84,7 @@ def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,
     else:
         outcome, reason = conclude_every_run(
             [r.verdict.outcome for r in results],
-            [r.outcome_among(len(once), settings) for r in results])
+            [r.outcome_among(len(once)) for r in results])
     if len(sound) < len(once) and outcome is not Outcome.NON_COMPLIANT:
         outcome, reason = Outcome.INDETERMINATE, 'a_run_void'
     if incomplete and outcome is Outcome.COMPLIANT:

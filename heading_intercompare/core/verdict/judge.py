@@ -86,6 +86,8 @@ class RunResult:
     ----------
     alone
         Outcome and reason before any finding.
+    risk
+        Its risks: what its looks leave, or all without looks.
     judged
         Findings on its pairs, before the account of its readings is known.
     first_pair
@@ -106,6 +108,7 @@ class RunResult:
     limits: Limits
     printed: Printed
     alone: tuple[Outcome, str]
+    risk: Risk
     settings: Settings
     stabilization_s: float | str
     judged: tuple[Finding, ...] = ()
@@ -172,7 +175,7 @@ class RunResult:
         checked = with_runs(self.verdict.assumptions, runs)
         return replace(self, verdict=replace(self.verdict, run=run, assumptions=checked))
 
-    def outcome_among(self, m: int, settings: Settings) -> Outcome:
+    def outcome_among(self, m: int) -> Outcome:
         """
         Return the outcome if m runs share the producer's risk.
 
@@ -181,8 +184,7 @@ class RunResult:
         """
         if m == 1 or self.verdict.outcome is not Outcome.NON_COMPLIANT:
             return self.verdict.outcome
-        risk = risk_at_the_end(settings)
-        shared = replace(risk, alpha_producer=risk.alpha_producer / m)
+        shared = replace(self.risk, alpha_producer=self.risk.alpha_producer / m)
         among, _ = conclude(decide(self.evidence, self.limits, shared), self.printed)
         return Outcome.INDETERMINATE if among is Outcome.COMPLIANT else among
 
@@ -278,8 +280,8 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
 
     Notes
     -----
-    With a plan of looks, the end of the run is the last look and takes its share of the risks,
-    so that all looks together keep the stated risks. A look judges just as the end does.
+    With looks, the end of the run is the last one and takes its share of the risks, so that all
+    looks together keep the stated risks. A look judges just as the end does.
 
     References
     ----------
@@ -288,7 +290,7 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
     """
     if run.start_ns is None or run.end_ns is None:
         raise ValueError('run: has no pair, must have at least one')
-    risk = risk_at_the_end(settings) if risk is None else risk
+    risk = risk_at_the_end(settings, run.span_s) if risk is None else risk
     exclusions = [exclusion for exclusion in read_exclusions(settings.exclusions)
                   if exclusion.start_ns <= run.end_ns and exclusion.end_ns > run.start_ns]
     limits = run.limits(settings.norms, settings.model)
@@ -350,8 +352,9 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
         warnings=(*_warnings(data, limits, guarded, settings), *diagnostics.warnings))
     return RunResult(
         verdict=verdict, evidence=evidence, limits=limits, printed=printed,
-        alone=(outcome, reason), settings=settings, stabilization_s=run.stabilization_s,
-        judged=judged, fingerprint=None if columns.fingerprint is None
+        alone=(outcome, reason), risk=risk, settings=settings,
+        stabilization_s=run.stabilization_s, judged=judged,
+        fingerprint=None if columns.fingerprint is None
         else columns.fingerprint.to_text()).conclude()
 
 
@@ -379,7 +382,7 @@ def _estimate_limit_95(data: PreparedRun, settings: Settings, n_effective: float
 def look_at(run: RunSeries, look: Look, looks: int, settings: Settings,
             motion: Motion | None = None) -> LookVerdict:
     """
-    Judge a run in progress at a look of the plan, just as its end would be judged.
+    Judge a run in progress at a look, just as its end would be judged.
 
     Parameters
     ----------
@@ -388,7 +391,7 @@ def look_at(run: RunSeries, look: Look, looks: int, settings: Settings,
     look
         Holds its share of the risks.
     looks
-        Number of looks in the plan.
+        Number of looks, with the end of the run.
     settings
         By which its end will be judged.
     motion

@@ -134,5 +134,6 @@ def _decide(pieces: Sequence[JudgedPiece], settings: Settings) -> Outcome:
         shared = judge_together(evidence, limits, risk, settings.variant,
                                 shortest_apart_s(pieces))
         return conclude_sensor(shared, limits, True, risk)[0]
-    outcomes = [decide(p.evidence, p.limits, risk).outcome for p in pieces]
+    outcomes = [decide(p.evidence, p.limits, risk_at_the_end(settings, p.evidence.span_s)).outcome
+                for p in pieces]
     return conclude_every_run(outcomes, outcomes)[0]

@@ -19,6 +19,7 @@ from __future__ import annotations
 from typing import Sequence
 
 from heading_intercompare.core.decision.norm_presets import PRESETS, sigma_max_deg
+from heading_intercompare.core.decision.sequential import Looks
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import Norms, Pairing, Settings
 from heading_intercompare.core.validity.condition import is_doubtful, VOID
@@ -104,10 +105,6 @@ def state_conformity(verdict: Verdict) -> Rows:
     if settings.norms.total_error_max_deg is not None:
         reject += (' The specification is found met only if the total error by GK (7) is '
                    'within its norm too.')
-    plan = settings.sequential.plan_s
-    looks = '' if plan is None else (
-        f' The risks are shared among {settings.sequential.looks} looks of a run planned for '
-        f'{number(plan)} s.')
     return [
         ('decision rule',
          'Guarded and non-binary. A run is compliant if the upper bound U of the variance of '
@@ -118,7 +115,8 @@ def state_conformity(verdict: Verdict) -> Rows:
          'reduces the noise variance of the TS, and M_low² by that of the RS.'),
         ('several runs', _several(settings, m)),
         ("consumer's risk [1]", f'{consumer}, nominal: the largest probability that a TS just at '
-                                'its norm is found compliant, if the assumptions hold.' + looks),
+                                'its norm is found compliant, if the assumptions hold.'
+         + _describe_looks(settings)),
         ("producer's risk [1]", f'{producer}, nominal: the largest probability that a TS just at '
                                 'its norm is found non-compliant, if the assumptions hold.'),
         ('results covered', _covered(runs)),
@@ -127,6 +125,18 @@ def state_conformity(verdict: Verdict) -> Rows:
         *([] if verdict.validity_effect == VOID else [
             ('outcome by GK as printed',
              f'{outcome(verdict.paper_outcome)} (no allowance for the sampling error)')])]
+
+
+def _describe_looks(settings: Settings) -> str:
+    """Return how looks share the risks; nothing without looks."""
+    plan_s, n = settings.sequential.plan_s, settings.sequential.looks
+    if plan_s is None:
+        return ''
+    if not isinstance(plan_s, str):
+        return f' The risks are shared among {n} looks of a run planned for {number(plan_s)} s.'
+    first_s = Looks(plan_s, n, settings.risk).plan[0].span_ns / 1e9
+    return (f' Half of the risks is shared among {n - 1} looks at the run in progress, at '
+            f'{number(first_s)} s and at doubling times; the end of the run has what they left.')
 
 
 def _several(settings: Settings, m: int) -> str:

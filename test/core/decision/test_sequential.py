@@ -24,10 +24,15 @@ import pytest
 
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.guarded import decide, gather_evidence
-from heading_intercompare.core.decision.sequential import find_standing, Looks, LookVerdict
+from heading_intercompare.core.decision.sequential import (
+    find_standing,
+    Looks,
+    LookVerdict,
+    risk_at_the_end,
+)
 from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.settings import Norms, Risk
+from heading_intercompare.core.settings import Norms, Risk, Sequential, Settings
 from heading_intercompare.core.statistics.cells import Cells
 
 ANY = Risk(min_duration_s=0.0)
@@ -52,6 +57,53 @@ def test_no_look_comes_before_the_least_duration_of_a_run():
     assert only.risk.alpha_consumer == 0.05 and only.span_ns == 3600 * 10 ** 9
 
 
+@pytest.mark.parametrize('risk, first_s', [
+    (Risk(), 600.0), (Risk(min_duration_s=60.0), 60.0), (Risk(slowest_error_s=90.0), 1800.0),
+    (Risk(sensor_class='gyrocompass'), 46_000.0), (ANY, 600.0)])
+def test_open_looks_begin_at_the_least_duration_of_a_run_and_double(risk, first_s):
+    looks = Looks('open', 5, risk)
+    assert [look.span_ns / 1e9 for look in looks.plan] == [first_s * 2 ** k for k in range(4)]
+    assert (looks.number, looks.is_planned) == (5, False)
+
+
+def test_seven_open_looks_by_hand():
+    """Six looks have 1 / 12 of each risk; an end after three of them has 9 / 12."""
+    looks = Looks('open', 7, Risk(alpha_producer=0.12))
+    assert {look.risk.alpha_producer for look in looks.plan} == {0.01}
+    assert [looks.risk_at_the_end(span_s).alpha_producer
+            for span_s in (0.0, 599.9, 600.0, 2399.0, 2400.0, 1e9)] == pytest.approx(
+        [0.12, 0.12, 0.11, 0.10, 0.09, 0.06])
+
+
+@pytest.mark.parametrize('span_s', [0.0, 600.0, 5000.0, 19_200.0, 1e7])
+@pytest.mark.parametrize('looks', [2, 3, 7, 20])
+def test_whenever_a_run_ends_its_open_looks_and_its_end_share_the_risk(looks, span_s):
+    risk = Risk(alpha_consumer=0.04, alpha_producer=0.1, count_share=0.2)
+    settings = Settings(risk=risk, sequential=Sequential('open', looks))
+    shares = [look.risk for look in Looks('open', looks, risk).take_due(span_s)]
+    shares.append(risk_at_the_end(settings, span_s))
+    assert sum(share.alpha_consumer for share in shares) == pytest.approx(0.04, rel=1e-14)
+    assert sum(share.alpha_producer for share in shares) == pytest.approx(0.1, rel=1e-14)
+    assert risk_at_the_end(settings).alpha_consumer == pytest.approx(0.02)
+    assert {share.count_share for share in shares} == {0.2}
+
+
+@pytest.mark.parametrize('plan_s', [3600.0, 100.0, None])
+def test_the_risk_at_a_planned_end_does_not_depend_on_when_it_comes(plan_s):
+    settings = Settings(sequential=Sequential(plan_s))
+    at_the_end = risk_at_the_end(settings)
+    assert at_the_end.alpha_consumer == (0.025 if plan_s == 3600.0 else 0.05)
+    assert {risk_at_the_end(settings, span_s) for span_s in (0.0, 700.0, 1e6)} == {at_the_end}
+
+
+def test_the_next_open_look_is_known_until_the_last_is_taken():
+    looks, following = Looks('open', 3, ANY), []
+    for span_s in (0.0, 600.0, 1200.0):
+        looks.take_due(span_s)
+        following.append(looks.next_span_ns)
+    assert following == [600 * 10 ** 9, 1200 * 10 ** 9, None]
+
+
 @pytest.mark.parametrize('looks', [2, 3, 7, 20])
 def test_the_shares_add_up_to_the_risk(looks):
     risk = Risk(alpha_consumer=0.04, alpha_producer=0.1, count_share=0.2, min_duration_s=0.0)
@@ -74,13 +126,13 @@ def test_each_look_is_taken_once_and_at_its_time():
 def test_a_look_sees_the_same_samples_in_whatever_chunks(size, rng):
     start = 1_400_000_000 * 10 ** 9
     stamps = start + np.cumsum(np.append(0, rng.integers(10 ** 8, 10 ** 9, 4999)))
-    looks, seen = Looks(2000.0, 5, ANY), []
-    for lo in range(0, stamps.size, size):
-        seen += [(lo + stop, look.index) for stop, look in
-                 looks.cuts(start, stamps[lo:lo + size])]
-    expected = [(int(np.argmax(stamps - start >= 2000 * 10 ** 9 // 2 ** (4 - k))) + 1, k)
-                for k in range(5)]
-    assert seen == expected
+    for looks, end in ((Looks(2000.0, 5, ANY), 5),
+                       (Looks('open', 6, Risk(min_duration_s=125.0)), 5)):
+        seen = [(lo + stop, look.index) for lo in range(0, stamps.size, size)
+                for stop, look in looks.cuts(start, stamps[lo:lo + size])]
+        expected = [(int(np.argmax(stamps - start >= 2000 * 10 ** 9 // 2 ** (4 - k))) + 1, k)
+                    for k in range(end)]
+        assert seen == expected
 
 
 def test_an_empty_chunk_reaches_no_look():
@@ -96,8 +148,9 @@ def test_a_plan_that_is_none_is_refused(plan_s, looks, words):
 
 
 def test_a_risk_too_small_to_be_shared_is_refused():
-    with pytest.raises(SettingsError, match='risk.alpha_producer = 5e-06: .* at least 12e-06'):
-        Looks(10.0, 7, replace(ANY, alpha_producer=5e-6))
+    for plan_s in (10.0, 'open'):
+        with pytest.raises(SettingsError, match='risk.alpha_producer = 5e-06: .* 12e-06'):
+            Looks(plan_s, 7, replace(ANY, alpha_producer=5e-6))
 
 
 @pytest.mark.slow

@@ -95,6 +95,20 @@ def test_with_a_plan_the_next_look_has_a_time_and_more_data_are_needed(pairs):
     assert plain.run_figures()['next_look_ns'] is None
 
 
+@pytest.mark.parametrize('settling_s, times_s', [
+    (0.0, [200.0, 200.0, 800.0]), (100.0, [300.0, 300.0, 500.0])])
+def test_the_first_open_look_is_known_as_soon_as_the_run_has_a_pair(pairs, settling_s, times_s):
+    """Its span counts from the end of the stabilisation period, also while that lasts."""
+    live = compliance(**{'sequential.plan_s': 'open', 'risk.min_duration_s': 200.0,
+                         'runs.stabilization_s': settling_s})
+    assert 'next_look_ns' not in live.run_figures()
+    first_ns, following = int(pairs.stamp_ns[0]), []
+    for lo, hi in ((0, 1), (1, 150), (150, 1000)):
+        live.update(pairs[lo:hi])
+        following.append(live.run_figures()['next_look_ns'] - first_ns)
+    assert following == [round(time_s * S) for time_s in times_s]
+
+
 def test_where_the_clock_cuts_runs_their_end_is_known(pairs):
     plain, cut = compliance(), compliance(**{'runs.every_h': 1.0})
     for live in (plain, cut):

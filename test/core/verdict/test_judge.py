@@ -177,8 +177,8 @@ def test_a_run_rejected_at_a_look_complies_among_no_others(pairs):
     found.update(pairs)
     found.finish()
     (result,) = found.results()
-    assert result.outcome_among(2, settings) is Outcome.COMPLIANT
+    assert result.outcome_among(2) is Outcome.COMPLIANT
     rejected = replace(result, verdict=replace(
         result.verdict, outcome=Outcome.NON_COMPLIANT, reason='rejected_at_a_look'))
-    assert rejected.outcome_among(1, settings) is Outcome.NON_COMPLIANT
-    assert rejected.outcome_among(2, settings) is Outcome.INDETERMINATE
+    assert rejected.outcome_among(1) is Outcome.NON_COMPLIANT
+    assert rejected.outcome_among(2) is Outcome.INDETERMINATE
