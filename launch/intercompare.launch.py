@@ -47,7 +47,7 @@ from launch.actions import (
 from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
-from heading_intercompare.app.config import load_config, settings_for
+from heading_intercompare.app.config import LIVE, load_config, settings_for, unstated
 from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.sensor_table import describe_driver, read_sensors
 from heading_intercompare.core.sensors.pair_settings import check_norms
@@ -102,7 +102,8 @@ class Plan:
         self.output, self.report_dir = given['output'], given['report_dir']
         self.namespace, self.log_level = read_namespace(given['namespace']), given['log_level']
         self.file = load_config(self.config)
-        settings = settings_for(self.file)
+        settings = settings_for(self.file, defaults=LIVE)
+        self.unstated = unstated(LIVE, self.file)
         check_norms(settings)
         self.settings, self.sensors = settings, read_sensors(settings.sensors)
         self.started = []
@@ -180,12 +181,12 @@ def nodes(context):
         named = plan.output or plan.section('recorder').get('output') or 'heading'
         judging['journal'] = f'{named}{plan.namespace.rstrip("/").replace("/", ".")}.journal'
     # Pairs wait for the recorder.
-    made.append(plan.judging({'compliance': judging,
+    made.append(plan.judging({'compliance': {**judging, **plan.unstated},
                               'synchronizer': {'subscribers': int(plan.record)}}))
     if plan.record:
         # The trial goes on without it; it starts again with a new bag.
         made.append(plan.node('recorder', 'recorder',
-                              {'parameter_file': plan.config, 'go_on': True,
+                              {'parameter_file': plan.config, 'go_on': True, **plan.unstated,
                                **({'output': plan.output} if plan.output else {})},
                               respawn=True, respawn_delay=2.0))
     if {'destination', 'push_url'} & plan.section('alert_sender').keys():

@@ -30,6 +30,7 @@ from launch.substitutions import LaunchConfiguration
 from launch_ros.actions import Node
 
 from heading_intercompare.app.config import load_config, settings_for
+from heading_intercompare.app.recorded_looks import find_looks
 from heading_intercompare.core.sensors.pair_settings import check_norms
 from heading_intercompare.nodes.launching.arguments import (
     check_path,
@@ -67,6 +68,7 @@ def nodes(context):
     check_path('config', given['config'], 'a ROS parameter file with the norms')
     file = load_config(given['config'])
     check_norms(settings_for(file))
+    looks = find_looks(file, (), [given['bag']])
     namespace = read_namespace(given['namespace'])
     sim_time = read_switch('use_sim_time', given['use_sim_time'])
 
@@ -95,9 +97,10 @@ def nodes(context):
     started += [(name, name) for name in TOGETHER]
     made.append(Node(**join_nodes(
         namespace, given['config'], file.sections,
-        {'compliance': written, 'synchronizer': {'subscribers': 0}}, given['log_level'],
-        sim_time), on_exit=NodeEnd(f'{namespace.rstrip("/")}/intercompare', partial(
-            Shutdown, reason='the comparison has ended'))))
+        {'compliance': {**written, **looks}, 'synchronizer': {'subscribers': 0}},
+        given['log_level'], sim_time), on_exit=NodeEnd(
+            f'{namespace.rstrip("/")}/intercompare', partial(
+                Shutdown, reason='the comparison has ended'))))
     check_sections(given['config'], file.sections, started)
     return made
 

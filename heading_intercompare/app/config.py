@@ -19,6 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 import re
+from types import MappingProxyType
 from typing import Any, Mapping, Sequence
 
 from heading_intercompare.core.declared_settings import flatten, list_settings, SettingsError
@@ -33,6 +34,10 @@ SHARED = '/**'
 # The replayer neither pairs nor judges: what it calls the TS may be another topic of the bag.
 _NODES = re.compile(r'synchronizer|compliance|recorder|dashboard|.*_driver|\*+')
 _NOWHERE = object()
+
+LIVE: Mapping[str, Any] = {'sequential.plan_s': 'open'}
+"""What a graph takes that judges live, by setting, where the user states nothing."""
+
 _ANALYSIS = frozenset(rule.name for rule in list_settings(Settings))
 
 
@@ -144,7 +149,15 @@ def _parse_assignments(assignments: Sequence[str]) -> dict[str, Any]:
     return values
 
 
+def unstated(defaults: Mapping[str, Any], config: Config,
+             assignments: Sequence[str] = ()) -> dict[str, Any]:
+    """Return those of some defaults that neither the file nor ``--set`` states."""
+    stated = {*flatten(config.shared), *_parse_assignments(assignments)}
+    return {name: value for name, value in defaults.items() if name not in stated}
+
+
 def settings_for(config: Config, assignments: Sequence[str] = (),
+                 defaults: Mapping[str, Any] = MappingProxyType({}),
                  **overrides: Any) -> Settings:
     """
     Return the settings of a command: defaults, then the file, then ``--set``, then options.
@@ -155,6 +168,8 @@ def settings_for(config: Config, assignments: Sequence[str] = (),
         The parameter file, as read.
     assignments
         The ``name=value`` of ``--set``.
+    defaults
+        Settings that differ from their declared defaults where nothing is stated.
     overrides
         Settings that have an option of their own (``ts_topic``), by name; None is skipped.
 
@@ -168,7 +183,8 @@ def settings_for(config: Config, assignments: Sequence[str] = (),
         from_file = Settings.from_mapping(config.shared).to_mapping() if config.shared else {}
     except SettingsError as error:
         raise SettingsError(f'{config.path}: {error}') from error
-    merged = {**from_file, **_parse_assignments(assignments),
+    merged = {**from_file, **unstated(defaults, config, assignments),
+              **_parse_assignments(assignments),
               **{k: v for k, v in overrides.items() if v is not None}}
     return Settings.from_mapping(merged)
 

@@ -108,8 +108,7 @@ def load_config_or_journal(path: str | None, inputs: Sequence[str]) -> Config:
     stored: dict[str, Mapping[str, Any]] = {}
     for journal_path in inputs:
         try:
-            stored[journal_path] = read_origin(read_journal(Path(journal_path), _HEAD_BYTES),
-                                               Path(journal_path)).settings
+            stored[journal_path] = read_settings_of_journal(journal_path)
         except (OSError, ValueError):
             # The judging names the journal, and goes on with the other inputs.
             if journal_path == inputs[-1] and not stored:
@@ -120,6 +119,11 @@ def load_config_or_journal(path: str | None, inputs: Sequence[str]) -> Config:
             raise SettingsError(f'{journal}: has other settings than {first}: {differing}; '
                                 'give the settings for all with --config')
     return Config(first, stored[first])
+
+
+def read_settings_of_journal(path: str) -> Mapping[str, Any]:
+    """Return the settings of the trial of a journal; OSError or BagError if it has none."""
+    return read_origin(read_journal(Path(path), _HEAD_BYTES), Path(path)).settings
 
 
 def options_of(settings: Settings, driver: DriverSettings,

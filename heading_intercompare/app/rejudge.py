@@ -20,7 +20,7 @@ from dataclasses import dataclass
 from typing import Any, Callable, Mapping, Sequence
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
-from heading_intercompare.bags.rosbag2.provenance import find_report, RECORD
+from heading_intercompare.bags.rosbag2.provenance import find_report, read_settings
 from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.sensors.pair_settings import check_sensors
@@ -39,7 +39,6 @@ from .job import explain_unreadable, UNREADABLE
 CHANGED, UNJUDGED, WITHOUT_REPORT, SAME = 'changed', 'not_judged', 'no_report', 'same'
 _ORDER = (CHANGED, UNJUDGED, WITHOUT_REPORT, SAME)
 _REPORT = 'report.json'
-_STORED = 'settings.'
 _WORSE = {outcome: rank for rank, outcome in enumerate(Outcome)}
 
 
@@ -225,9 +224,7 @@ def _read_report(reader: BagReader) -> tuple[Verdict | SensorsVerdict | None, li
 def _stored_settings(reader: BagReader,
                      report: Verdict | SensorsVerdict | None) -> dict[str, Any]:
     """Return the settings stored in a bag; if there are none, those of the report in it."""
-    record = reader.metadata().get(RECORD, {})
-    stored = {name.removeprefix(_STORED): value for name, value in record.items()
-              if name.startswith(_STORED)}
+    stored: dict[str, Any] = {**read_settings(reader)}
     if not stored and report is not None:
         stored = {name: 'none' if value is None else value
                   for name, value in report.settings.to_mapping().items()}

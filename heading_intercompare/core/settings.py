@@ -221,7 +221,9 @@ class Sequential(Checked):
 
     plan_s: float | str | None = setting(
         None, "planned length of a run [s]; 'open': its end is not planned, and the looks begin "
-        'at the least length of a run; none: no early verdict', 0.0, choices=('open',))
+        'at the least length of a run; none: no early verdict. Not stated: open for the command '
+        'live and the launch files, and for a recording what it was judged by live', 0.0,
+        choices=('open',))
     looks: int = setting(7, 'number of doubling looks, the end of the run among them', 2, 20)
 
 

@@ -33,13 +33,18 @@ from sensor_msgs.msg import Imu
 from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.simulator import Simulation
 from heading_intercompare.app.analysis import judge_bags
+from heading_intercompare.app.config import Config
+from heading_intercompare.app.recorded_looks import find_looks
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.cli import main
 from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.verdict.all_runs import join
 from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.logbook.run_row import make_rows
 from heading_intercompare.messages.status_messages import decode_statuses
+from heading_intercompare.nodes import graph
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.graph import intercompare, Source
 from heading_intercompare.nodes.interface import qos
@@ -67,6 +72,37 @@ def test_the_live_verdict_is_that_of_the_recording(trial):
     # A tenth of the readings of the RS is missing, and no pair bridges that.
     assert live['runs'][0]['n'] > 900
     assert_same(live, offline(bag))
+
+
+def test_looks_at_a_live_run_are_those_of_its_recording_and_of_its_replay(tmp_path):
+    bag = str(tmp_path / 'bag')
+    rule = {**NORMS, 'risk.min_duration_s': 20.0}
+    live = intercompare([Source(SensorSimulator, 'sensor_simulator', TRIAL)], {
+        **rule, 'sequential.plan_s': 'open'}, output=bag, private=True).to_dict()
+    assert [look['look'] for look in live['runs'][0]['looks']] == [1, 2, 3]
+    looks = find_looks(Config(), (), [bag])
+    assert_same(live, offline(bag, **rule, **looks))
+    replayed = intercompare([Source(Replayer, 'replayer', {'bag': bag, 'rate': 0.0})],
+                            {**rule, **looks}, private=True).to_dict()
+    assert_same(replayed, live)
+
+
+@pytest.mark.parametrize('stated, plan_s', [((), 'open'), (('sequential.plan_s=none',), None),
+                                            (('sequential.plan_s=900',), 900.0)])
+def test_the_command_live_looks_at_its_runs_unless_the_user_states_otherwise(
+        tmp_path, monkeypatch, stated, plan_s):
+    given = {}
+
+    def take(sources, settings, **_):
+        given.update(settings)
+        return join([], Settings.from_mapping(settings))
+    monkeypatch.setattr(graph, 'intercompare', take)
+    monkeypatch.chdir(tmp_path)
+    main(['live', '--quiet', *(word for assignment in (
+        *(f'{name}={value}' for name, value in NORMS.items()), *stated)
+        for word in ('--set', assignment))])
+    assert given.get('sequential.plan_s') == plan_s
+    assert {name: given[name] for name in NORMS} == NORMS
 
 
 def test_with_a_slow_rs_the_live_verdict_is_that_of_the_recording(tmp_path):

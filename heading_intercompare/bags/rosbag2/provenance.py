@@ -49,7 +49,7 @@ SENSORS_REPORT_TOPIC = 'sensors/report'
 TRUTH_TOPIC = 'truth/heading'
 """Topic of the true heading, which only a simulator knows."""
 
-_NOTE = 'note.'
+_NOTE, _SETTINGS = 'note.', 'settings.'
 #: More than this are no notes but a program gone wrong; their messages are still recorded.
 _MOST = 1000
 #: Letters of a note that are kept.
@@ -78,7 +78,7 @@ def describe_origin(settings: Mapping[str, object],
     """
     return {'version': VERSION, **({CONTINUES: continues} if continues else {}),
             **({NAMESPACE: namespace} if namespace != '/' else {}),
-            **{f'settings.{name}': 'none' if value is None else value
+            **{f'{_SETTINGS}{name}': 'none' if value is None else value
                for name, value in settings.items()},
             **{f'source.{source}.{name}': value for source, values in (sources or {}).items()
                for name, value in values.items() if value not in (None, '')}}
@@ -194,6 +194,13 @@ def is_note(name: str) -> bool:
 def read_continues(bag: Readable) -> str | None:
     """Return the name of the bag before this one; None if there is none."""
     return bag.metadata().get(RECORD, {}).get(CONTINUES)
+
+
+def read_settings(bag: Readable) -> dict[str, str]:
+    """Return the settings that a bag holds, as text by dotted name; none of a foreign bag."""
+    return {name.removeprefix(_SETTINGS): value
+            for name, value in bag.metadata().get(RECORD, {}).items()
+            if name.startswith(_SETTINGS)}
 
 
 def read_texts(bag: Readable, topic: str) -> list[tuple[int, str]]:

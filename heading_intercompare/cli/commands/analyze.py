@@ -30,6 +30,7 @@ from heading_intercompare.app.config import choose_pair, Config, settings_for
 from heading_intercompare.app.inputs import load_config_or_journal, options_of
 from heading_intercompare.app.logs.trial_logs import find_logs, judge_logs, name_logs, ROLES
 from heading_intercompare.app.outputs import check_outputs, name_file, open_tables, Outputs
+from heading_intercompare.app.recorded_looks import find_looks
 from heading_intercompare.app.run_table import read_exclusion_table
 from heading_intercompare.cli.terminal.campaign_table import campaign_lines, is_campaign
 from heading_intercompare.cli.terminal.console import (
@@ -155,7 +156,8 @@ def run(arguments: argparse.Namespace) -> int:
     """Judge the inputs; print and write the verdict."""
     config = load_config_or_journal(arguments.config, arguments.inputs)
     settings = settings_for(
-        config, arguments.set, ts_topic=arguments.ts, rs_topic=arguments.rs,
+        config, arguments.set, find_looks(config, arguments.set, arguments.inputs),
+        ts_topic=arguments.ts, rs_topic=arguments.rs,
         ts_unit=arguments.ts_unit, rs_unit=arguments.rs_unit,
         exclusions=read_exclusion_table(arguments.exclude) if arguments.exclude else None,
         **{'antennas.baseline_m': arguments.baseline_m,

@@ -31,8 +31,10 @@ import yaml
 
 from heading_intercompare.app.config import load_config
 from heading_intercompare.bags.recording.bag_writer import BagWriter
+from heading_intercompare.bags.rosbag2.provenance import describe_origin, RECORD
 from heading_intercompare.cli.commands.graph import demo
 from heading_intercompare.core.declared_settings import SettingsError
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.launching.arguments import OWN_SETTINGS
 from heading_intercompare.nodes.launching.node_end import NodeFailure
@@ -158,6 +160,37 @@ def test_a_needed_node_that_does_not_start_again_is_a_failure_when_it_dies(confi
 def test_the_run_in_progress_is_kept_beside_the_bag_or_the_reports(config, given, journal):
     node = by_name(FILES[0], config=config, **given)['intercompare']
     assert own(node, 'compliance').get('journal') == journal
+
+
+@pytest.mark.parametrize('stated, plan_s', [
+    ({}, 'open'), ({'sequential': {'plan_s': 'none'}}, None),
+    ({'sequential.plan_s': 900.0}, None), ({'sequential.looks': 3}, 'open')])
+def test_a_live_graph_looks_at_its_runs_unless_the_file_states_otherwise(config, stated, plan_s):
+    """The bag holds what its judge took; a plan that the file states comes from there."""
+    given = yaml.safe_load(Path(config).read_text())
+    given['/**']['ros__parameters'] |= stated
+    Path(config).write_text(yaml.dump(given))
+    made = by_name(FILES[0], config=config)
+    assert {own(made['intercompare'], 'compliance').get('sequential.plan_s'),
+            own(made['recorder']).get('sequential.plan_s')} == {plan_s}
+
+
+@pytest.mark.parametrize('stated, looks', [
+    ({}, {'sequential.plan_s': 'open', 'sequential.looks': 5}),
+    ({'sequential': {'looks': 3}}, {'sequential.plan_s': 'open'}),
+    ({'sequential': {'plan_s': 'none'}}, {})])
+def test_a_bag_is_replayed_to_the_looks_that_it_was_judged_by(config, tmp_path, stated, looks):
+    given = yaml.safe_load(Path(config).read_text())
+    given['/**']['ros__parameters'] |= stated
+    Path(config).write_text(yaml.dump(given))
+    bag = tmp_path / 'bag'
+    with BagWriter(bag) as writer:
+        writer.metadata(RECORD, describe_origin(Settings.from_mapping(
+            {**NORMS, 'sequential.plan_s': 'open', 'sequential.looks': 5}).to_mapping()))
+        writer.add_topic('ts/heading', 'sensor_msgs/msg/Imu')
+    judging = own(by_name(FILES[1], config=config, bag=str(bag))['intercompare'], 'compliance')
+    assert {name: value for name, value in judging.items()
+            if name.startswith('sequential.')} == looks
 
 
 def test_drivers_of_live_sources_and_the_recorder_start_again(config):

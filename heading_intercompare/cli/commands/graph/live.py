@@ -22,7 +22,7 @@ from pathlib import Path
 import time
 from typing import Any, Mapping, Sequence
 
-from heading_intercompare.app.config import choose_pair, load_config, settings_for
+from heading_intercompare.app.config import choose_pair, LIVE, load_config, settings_for
 from heading_intercompare.bags.recording.run_journal import find_bag
 from heading_intercompare.bags.rosbag2.trial_parts import name_first, name_next
 from heading_intercompare.cli.commands.analyze import (
@@ -60,7 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Run until the sources end or the user presses Ctrl-C; print the verdict."""
     config = load_config(arguments.config)
-    settings = choose_pair(settings_for(config, arguments.set, ts_topic=arguments.ts,
+    settings = choose_pair(settings_for(config, arguments.set, LIVE, ts_topic=arguments.ts,
                                         rs_topic=arguments.rs), arguments.ts, arguments.rs)
     check_norms(settings)
     usual = _describe_drivers(settings)
