@@ -313,29 +313,6 @@ def _pairs(data: BytesLike, start: Integers, size: Integers, header: np.ndarray)
                  rs_factor, ts_factor, np.zeros(len(rs_deg), np.int64))
 
 
-def read_headings(type_name: str, convention: str,
-                  messages: Sequence[bytes]) -> tuple[Headings, list[str]]:
-    """
-    Return the headings in single messages as they were published.
-
-    Parameters
-    ----------
-    type_name, convention
-        As for `decode_headings`.
-    messages
-        n >= 0 messages, in order of arrival.
-
-    Returns
-    -------
-    headings : Headings
-        The same, to the bit, as `decode_headings` returns for the recorded messages.
-    refused : list of str
-        For each unreadable message, what is wrong with it.
-
-    """
-    return read_sound(partial(decode_headings, type_name, convention), messages, Headings)
-
-
 def read_attitude(type_name: str, convention: str,
                   messages: Sequence[bytes]) -> tuple[Attitude, list[str]]:
     """Return roll and pitch in single messages, and what is wrong with each unreadable one."""

@@ -55,6 +55,11 @@ class HeadingPlace(NamedTuple):
     axes: str = ''
     clock: str = ''
 
+    @property
+    def names_frames(self) -> bool:
+        """Whether the part is two frames of TF, for whose topic any number of nodes publish."""
+        return ':' in self.part
+
 
 def locate_headings(text: str, unit: str = 'auto') -> HeadingPlace:
     """

@@ -16,11 +16,7 @@
 
 from __future__ import annotations
 
-from functools import partial
-from typing import Sequence
-
-from .byte_columns import FieldColumn, read_sound
-from .field_columns import decode_field, FieldPlace, find_field, list_fields
+from .field_columns import FieldPlace, find_field, list_fields
 from .fields import Definitions
 from .heading_messages import HEADING_TYPES
 from .schemas import definitions_of
@@ -61,9 +57,3 @@ def find_sentences(type_name: str, definitions: Definitions,
     is_text = any((field.name, field.type, field.size) == (name, 'string', None)
                   for field in list_fields(type_name, definitions, owner))
     return (find_field(type_name, definitions, path), sentence) if is_text else None
-
-
-def read_sentences(place: FieldPlace,
-                   messages: Sequence[bytes]) -> tuple[FieldColumn, list[str]]:
-    """Return the texts in single messages, and what is wrong with each unreadable one."""
-    return read_sound(partial(decode_field, place), messages, FieldColumn)

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections import Counter
 import struct
-from typing import Literal, Sequence
+from typing import Literal
 
 import numpy as np
 
@@ -31,7 +31,6 @@ from .byte_columns import (
     decode_stamped,
     FieldColumn,
     find_byte_order,
-    read_sound,
 )
 from .errors import MessageError
 
@@ -155,11 +154,6 @@ class TransformTopic:
         values = np.empty(len(ends), object)
         values[:] = [headings[begin:end] for begin, end in zip([0, *ends], ends)]
         return FieldColumn(np.zeros(len(ends), np.int64), values)
-
-    def read(self, messages: Sequence[bytes]) -> tuple[Headings, list[str]]:
-        """Return the headings in single messages, and what is wrong with the unreadable."""
-        column, refused = read_sound(self.decode, messages, FieldColumn)
-        return Headings.concatenate(column.values), refused
 
     @property
     def absence(self) -> str:

@@ -28,10 +28,12 @@ from std_srvs.srv import Trigger
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.paced_replay import Replay
 from heading_intercompare.core.declared_settings import SettingsError
+from heading_intercompare.messages.heading_places import HeadingPlace
 from heading_intercompare.messages.sentence_messages import TOPIC_TYPES
 from heading_intercompare.messages.stamps import encode_clock
 from heading_intercompare.messages.status_messages import MARKER_TOPIC, OK, WARN
 from heading_intercompare.nodes.interface.message_types import (
+    begins_with_header,
     find_heading_type,
     list_heading_types,
 )
@@ -77,11 +79,8 @@ class Replayer(GraphNode):
         self._headings = {}
         for topic, name in zip(sources, names):
             in_bag = self._reader.resolve(topic)
-            if not sources[topic].part:
-                self._reader.check_heading(in_bag, TOPIC_TYPES)
             self._headings[in_bag] = self.create_publisher(
-                find_heading_type(self._reader.topics[in_bag].type_name,
-                                  list_heading_types(sources[topic])), topic, qos.HEADINGS_OUT,
+                self._find_type(in_bag, sources[topic]), topic, qos.HEADINGS_OUT,
                 event_callbacks=self.health.of_publisher(name))
         self._lost = beside.ReplayedLosses(self, self._reader, dict(zip(self._headings, names)),
                                            whole=not node_settings.start_s)
@@ -106,6 +105,19 @@ class Replayer(GraphNode):
             self.get_logger().warning(f'nothing to replay: {self._replay.part} has no heading')
         self.health.add_refresher(self._note)
         every(self, _TICK_S, self._tick)
+
+    def _find_type(self, in_bag: str, place: HeadingPlace) -> type:
+        """Return the type of a topic of the bag; an error if its headings cannot be replayed."""
+        if not place.part:
+            self._reader.check_heading(in_bag, TOPIC_TYPES)
+        message_type = find_heading_type(self._reader.topics[in_bag].type_name,
+                                         list_heading_types(place))
+        if place.clock or not (place.names_frames or begins_with_header(message_type)):
+            raise SettingsError(
+                f'topic {in_bag}: its readings have the times at which the messages were '
+                'published, and a replay publishes them at others; analyze takes those of the '
+                'bag, and import makes a bag with stamps, which can be replayed')
+        return message_type
 
     @property
     def state(self) -> str:

@@ -25,6 +25,7 @@ from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.fields import Definitions, definitions_in
 from heading_intercompare.messages.heading_messages import HEADING_TYPES
+from heading_intercompare.messages.heading_places import LOG_TIME, PUBLISH_TIME
 from heading_intercompare.messages.sentence_messages import SENTENCE, TOPIC_TYPES
 from heading_intercompare.messages.transform_messages import TRANSFORMS
 
@@ -88,7 +89,8 @@ class TopicBag(BagReader):
         else:
             self.check_heading(key.name, TOPIC_TYPES)
         try:
-            return TopicDecoder(type_name, key.place, key.convention, definitions)
+            return TopicDecoder(type_name, key.place, key.convention, definitions,
+                                PUBLISH_TIME if self.is_ours() else LOG_TIME)
         except ValueError as error:
             raise BagError(f'topic {key.name}: {error}', self.path) from error
 

@@ -27,22 +27,16 @@ from heading_intercompare.bags.rosbag2.topic_names import locate_in
 from heading_intercompare.core.records import Headings, Integers
 from heading_intercompare.drivers.sentence_topic import choose_by_name, SentenceTopic
 from heading_intercompare.messages.byte_columns import (
-    BytesLike,
     decode_readable,
     FieldColumn,
     join_messages,
 )
-from heading_intercompare.messages.errors import MessageError
-from heading_intercompare.messages.field_columns import decode_field
 from heading_intercompare.messages.fields import Definitions
-from heading_intercompare.messages.heading_fields import find_heading_field, list_candidates
-from heading_intercompare.messages.heading_messages import decode_headings
+from heading_intercompare.messages.heading_fields import list_candidates
+from heading_intercompare.messages.heading_parts import find_part
 from heading_intercompare.messages.heading_places import HeadingPlace, LOG_TIME, PUBLISH_TIME
-from heading_intercompare.messages.sentence_messages import (
-    find_sentences,
-    TOPIC_TYPES,
-)
-from heading_intercompare.messages.transform_messages import TRANSFORM_TYPES, TransformTopic
+from heading_intercompare.messages.sentence_messages import TOPIC_TYPES
+from heading_intercompare.messages.transform_messages import TRANSFORM_TYPES
 
 #: Messages decoded at once.
 _MESSAGES = 4_000
@@ -50,13 +44,6 @@ _MESSAGES = 4_000
 _MOST_NAMED = 5
 #: No stamp is later.
 _MOST_NS = 2**63
-
-_Decode = Callable[[BytesLike, Integers, Integers], FieldColumn]
-
-
-#: What the stamps are, in words, by their clock.
-_CLOCKS = {LOG_TIME: 'the times at which the messages were recorded, later than the headings',
-           PUBLISH_TIME: 'the times at which the messages were published'}
 
 
 class Logged(NamedTuple):
@@ -66,12 +53,6 @@ class Logged(NamedTuple):
     sequence: int
     data: bytes
     publish_time_ns: int = 0
-
-
-def _as_column(decode: Callable[[BytesLike, Integers, Integers], Headings], data: BytesLike,
-               start: Integers, stop: Integers) -> FieldColumn:
-    headings = decode(data, start, stop)
-    return FieldColumn(headings.stamp_ns, headings.heading_deg)
 
 
 class TopicDecoder:
@@ -90,6 +71,8 @@ class TopicDecoder:
         World axes of orientations.
     definitions
         The fields of the type, where the place names one.
+    unstamped_clock
+        As for `find_part`.
 
     Attributes
     ----------
@@ -106,28 +89,10 @@ class TopicDecoder:
     """
 
     def __init__(self, type_name: str, place: HeadingPlace, convention: str,
-                 definitions: Definitions | None = None) -> None:
-        self._sentences: SentenceTopic | None = None
-        self._transforms: TransformTopic | None = None
-        self._decode: _Decode
-        self._remark, self._clock = '', place.clock
-        text = find_sentences(type_name, definitions or {}, place.part)
-        if text is not None:
-            self._sentences = SentenceTopic(choose_by_name(text[1]))
-            self._decode = partial(decode_field, text[0])
-            self._clock = place.clock or ('' if text[0].is_stamped else LOG_TIME)
-        elif type_name in TRANSFORM_TYPES and place.part:
-            if place.clock:
-                raise MessageError(f'{place.part}@{place.clock}: each transform has a stamp of '
-                                   f'its own; leave @{place.clock} out')
-            self._transforms = TransformTopic(place.part, place.axes or convention)
-            self._decode = self._transforms.decode
-        elif place.part:
-            field = find_heading_field(type_name, definitions or {}, place, convention)
-            self._clock = place.clock or ('' if field.is_stamped else LOG_TIME)
-            self._decode, self._remark = partial(_as_column, field.decode), field.remark
-        else:
-            self._decode = partial(_as_column, partial(decode_headings, type_name, convention))
+                 definitions: Definitions | None = None, unstamped_clock: str = LOG_TIME) -> None:
+        self._part = find_part(type_name, definitions or {}, place, convention, unstamped_clock)
+        self._sentences = (None if self._part.sentence is None else
+                           SentenceTopic(choose_by_name(self._part.sentence)))
         self.stamp_ns: Integers = np.empty(0, np.int64)
         self._unreadable, self._problem = 0, ''
         self._timeless = 0
@@ -139,15 +104,16 @@ class TopicDecoder:
 
     def _decode_messages(self, messages: Sequence[Logged]) -> Headings:
         data, starts, stops = join_messages([message.data for message in messages])
-        column, readable, problem = decode_readable(partial(self._decode, data), starts, stops)
+        column, readable, problem = decode_readable(
+            partial(self._part.decode, data), starts, stops)
         self._unreadable += int((~readable).sum())
         self._problem = self._problem or problem
         self.stamp_ns, has_time = self._read_clock(messages)
         column, readable = column[has_time[readable]], readable & has_time
-        if self._clock or self._transforms:
+        if self._part.clock or self._part.transforms:
             column = FieldColumn(self.stamp_ns[readable], column.values)
         self.stamp_ns[readable] = column.stamp_ns
-        if self._sentences is None and self._transforms is None:
+        if self._sentences is None and self._part.transforms is None:
             heading_deg = np.full(len(messages), np.nan)
             heading_deg[readable] = column.values
             return Headings(self.stamp_ns, heading_deg)
@@ -156,7 +122,7 @@ class TopicDecoder:
     def _read_clock(self, messages: Sequence[Logged]) -> tuple[Integers, np.ndarray]:
         """Return the times of messages by the clock, log times at first, and which are known."""
         log_time_ns = np.array([message.log_time_ns for message in messages], np.int64)
-        if self._clock != PUBLISH_TIME:
+        if self._part.clock != PUBLISH_TIME:
             return log_time_ns, np.ones(len(messages), bool)
         has_time = np.array([0 < message.publish_time_ns < _MOST_NS for message in messages])
         publish_time_ns = [message.publish_time_ns if is_known else message.log_time_ns
@@ -189,19 +155,19 @@ class TopicDecoder:
     @property
     def absence(self) -> str:
         """Return in words that none of the messages had what was asked for; '' if one had."""
-        return self._transforms.absence if self._transforms else ''
+        return self._part.absence
 
     @property
     def remark(self) -> str:
         """Return which sentence was taken and what was not, or what was assumed, in words."""
-        remarks = [self._remark] if self._remark else []
+        remarks = [self._part.assumption] if self._part.assumption else []
         if self._sentences is not None:
             not_taken = ', '.join(f'{n} {reason}' for reason, n in self._sentences.counts.items()
                                   if n)
             remarks.append(f'headings of {self._sentences.sentence or "no sentence"}; not taken: '
                            f'{not_taken or "nothing"}')
-        if self._clock:
-            remarks.append(f'the stamps are {_CLOCKS[self._clock]}')
+        if self._part.clock:
+            remarks.append(self._part.remark_on_stamps)
         if self._timeless:
             remarks.append(f'{self._timeless} messages have no publish time and count as invalid '
                            'readings')

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import math
 
+from message_rows import read_headings
 import numpy as np
 import pytest
 
@@ -45,7 +46,6 @@ from heading_intercompare.messages.heading_messages import (  # noqa: E402
     imu_messages,
     ORIENTATION_TYPES,
     pair_messages,
-    read_headings,
     read_pairs,
 )
 from heading_intercompare.messages.stamps import encode_clock  # noqa: E402

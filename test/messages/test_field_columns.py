@@ -16,12 +16,13 @@
 
 from __future__ import annotations
 
+from functools import partial
 import struct
 
 import numpy as np
 import pytest
 
-from heading_intercompare.messages.byte_columns import join_messages
+from heading_intercompare.messages.byte_columns import FieldColumn, join_messages, read_sound
 from heading_intercompare.messages.cdr import encode
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.field_columns import decode_field, find_field
@@ -29,11 +30,7 @@ from heading_intercompare.messages.fields import definitions_in, leaves, short_n
 from heading_intercompare.messages.heading_fields import find_heading_field
 from heading_intercompare.messages.heading_places import HeadingPlace
 from heading_intercompare.messages.schemas import definitions_of
-from heading_intercompare.messages.sentence_messages import (
-    find_sentences,
-    read_sentences,
-    SENTENCE,
-)
+from heading_intercompare.messages.sentence_messages import find_sentences, SENTENCE
 
 S = 10 ** 9
 STAMPED = ('geometry_msgs/msg/PoseWithCovarianceStamped', 'geometry_msgs/msg/QuaternionStamped',
@@ -276,9 +273,10 @@ def test_sentences_are_texts_with_their_stamps():
     messages = [encode(SENTENCE, {'header': {'stamp': {'sec': at}, 'frame_id': 'x' * at},
                                   'sentence': 'a' * at}) for at in range(9)]
     place, _ = find_sentences(SENTENCE, {}, '')
-    column, refused = read_sentences(place, [*messages, b'', messages[3][:21]])
+    read = partial(read_sound, partial(decode_field, place), kind=FieldColumn)
+    column, refused = read([*messages, b'', messages[3][:21]])
     assert column.values.tolist() == [b'a' * at for at in range(9)]
     assert column.stamp_ns.tolist() == [at * S for at in range(9)]
     assert refused == ['nmea_msgs/msg/Sentence message of 0 bytes is too short',
                        'nmea_msgs/msg/Sentence message of 21 bytes is too short']
-    assert len(read_sentences(place, [])[0]) == 0
+    assert len(read([])[0]) == 0

@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import struct
 
+from message_rows import read_headings
 import numpy as np
 import pytest
 
@@ -41,7 +42,6 @@ from heading_intercompare.messages.heading_messages import (
     ORIENTATION_TYPES,
     pair_messages,
     PAIRS_TYPE,
-    read_headings,
     read_pairs,
 )
 

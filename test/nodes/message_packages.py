@@ -37,6 +37,9 @@ SENTENCE = 'std_msgs/Header header\nstring sentence\n'
 _LIBRARIES = ('std_msgs__rosidl_generator_c', 'std_msgs__rosidl_generator_py',
               'std_msgs__rosidl_typesupport_fastrtps_c',
               'std_msgs__rosidl_typesupport_introspection_c',
+              *(f'geometry_msgs__rosidl_{part}' for part in (
+                  'generator_c', 'generator_py', 'typesupport_fastrtps_c',
+                  'typesupport_introspection_c')),
               'builtin_interfaces__rosidl_generator_c', 'rosidl_runtime_c', 'rosidl_typesupport_c',
               'rosidl_typesupport_fastrtps_c', 'rosidl_typesupport_fastrtps_cpp',
               'rosidl_typesupport_introspection_c', 'fastcdr', 'rcutils')

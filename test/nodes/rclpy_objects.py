@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from diagnostic_msgs.msg import DiagnosticArray
+from message_rows import read_headings
 from rclpy.serialization import deserialize_message, serialize_message
 from sensor_msgs.msg import Imu
 
@@ -24,7 +25,6 @@ from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.messages.heading_messages import (
     imu_messages,
     PAIRS_TYPE,
-    read_headings,
     read_pairs,
 )
 from heading_intercompare.messages.ledger_messages import decode_ledger

@@ -19,10 +19,12 @@ from __future__ import annotations
 from importlib import import_module
 import os
 import sys
+import time
+from types import SimpleNamespace
 
 from checksums import with_checksum
 from diagnostic_msgs.msg import DiagnosticArray
-from geometry_msgs.msg import PoseStamped
+from geometry_msgs.msg import Pose, PoseStamped, TransformStamped
 from nodes.graph_checks import assert_same
 from nodes.message_packages import make_package, SENTENCE as SENTENCE_FIELDS
 from nodes.rclpy_objects import heading_messages
@@ -30,13 +32,17 @@ from nodes.ros_nodes import NORMS
 import numpy as np
 import pytest
 from rclpy.node import Node
+from rclpy.qos import QoSProfile
 from rclpy.serialization import serialize_message
 from sensor_msgs.msg import Imu
+from std_msgs.msg import Float32, Float64, String
 
 from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.messages.schemas import DEFINITIONS
 from heading_intercompare.messages.sentence_messages import SENTENCE
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.graph import intercompare, Source
@@ -47,6 +53,7 @@ from heading_intercompare.nodes.replayer import Replayer
 from heading_intercompare.nodes.settings import Taking
 from heading_intercompare.nodes.synchronizer import Synchronizer
 from heading_intercompare.nodes.taking.headings_intake import HeadingsIntake
+from heading_intercompare.readers.topic_bag import TopicBag
 
 T0 = 1_700_000_000
 S = 10 ** 9
@@ -66,7 +73,8 @@ string word
 def packages(tmp_path_factory):
     """Build the package of sentences, and one of no other use; return where they are."""
     definitions = {'nmea_msgs': {'Sentence': SENTENCE_FIELDS},
-                   'gyro_test_msgs': {'Gyro': GYRO_FIELDS}}
+                   'gyro_test_msgs': {'Gyro': GYRO_FIELDS},
+                   'tf2_msgs': {'TFMessage': DEFINITIONS['tf2_msgs/TFMessage']}}
     return [make_package(tmp_path_factory.mktemp(package), package, fields)
             for package, fields in definitions.items()]
 
@@ -120,12 +128,18 @@ def take_all(ros, intake, publisher, messages, n):
                    and publisher.get_subscription_count() == len(intake.intakes))
     for message in messages:
         publisher.publish(message)
+    return take_until(ros, intake, n)
+
+
+def take_until(ros, intake, n, streams=None, received=0):
+    """Return the headings of each stream once n of some, and as many messages, have come."""
     taken = {name: [] for name in intake.intakes}
 
     def took():
         for name, headings in intake.take().items():
             taken[name].append(headings)
-        return all(sum(map(len, chunks)) >= n for chunks in taken.values())
+        return all(sum(map(len, taken[name])) >= n and intake.intakes[name].received >= received
+                   for name in streams or taken)
     ros.spin_until(took)
     last = intake.take(last=True)
     return {name: Headings.concatenate([*chunks, last[name]]) for name, chunks in taken.items()}
@@ -227,7 +241,7 @@ def test_a_field_of_messages_of_any_type_is_a_heading(ros, types):
     ('gyro.raw', 'raw: raw is a list'),
     ('gyro.header', 'header: lies in the header, which has no heading'),
     ('gyro.yaw_rad', 'yaw_rad: a yaw may turn either way: write yaw_rad@ned if it turns from'),
-    ('gyro.heading@log_time', 'heading@log_time: is a time of a recording')])
+    ('gyro.heading@log_time', 'heading@log_time: is the time of one recorder')])
 def test_a_field_that_is_no_heading_is_refused_with_the_reason(ros, types, place, wrong):
     _, gyro = types
     intake = make_intake(ros, ts=place)
@@ -238,17 +252,105 @@ def test_a_field_that_is_no_heading_is_refused_with_the_reason(ros, types, place
     assert wrong in intake.intakes['ts']._why_refused
 
 
-@pytest.mark.parametrize('name, place, wrong', [
-    ('std_msgs/Float64', 'gyro.data',
-     'messages of the type std_msgs/msg/Float64 do not begin with a header'),
-    ('tf2_msgs/TFMessage', 'gyro.map:ship', 'transforms are read from recordings, not live')])
-def test_messages_without_a_header_are_refused_live(ros, name, place, wrong):
-    package, _, kind = name.partition('/')
-    kind = getattr(pytest.importorskip(f'{package}.msg', reason='not installed'), kind)
+def number(kind, heading_deg):
+    """Return a message of a type without a header, with a heading."""
+    if kind is Pose:
+        return Pose(orientation=pose(0, heading_deg).pose.orientation)
+    return kind(data=with_checksum(f'HEHDT,{heading_deg},T') if kind is String else
+                float(heading_deg))
+
+
+@pytest.mark.parametrize('kind, part', [
+    (Float64, 'data'), (Float32, 'data@deg'), (String, 'data.HEHDT'), (Pose, 'orientation')])
+def test_messages_without_a_header_have_the_time_at_which_they_were_sent(ros, kind, part):
+    """Each node receives them at a time of its own; the stamps are the same to all."""
+    intakes = [make_intake(ros, ts=f'compass.{part}', rs=f'compass.{part}@publish_time')
+               for _ in range(2)]
+    logged = []
+    intakes[0]._node = SimpleNamespace(get_logger=lambda: SimpleNamespace(warning=logged.append))
+    publisher = ros.plain.create_publisher(kind, 'compass', qos.HEADINGS_OUT)
+    ros.spin_until(lambda: not any(len(rows) for intake in intakes
+                                   for rows in intake.take().values())
+                   and publisher.get_subscription_count() == 4)
+    before_ns = time.time_ns()
+    for at in range(20):
+        publisher.publish(number(kind, 5 * at))
+    taken = [take_until(ros, intake, 20) for intake in intakes]
+    for headings in (rows for streams in taken for rows in streams.values()):
+        assert headings.heading_deg == pytest.approx(5.0 * np.arange(20))
+        assert headings == taken[0]['ts']
+    stamps = taken[0]['ts'].stamp_ns
+    assert before_ns <= stamps[0] and stamps[-1] <= time.time_ns() and (np.diff(stamps) > 0).all()
+    assert [words.partition(': ')[0] for words in logged] == ['ts', 'rs']
+    assert all('the stamps are the times at which the messages were published' in words
+               for words in logged)
+
+
+def test_the_time_of_sending_may_replace_the_stamp_of_a_header(ros, types):
+    _, gyro = types
+    intake = make_intake(ros, ts='gyro.heading@publish_time', rs='gyro.heading')
+    publisher = ros.plain.create_publisher(gyro, 'gyro', qos.HEADINGS_OUT)
+    before_ns = time.time_ns()
+    taken = take_all(ros, intake, publisher, [set_stamp(gyro(), 0) for _ in range(5)], 5)
+    assert (taken['ts'].stamp_ns > before_ns).all() and not taken['rs'].stamp_ns.any()
+
+
+def transforms(kind, *rows):
+    """Return a message of TF with transforms: stamp, parent, child and heading of each."""
+    message = kind()
+    for ns, parent, child, heading_deg in rows:
+        transform = set_stamp(TransformStamped(child_frame_id=child), ns)
+        transform.header.frame_id = parent
+        transform.transform.rotation = pose(0, heading_deg).pose.orientation
+        message.transforms.append(transform)
+    return message
+
+
+def test_of_transforms_two_frames_are_a_heading_whoever_else_publishes(ros, types):
+    """Each publisher has its own numbers: nothing is lost, and nobody is a rival."""
+    kind = import_module('tf2_msgs.msg').TFMessage
+    intake = make_intake(ros, ts='tf.map:ship', rs='tf.map:hull@ned')
+    publisher, other = (ros.plain.create_publisher(kind, 'tf', QoSProfile(depth=100))
+                        for _ in range(2))
+    ros.spin_until(lambda: not len(intake.take()['ts'])
+                   and publisher.get_subscription_count() == 2 == other.get_subscription_count())
+    for at in range(30):
+        publisher.publish(transforms(kind, *[(at * S, 'map', 'ship', 12.0 * at)] * (at != 4),
+                                     (at * S, 'map', 'odom', 1.0)))
+        for _ in range(at % 4):
+            other.publish(transforms(kind, (at * S, 'odom', 'map', 2.0)))
+    received = 30 + sum(at % 4 for at in range(30))
+    taken = take_until(ros, intake, 29, {'ts'}, received)
+    assert taken['ts'].stamp_ns.tolist() == [at * S for at in range(30) if at != 4]
+    assert taken['ts'].heading_deg == pytest.approx([12.0 * at for at in range(30) if at != 4])
+    assert not len(taken['rs'])
+    assert [intake.intakes[name].look() for name in ('ts', 'rs')] == ['', '']
+    assert intake.intakes['ts'].lost == 0
+    heard = ros.listen(DiagnosticArray, '/diagnostics', qos.STATUS)
+
+    def absences():
+        return {status.message for message in heard for status in message.status
+                if status.name == 'taker: rs frames'}
+    ros.spin_until(lambda: intake._health.publish() or absences())
+    assert absences() == {'no transform from map to hull; the topic has odom:map, '
+                          'map:odom, map:ship'}
+
+
+@pytest.mark.parametrize('kind, place, wrong', [
+    ('std_msgs/Float64', 'gyro.gone', "gone: std_msgs/Float64 has no field 'gone'; it has data"),
+    ('std_msgs/Float64', 'gyro.data@log_time', 'data@log_time: is the time of one recorder; live '
+     'write data@publish_time'),
+    ('std_msgs/String', 'gyro.data', 'data: is a text; name a sentence in it, as in data.HDT'),
+    ('tf2_msgs/TFMessage', 'gyro.map', 'map: must be two frames of TF'),
+    ('tf2_msgs/TFMessage', 'gyro.map:ship@publish_time', 'leave @publish_time out')])
+def test_messages_without_a_header_that_hold_no_heading_are_refused_with_the_reason(
+        ros, types, kind, place, wrong):
+    package, _, name = kind.partition('/')
+    message_type = getattr(import_module(f'{package}.msg'), name)
     intake = make_intake(ros, ts=place)
-    publisher = ros.plain.create_publisher(kind, 'gyro', qos.HEADINGS_OUT)
+    publisher = ros.plain.create_publisher(message_type, 'gyro', qos.HEADINGS_OUT)
     ros.spin_until(lambda: not len(intake.take()['ts']) and publisher.get_subscription_count())
-    publisher.publish(kind())
+    publisher.publish(message_type())
     ros.spin_until(lambda: not len(intake.take()['ts']) and intake.intakes['ts'].refused)
     assert wrong in intake.intakes['ts']._why_refused
 
@@ -273,7 +375,11 @@ def test_a_quaternion_of_messages_of_any_type_is_a_heading(ros, convention, axes
 
 
 def run_trial(ros, publisher, messages, reference, tmp_path, ts_topic):
-    """Judge and record messages of the TS and readings of the RS; return verdict and bag."""
+    """
+    Judge and record messages of the TS and readings of the RS; return verdict and bag.
+
+    Without a reference its readings are stamped as they are sent, in turn with the messages.
+    """
     recorder = ros.ours(Recorder, output=str(tmp_path / 'bag'), diagnostics_period_s=0.0,
                         ts_topic=ts_topic)
     synchronizer = ros.ours(Synchronizer, subscribers=2, startup_wait_s=600.0, ts_topic=ts_topic)
@@ -282,9 +388,13 @@ def run_trial(ros, publisher, messages, reference, tmp_path, ts_topic):
     ros.spin_until(lambda: publisher.get_subscription_count() == 2 == rs.get_subscription_count())
     for message in messages:
         publisher.publish(message)
-    for message in heading_messages(reference, 'x'):
+        if reference is None:
+            rs.publish(set_stamp(Imu(), time.time_ns()))
+    for message in heading_messages(reference or Headings.empty(), 'x'):
         rs.publish(message)
-    ros.spin_until(lambda: compliance.n_pairs >= N - 30)
+    ros.spin_until(lambda: all(intake.received >= len(messages)
+                               for intake in synchronizer._headings.intakes.values())
+                   if reference is None else compliance.n_pairs >= N - 30)
     for sensor in (publisher, rs):
         ros.plain.destroy_publisher(sensor)
     ros.end(synchronizer, compliance, recorder)
@@ -333,3 +443,33 @@ def test_the_verdict_on_the_bag_of_a_trial_with_a_quaternion_is_the_live_one(ros
     live, bag = run_trial(ros, publisher, messages, rs, tmp_path, 'pose.pose.orientation')
     assert live['runs'][0]['pairing']['ts_received'] == N
     assert_same(live, judge_again(bag, 'pose.pose.orientation'))
+
+
+@pytest.mark.parametrize('word', ['', '@publish_time'])
+def test_the_verdict_on_the_bag_of_a_trial_without_headers_is_the_live_one(ros, tmp_path, word):
+    """The recorder keeps the times of sending, which its bag has where no clock is stated."""
+    ts_topic = f'compass.data{word}'
+    publisher = ros.plain.create_publisher(Float64, 'compass', qos.HEADINGS_OUT)
+    messages = [number(Float64, at % 90) for at in range(N)]
+    live, bag = run_trial(ros, publisher, messages, None, tmp_path, ts_topic)
+    assert live['runs'][0]['pairing']['ts_received'] == N
+    assert_same(live, judge_again(bag, ts_topic))
+    published = [message.publish_time_ns for message in BagReader(bag).messages(['/compass'])]
+    taken, = TopicBag(bag).headings({ts_topic: 'enu'})
+    assert taken[ts_topic].stamp_ns.tolist() == published
+    with pytest.raises(SettingsError, match='topic /compass: its readings have the times at whi'):
+        ros.ours(Replayer, bag=str(bag), ts_topic=ts_topic)
+
+
+def test_the_verdict_on_the_bag_of_a_trial_with_transforms_is_the_live_one(ros, types, tmp_path):
+    kind = import_module('tf2_msgs.msg').TFMessage
+    ts, rs = sensors()
+    publisher = ros.plain.create_publisher(kind, 'tf', qos.HEADINGS_OUT)
+    messages = [transforms(kind, (ns, 'map', 'ship', heading), (ns, 'map', 'odom', 1.0))
+                for ns, heading in zip(ts.stamp_ns, ts.heading_deg)]
+    live, bag = run_trial(ros, publisher, messages, rs, tmp_path, 'tf.map:ship')
+    assert live['runs'][0]['pairing']['ts_received'] == N
+    assert_same(live, judge_again(bag, 'tf.map:ship'))
+    replayed = intercompare([Source(Replayer, 'replayer', {'bag': str(bag), 'rate': 0.0})],
+                            {**NORMS, 'ts_topic': 'tf.map:ship'}, private=True)
+    assert_same(live, replayed.to_dict())

@@ -21,7 +21,8 @@ from command_line import analyze_json, NORMS, refusal
 import numpy as np
 import pytest
 
-from heading_intercompare.messages.byte_columns import join_messages
+from heading_intercompare.core.records import Headings
+from heading_intercompare.messages.byte_columns import FieldColumn, join_messages, read_sound
 from heading_intercompare.messages.cdr import encode
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.transform_messages import TRANSFORMS, TransformTopic
@@ -148,8 +149,8 @@ def test_every_cut_of_a_message_and_every_impossible_length_is_refused():
         spoiled = data[:at] + b'\xff\xff\xff\x7f' + data[at + 4:]
         with pytest.raises(MessageError):
             topic.decode(*join_messages([spoiled]))
-    headings, refused = topic.read([data, data[:30], data])
-    assert len(headings) == 2 and len(refused) == 1
+    column, refused = read_sound(topic.decode, [data, data[:30], data], FieldColumn)
+    assert [*map(len, column.values)] == [1, 1] and len(refused) == 1
 
 
 def test_big_endian_messages_are_read_beside_others():
@@ -160,8 +161,8 @@ def test_big_endian_messages_are_read_beside_others():
             (0, 4, -1), (4, 8, -1), (8, 12, -1), (12, 16, -1), (16, 20, 1), (20, 24, -1),
             (24, 29, 1), (29, 32, 1), *((at, at + 8, -1) for at in range(32, 88, 8))])
     topic = TransformTopic('map:ship', 'enu')
-    headings, refused = topic.read([big, little])
-    assert not refused and headings.heading_deg == pytest.approx([30.0, 30.0])
+    headings = Headings.concatenate(topic.decode(*join_messages([big, little])).values)
+    assert headings.heading_deg == pytest.approx([30.0, 30.0])
     assert headings.stamp_ns.tolist() == [T0, T0]
 
 

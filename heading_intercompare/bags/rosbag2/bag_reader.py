@@ -370,8 +370,15 @@ class BagReader:
 
     def keeps_numbers(self) -> bool:
         """Tell whether the numbers of the messages are those of their publishers."""
+        return self._has_record(*_NUMBERED_BY)
+
+    def is_ours(self) -> bool:
+        """Tell whether this program wrote the bag: its publish times are those of sending."""
+        return self._has_record(RECORD)
+
+    def _has_record(self, *names: str) -> bool:
         try:
-            return any(name in self.metadata() for name in _NUMBERED_BY)
+            return any(name in self.metadata() for name in names)
         except BagError:
             # The reading of the messages says what is damaged.
             return False

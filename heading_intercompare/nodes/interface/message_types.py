@@ -16,8 +16,9 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from importlib import import_module
-from typing import Iterable, Mapping
+from typing import Any, Iterable, Mapping
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import (
@@ -95,6 +96,12 @@ class InstalledTypes(dict[str, type]):
 def list_heading_types(place: HeadingPlace) -> dict[str, type]:
     """Return the types that messages with headings can have; any where a part is named."""
     return InstalledTypes() if place.part else HEADING_TYPES
+
+
+@lru_cache(maxsize=None)
+def begins_with_header(message_type: Any) -> bool:
+    """Tell whether the messages of a type begin with a header, whose stamp they have."""
+    return [*message_type.get_fields_and_field_types().values()][:1] == ['std_msgs/Header']
 
 
 def explain_absence(names: Iterable[str], types: Mapping[str, type]) -> str:

@@ -30,6 +30,7 @@ from heading_intercompare.core.settings import MotionRule
 from heading_intercompare.messages.ledger_messages import encode_losses, lost_topic
 from heading_intercompare.messages.stamps import header_stamp_ns
 from heading_intercompare.messages.status_messages import MARKER_TOPIC
+from heading_intercompare.messages.transform_messages import TRANSFORMS
 from heading_intercompare.nodes.interface import qos
 from heading_intercompare.nodes.interface.message_types import MOTION_TYPES
 from heading_intercompare.nodes.presence.health import Health
@@ -136,7 +137,7 @@ class ReplayedLosses:
         if message.topic in self._told:
             self._told[message.topic].publish(message.data)
             return True
-        if self._keeps_numbers:
+        if self._keeps_numbers and message.type_name != TRANSFORMS:
             if round_ != self._round:
                 self.publish()
                 self._round = round_

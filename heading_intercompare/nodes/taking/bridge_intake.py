@@ -155,7 +155,7 @@ class BridgeIntake:
     def _drain(self) -> None:
         now_s = time.monotonic()
         for stream, intake in self._intakes.items():
-            headings = intake.read_rows(self._readers[stream].read)
+            headings = intake.read_messages(self._readers[stream].read)
             if intake.received_ns is not None:
                 self._bridge.take_headings(stream, headings, intake.received_ns, now_s)
         for tested, intake in self._pairs.items():

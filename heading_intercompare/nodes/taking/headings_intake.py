@@ -28,7 +28,7 @@ from heading_intercompare.core.pairing.incarnations import StreamNumbers
 from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.messages.heading_places import locate_headings
 from heading_intercompare.messages.ledger_messages import decode_losses, lost_topic
-from heading_intercompare.messages.status_messages import OK
+from heading_intercompare.messages.status_messages import OK, WARN
 from heading_intercompare.nodes.interface import qos
 from heading_intercompare.nodes.interface.message_types import list_heading_types
 from heading_intercompare.nodes.presence.health import Health
@@ -73,13 +73,14 @@ class HeadingsIntake:
         self._lose_some = lose
         places = {name: locate_headings(topic, unit_of(topic))
                   for name, (topic, _, _) in streams.items()}
-        self._health = health
+        self._node, self._health, self._remarks = node, health, dict.fromkeys(streams, '')
+        self._absent: set[str] = set()
         self._readers = {name: TopicHeadings(places[name], convention)
                          for name, (_, convention, _) in streams.items()}
         self.intakes = {name: Intake(
             node, places[name].topic, list_heading_types(places[name]), qos.HEADINGS_IN, health,
             unreliable=qos.HEADINGS_UNRELIABLE, kept=qos.HEADINGS_KEPT, stale_s=taking.stale_s,
-            first_wait_s=taking.first_wait_s, lost_shown_s=taking.lost_shown_s, stamped=True,
+            first_wait_s=taking.first_wait_s, lost_shown_s=taking.lost_shown_s, place=places[name],
             known_type=kind, arrivals=arrivals)
             for name, (_, _, kind) in streams.items()}
         health.add_refresher(self._note)
@@ -96,15 +97,23 @@ class HeadingsIntake:
         """Return the readings since the last call, by stream; `last` says that none follow."""
         for intake in self.intakes.values() if last else ():
             intake.bring_back()
-        headings = {name: intake.read_rows(self._readers[name].read)
+        headings = {name: intake.read_messages(self._readers[name].read)
                     for name, intake in self.intakes.items()}
         if last:
             headings = {name: rows + self._readers[name].flush()
                         for name, rows in headings.items()}
+        self._log_remarks()
         for name, intake in self.intakes.items():
             self._lose(name, {'lost.on_the_way': intake.take_losses(),
                               'lost.before_start': intake.take_before()})
         return headings
+
+    def _log_remarks(self) -> None:
+        """Say once what is assumed of the headings of a stream, as a note of a bag does."""
+        for name, reader in self._readers.items():
+            if reader.remark != self._remarks[name]:
+                self._remarks[name] = reader.remark
+                self._node.get_logger().warning(f'{name}: {reader.remark}')
 
     def _lose(self, name: str, found: Mapping[str, Losses]) -> None:
         for lost_as, losses in found.items():
@@ -144,8 +153,12 @@ class HeadingsIntake:
         return sum(intake.publishers for intake in self.intakes.values())
 
     def _note(self) -> None:
-        """Report the sentences that gave no heading of a stream; two may hear one topic."""
+        """Report the sentences that gave no heading of a stream, and frames that never came."""
         for name, reader in self._readers.items():
+            if reader.absence or name in self._absent:
+                self._absent.add(name)
+                self._health.note(f'{name} frames', WARN if reader.absence else OK,
+                                  reader.absence or 'receiving')
             if reader.counts is not None:
                 self._health.note(f'{name} sentences', OK, reader.sentence or 'listening',
                                   figures=reader.counts)

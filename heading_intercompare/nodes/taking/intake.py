@@ -43,9 +43,14 @@ from heading_intercompare.core.pairing.incarnations import StreamNumbers
 from heading_intercompare.core.pairing.names import Span
 from heading_intercompare.core.records import Losses
 from heading_intercompare.core.statistics.recent_count import RecentCount
+from heading_intercompare.messages.heading_places import HeadingPlace
 from heading_intercompare.messages.stamps import header_stamp_ns
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
-from heading_intercompare.nodes.interface.message_types import explain_absence, find_heading_type
+from heading_intercompare.nodes.interface.message_types import (
+    begins_with_header,
+    explain_absence,
+    find_heading_type,
+)
 from heading_intercompare.nodes.interface.parameters import follow, resolve_topic
 from heading_intercompare.nodes.presence.health import Health
 from heading_intercompare.nodes.presence.transports import DISCOVERY_S
@@ -99,8 +104,9 @@ class Intake:
         More than one publisher is an error.
     needed
         A missing publisher is a warning.
-    stamped
-        The messages begin with a header, so `take_losses` can say where some are missing.
+    place
+        What the messages hold of a heading, if they do; then `take_losses` says where some are
+        missing. Any number of nodes may publish transforms, so of these none are counted.
     counted
         Count what is missing; not where any number of publishers may come and go.
     whole
@@ -158,7 +164,7 @@ class Intake:
                  kept: QoSProfile | None = None,
                  stale_s: float | None = None, first_wait_s: float = 0.0,
                  lost_shown_s: float = 600.0, sole: bool = True, needed: bool = True,
-                 stamped: bool = False, counted: bool = True, whole: bool = False,
+                 place: HeadingPlace | None = None, counted: bool = True, whole: bool = False,
                  known_type: str | None = None,
                  arrivals: Unwatched | None = None) -> None:
         self._node, self._topic, self._types = node, topic, types
@@ -182,7 +188,10 @@ class Intake:
         self.resubscribed = 0
         self.received_ns: int | None = None
         self._why_refused = ''
-        self._numbering, self._stamped, self.counted = Numbering(), stamped, counted
+        self._numbering, self._place, self.counted = Numbering(), place, counted
+        if place is not None and place.names_frames:
+            self._sole = self.counted = False
+            self._kept = None
         self._losses: list[Losses] = []
         self._publishers = '', ''
         self._names, self._looked_n = PublisherNames(self._list_gids), 0
@@ -215,20 +224,27 @@ class Intake:
             numbers = [number_of(message) for message in messages]
             self._names.begin(self.received_ns)
             begins = [0] * self._may_be_replaced(messages[0])
-            if self._stamped:
-                stamps = [header_stamp_ns(message) for message, _ in messages]
+            if self._place is not None and self.counted:
+                stamps = self.read_stamps(messages)
                 self._losses.append(self._numbering.take(numbers, stamps, self._names.find_new,
                                                          begins))
                 self._note_resumed(numbers[0], stamps[0])
             elif self.counted:
                 self._numbering.take(numbers, find_new=self._names.find_new, begins=begins)
-            self.last_sequence = numbers[-1]
+            self.last_sequence = numbers[-1] * self.counted
             self.received += len(messages)
             info = messages[-1][1]
             self.sent_ns = info['source_timestamp']
             self._newest_s, self.received_ns = time.monotonic(), info['received_timestamp']
             self._latency_s = (info['received_timestamp'] - info['source_timestamp']) / 1e9
         return messages
+
+    def read_stamps(self, messages: Sequence[Message]) -> list[int]:
+        """Return the stamps of readings in messages: those of their headers, or when sent, ns."""
+        is_sent = self._place is not None and self._place.clock
+        if is_sent or not begins_with_header(self._types[self.type_name or '']):
+            return [info['source_timestamp'] for _, info in messages]
+        return [header_stamp_ns(data) for data, _ in messages]
 
     def _may_be_replaced(self, message: Message) -> bool:
         """Tell whether a message is another publisher's, even if its number follows the last."""
@@ -247,8 +263,13 @@ class Intake:
             Returns the rows, and what is wrong with others, of messages of a type.
 
         """
-        messages = self.take()
-        rows, problems = read(self.type_name or '', [data for data, _ in messages])
+        return self.read_messages(
+            lambda type_name, messages: read(type_name, [data for data, _ in messages]))
+
+    def read_messages(self, read: Callable[[str, Sequence[Message]],
+                                           tuple[_Chunk, Sequence[str]]]) -> _Chunk:
+        """Return rows as `read_rows`, read from messages with their infos."""
+        rows, problems = read(self.type_name or '', self.take())
         self.refuse(problems)
         return rows
 

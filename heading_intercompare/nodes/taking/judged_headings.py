@@ -21,7 +21,6 @@ from typing import Mapping, Sequence
 
 from heading_intercompare.bags.rosbag2.publisher_starts import KnownStarts, PublisherStart
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
-from heading_intercompare.messages.stamps import header_stamp_ns
 from heading_intercompare.nodes.presence.transports import DISCOVERY_S, is_alone
 
 from .reception import Message, number_of
@@ -107,9 +106,11 @@ class JudgedHeadings:
             return headings
         n, numbering = self.counts[topic]
         self.counts[topic] = n + len(headings), numbering
-        self._starts[topic].find_gaps(
-            numbering, [number_of(message) for message in headings],
-            [header_stamp_ns(data) for data, _ in headings])
+        intake = self._topics[topic].intake
+        if intake.counted:
+            self._starts[topic].find_gaps(
+                numbering, [number_of(message) for message in headings],
+                intake.read_stamps(headings))
         return headings
 
     def _choose(self, topic: str, messages: Sequence[Message], now_s: float,

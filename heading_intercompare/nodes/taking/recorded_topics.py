@@ -265,7 +265,7 @@ def make_intakes(node: Node, settings: Settings, taking: Taking, types: HeadingT
             node, row.topic, row.types, row.taken, health,
             unreliable=qos.HEADINGS_UNRELIABLE if takes_headings else None,
             kept=qos.HEADINGS_KEPT if takes_headings else None, first_wait_s=taking.first_wait_s,
-            sole=False, needed=row.expected, stamped=row.topic in headings,
+            sole=False, needed=row.expected, place=headings.get(row.topic),
             known_type=known_types.get(row.topic)),
             row.expected, is_heading=row.topic in headings)
     heard = [topics[topic].intake for topic in headings]

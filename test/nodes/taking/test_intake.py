@@ -20,6 +20,7 @@ import time
 
 from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import QuaternionStamped
+from message_rows import read_headings
 from nodes.rclpy_objects import heading_messages
 from nodes.ros_nodes import EITHER_EXECUTOR
 import pytest
@@ -30,7 +31,8 @@ from std_msgs.msg import String
 
 from heading_intercompare.bags.recording.cut_bag import LastMessages
 from heading_intercompare.core.records import Headings, Losses
-from heading_intercompare.messages.heading_messages import IMU, imu_messages, read_headings
+from heading_intercompare.messages.heading_messages import IMU, imu_messages
+from heading_intercompare.messages.heading_places import HeadingPlace
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
 from heading_intercompare.nodes.interface import qos
 from heading_intercompare.nodes.interface.message_types import HEADING_TYPES
@@ -356,7 +358,7 @@ def test_an_intake_cut_off_hears_a_publisher_whose_clock_is_slow(ros, monkeypatc
 @pytest.mark.parametrize('last, first, lost', [(30, 31, 0), (0, 1, 0)],
                          ids=['after the last one', 'of a bag without any'])
 def test_an_intake_goes_on_after_what_an_earlier_process_recorded(ros, last, first, lost):
-    intake, _ = intake_of(ros, kept=qos.HEADINGS_KEPT, stamped=True)
+    intake, _ = intake_of(ros, kept=qos.HEADINGS_KEPT, place=HeadingPlace('ts/heading', ''))
     publisher = ros.plain.create_publisher(Imu, 'h', qos.HEADINGS_OUT)
     for message in headings(1, 51):
         publisher.publish(message)
@@ -376,7 +378,7 @@ def test_an_intake_goes_on_after_what_an_earlier_process_recorded(ros, last, fir
 
 
 def test_what_the_publisher_no_longer_holds_is_missing_after_the_last_one(ros):
-    intake, _ = intake_of(ros, kept=qos.HEADINGS_KEPT, stamped=True)
+    intake, _ = intake_of(ros, kept=qos.HEADINGS_KEPT, place=HeadingPlace('ts/heading', ''))
     publisher = ros.plain.create_publisher(Imu, 'h', QoSProfile(
         depth=10, durability=DurabilityPolicy.TRANSIENT_LOCAL))
     for message in headings(1, 51):
@@ -390,7 +392,7 @@ def test_what_the_publisher_no_longer_holds_is_missing_after_the_last_one(ros):
 
 def test_a_publisher_that_restarts_owns_what_it_sent_before_it_was_heard(ros):
     """Its first number rises: without the graph, 20 were missing of the one before."""
-    intake, _ = intake_of(ros, stamped=True)
+    intake, _ = intake_of(ros, place=HeadingPlace('ts/heading', ''))
     first = publisher_to(ros, intake, profile=QoSProfile(depth=50))
     for message in headings(1, 6):
         first.publish(message)

@@ -40,7 +40,8 @@ def made(found):
         spans, is_heading, is_ledger, last_judged = (1,), True, False, None
         first_judged = property(lambda self: found.first)
     ledger = SimpleNamespace(spans=(), is_heading=False, is_ledger=True, intake=found)
-    intake = SimpleNamespace(full_name=f'/{TOPIC}', publishers=1,
+    intake = SimpleNamespace(full_name=f'/{TOPIC}', publishers=1, counted=True,
+                             read_stamps=lambda messages: [0] * len(messages),
                              numbers=SimpleNamespace(spans=(), last_publisher=''))
     return JudgedHeadings({TOPIC: Heading(intake=intake), LEDGER: ledger})
 
