@@ -39,6 +39,7 @@ from std_msgs.msg import Float32, Float64, String
 
 from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.cli import main
 from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
@@ -459,6 +460,11 @@ def test_the_verdict_on_the_bag_of_a_trial_without_headers_is_the_live_one(ros, 
     assert taken[ts_topic].stamp_ns.tolist() == published
     with pytest.raises(SettingsError, match='topic /compass: its readings have the times at whi'):
         ros.ours(Replayer, bag=str(bag), ts_topic=ts_topic)
+    imported = tmp_path / 'imported'
+    assert main(['import', str(bag), '--ts', ts_topic, '-o', str(imported), '--quiet']) == 0
+    source = Source(Replayer, 'replayer', {'bag': str(imported), 'rate': 0.0})
+    replayed = intercompare([source], NORMS, private=True).to_dict()
+    assert_same(live['runs'], replayed['runs'])
 
 
 def test_the_verdict_on_the_bag_of_a_trial_with_transforms_is_the_live_one(ros, types, tmp_path):
