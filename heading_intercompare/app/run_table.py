@@ -22,6 +22,7 @@ import os
 from pathlib import Path
 from typing import Iterable, Mapping, Sequence
 
+from heading_intercompare.bags.csv.csv_rows import split_rows, StrayQuote
 from heading_intercompare.core.time_rules.exclusions import read_exclusions
 from heading_intercompare.core.verdict.verdict_document import RunVerdict
 
@@ -118,7 +119,9 @@ def read_exclusion_table(path: str) -> str:
     """
     with open(path, newline='', encoding='utf-8-sig') as file:
         try:
-            rows = [row for row in csv.reader(file, skipinitialspace=True) if any(row)]
+            rows = [row for row in split_rows(file, 3, skipinitialspace=True) if any(row)]
+        except StrayQuote as error:
+            raise ValueError(f'{path}: {error}') from None
         except (csv.Error, UnicodeDecodeError) as error:
             raise ValueError(f'{path}: is not csv in UTF-8: {error}') from error
     # Rows of the setting end with a semicolon, and the reason holds any other sign.

@@ -277,6 +277,8 @@ def test_a_stretch_outside_of_the_record_is_a_note(bag, exclusions, capsys):
 
 @pytest.mark.parametrize('line, why', [
     ('2014-08-01T00:01:00Z,2014-08-01T00:02:00Z', 'row 2: .*must be start, end, reason'),
+    ('2014-08-01T00:01:00Z,2014-08-01T00:02:00Z,"tug\n'
+     '2014-08-01T00:03:00Z,2014-08-01T00:04:00Z,tug', 'a quotation mark hides the rows after it'),
     ('2014-08-01T00:02:00Z,2014-08-01T00:01:00Z,tug', 'row 2: end .* is not after start'),
     ('noon,2014-08-01T00:01:00Z,tug', "row 2: 'noon' is neither ISO UTC"),
 ])

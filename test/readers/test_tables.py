@@ -106,6 +106,35 @@ def test_a_last_line_that_is_cut_is_left_out_and_counted(tmp_path):
     assert read(tmp_path, text) == ({'hdg': [(T_NS, 10.5)]}, {'cut_line': 1})
 
 
+STRAY = 'a quotation mark hides the rows after it; remove it, or close it in the same cell'
+ROWS = [f'2014-08-01T00:00:0{at}Z,{at}.5,calm' for at in range(9)]
+
+
+@pytest.mark.parametrize('changed, line', [
+    ({3: '2014-08-01T00:00:03Z,"3.5,calm'}, 5),
+    ({3: '2014-08-01T00:00:03Z,"3.5,calm', 6: '2014-08-01T00:00:06Z,"6.5,calm'}, 5),
+    ({3: '2014-08-01T00:00:03Z,3.5,"calm', 6: '2014-08-01T00:00:06Z,6.5,calm"'}, 5),
+    ({3: '2014-08-01T00:00:03Z,3.5,"calm', 4: '2014-08-01T00:00:04Z,4.5,calm"'}, 5),
+    ({0: '"2014-08-01T00:00:00Z,0.5,calm'}, 2),
+    ({5: '# mast,"as built'}, 7)])
+@pytest.mark.parametrize('n', [1, 20_000])
+def test_a_quotation_mark_that_hides_rows_is_one_line(tmp_path, changed, line, n):
+    """Without a second one it hid all that follows, and no row was counted."""
+    rows = [changed.get(at, row) for at, row in enumerate(ROWS)]
+    with pytest.raises(ReaderError) as raised:
+        read(tmp_path, '\n'.join(['utc,heading,remark', *rows, *ROWS[:1] * n, '']))
+    assert f'line {line}: {STRAY}' in str(raised.value)
+
+
+@pytest.mark.parametrize('remark', [
+    '"calm"', '"calm,\nlater wind"', '"5 ""inches""\n3,4"', '"a\n\nb"', 'a "calm" sea'])
+def test_remarks_in_quotes_may_hold_ends_of_lines(tmp_path, remark):
+    rows = [row.replace('calm', remark) if at == 4 else row for at, row in enumerate(ROWS)]
+    streams, not_taken = read(tmp_path, '\n'.join(['utc,heading,remark', *rows, '']))
+    assert [heading_deg for _, heading_deg in streams['heading']] == [at + 0.5 for at in range(9)]
+    assert not not_taken
+
+
 def trial(names, make, n=900):
     """Return a csv of two sensors on a ship that turns to and fro across north; 0.1 deg apart."""
     rows = [f'time,{",".join(names)}']

@@ -25,7 +25,7 @@ import csv
 import io
 import os
 import re
-from typing import Iterator
+from typing import Any, Iterable, Iterator
 
 import numpy as np
 
@@ -136,6 +136,61 @@ class _Lines:
                           if hi - lo >= _FEWEST_PLAIN]
 
 
+class StrayQuote(csv.Error):
+    """A quotation mark that hides the rows after it; with how many lines it spans."""
+
+    def __init__(self, n_lines: int) -> None:
+        super().__init__('a quotation mark hides the rows after it; remove it, or close it in the '
+                         'same cell')
+        self.n_lines = n_lines
+
+
+def split_rows(lines: Iterable[str], width: int, **form: Any) -> Iterator[list[str]]:
+    """
+    Yield the cells of each row of a csv; a cell in quotes may hold ends of lines.
+
+    Parameters
+    ----------
+    lines
+        The lines with their ends.
+    width
+        How many cells a row has.
+    **form
+        As for `csv.reader`.
+
+    Raises
+    ------
+    StrayQuote
+        If a quotation stands open at the end, closes within a cell, or holds lines that look
+        like rows.
+
+    """
+    spanned: list[str] = []
+
+    def note_lines() -> Iterator[str]:
+        for line in lines:
+            spanned.append(line)
+            yield line
+    rows = csv.reader(note_lines(), **form)
+    while True:
+        try:
+            row = next(rows, None)
+            if len(spanned) > 1:
+                [*csv.reader(spanned, strict=True, **form)]
+        except csv.Error as error:
+            raise StrayQuote(len(spanned)) if len(spanned) > 1 else error from None
+        if row is None:
+            return
+        if any(_looks_like_row(line, width, form.get('delimiter', ',')) for line in spanned[1:]):
+            raise StrayQuote(len(spanned))
+        spanned.clear()
+        yield row
+
+
+def _looks_like_row(line: str, width: int, separator: str) -> bool:
+    return line.count(separator) == width - 1 and line.lstrip(' "')[:1].isdigit()
+
+
 class CsvRows:
     """
     The rows of a csv file with a header; iterate once, over rows or over `parts`.
@@ -165,7 +220,7 @@ class CsvRows:
         If the file cannot be read.
     BagError
         If it is empty, or a column stands twice; while iterating, if a row has more cells than
-        the header.
+        the header, or a quotation mark hides rows.
 
     """
 
@@ -177,12 +232,12 @@ class CsvRows:
         self._row_before = ['']
         try:
             self.line, header, separator = self._read_header(columns)
-            self._rows = csv.reader(self._whole_lines(), delimiter=separator)
             self.names = [name.strip() for name in
                           next(csv.reader([header], delimiter=separator), [])]
             while len(self.names) > 1 and not self.names[-1]:
                 self.names.pop()
             self._check_doubled()
+            self._rows = split_rows(self._whole_lines(), len(self.names), delimiter=separator)
         except csv.Error as error:
             self._lines.close()
             raise BagError(f'line {self.line}: {error}', self.path) from None
@@ -247,6 +302,8 @@ class CsvRows:
                     return
                 self._row_before = row
                 yield row
+        except StrayQuote as error:
+            raise BagError(f'line {self.line - error.n_lines + 1}: {error}', self.path) from None
         except csv.Error as error:
             raise BagError(f'line {self.line}: {error}', self.path) from None
 
