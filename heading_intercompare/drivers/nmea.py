@@ -199,8 +199,8 @@ class NmeaDecoder:
         self._listening = Listening(
             settings.kinds, settings.learn_s, _MOST_HELD if settings.kind == 'auto' else 0,
             None if files is None else find_sentence(files.bare_blocks(), settings))
-        self._instrument, self._own = choose_instrument(settings), settings.own
-        self._compass = settings.compass
+        self._instrument, self._compass = choose_instrument(settings), settings.compass
+        self._own_sentence = settings.described_sentence
         self._identify = choose_naming(settings)
         self._days, self._stamps = start_stamps(settings, files)
         self._times = StreamTimes(self._days, self._time_sentences(files))
@@ -358,7 +358,7 @@ class NmeaDecoder:
         if not checked and self._from_file and not prefix.strip():
             text, suffix = self._stamps.cut(text)
         name = self._identify(text)
-        if not (checked or self._lenient or may_lack_checksum(name, self._own)):
+        if not (checked or self._lenient or may_lack_checksum(name, self._own_sentence)):
             self._counts['no_checksum'] += 1
             return
         if name is None:
@@ -428,7 +428,7 @@ class NmeaDecoder:
     def _heading(self, name: Name, text: bytes) -> float:
         if name.kind == 'PSXN,23' and self._psxn_quality == b'2':
             raise Rejected('invalid_quality')
-        return heading_of(text, self._compass, self._own)
+        return heading_of(text, self._compass, self._own_sentence)
 
     def _read_valid(self, name: Name, text: bytes, prefix: bytes, suffix: bytes,
                     received_ns: int | None) -> tuple[int, float]:
@@ -485,7 +485,7 @@ class NmeaDecoder:
     def _own_time_ns(self, name: Name, text: bytes, prefix: bytes, suffix: bytes,
                      received_ns: int | None) -> int | None:
         """Return the time that a heading sentence tells itself, if any; raises Rejected."""
-        at, clock = find_time(name, text, self._own)
+        at, clock = find_time(name, text, self._own_sentence)
         if clock != 'week' and not at:
             return None
         if self._stamp_format != 'none':

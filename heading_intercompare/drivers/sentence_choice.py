@@ -67,8 +67,8 @@ def choose_naming(settings: DriverSettings) -> Callable[[bytes], Name | None]:
     [Name(kind='HDT', talker='GN'), Name(kind='HDT', talker='')]
 
     """
-    talker, own = settings.talker, settings.own
-    name_alone = identify if own is None else own.identify
+    talker, own_sentence = settings.talker, settings.described_sentence
+    name_alone = identify if own_sentence is None else own_sentence.identify
     if talker is None or talker != 'any' and ',' not in talker:
         return name_alone
     talkers = talker.split(',')
@@ -266,11 +266,11 @@ def choose_instrument(settings: DriverSettings) -> InstrumentChoice | None:
 def _names(text: bytes, settings: DriverSettings, choice: InstrumentChoice | None,
            identify_sentence: Callable[[bytes], Name | None]) -> Iterator[Name]:
     """Yield the heading sentences of whole lines, in the order of the log."""
-    lenient, own = settings.checksum == 'if_present', settings.own
+    lenient, own_sentence = settings.checksum == 'if_present', settings.described_sentence
     framer = Framer(with_lines=choice is not None)
     for _, prefix, sentence, checked, suffix in framer.feed(text, None) + framer.flush():
         if choice is not None and not choice.accepts(prefix, suffix):
             continue
         name = identify_sentence(sentence)
-        if name is not None and (checked or lenient or may_lack_checksum(name, own)):
+        if name is not None and (checked or lenient or may_lack_checksum(name, own_sentence)):
             yield name

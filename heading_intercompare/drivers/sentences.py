@@ -304,16 +304,16 @@ class OwnSentence(NamedTuple):
         return Name(self.kind, text[:2].decode('latin-1') if has_talker else '')
 
 
-def form_of(name: Name | None, own: OwnSentence | None = None) -> Form | None:
+def form_of(name: Name | None, own_sentence: OwnSentence | None = None) -> Form | None:
     """Return the form of the sentences of this name; None for those with a parser of their own."""
-    if own is not None and name is not None and name.kind == own.kind:
-        return own.form
+    if own_sentence is not None and name is not None and name.kind == own_sentence.kind:
+        return own_sentence.form
     return None if name is None else FORMS.get(name.kind)
 
 
-def may_lack_checksum(name: Name | None, own: OwnSentence | None = None) -> bool:
+def may_lack_checksum(name: Name | None, own_sentence: OwnSentence | None = None) -> bool:
     """Tell whether sentences of this name never have a checksum: PUHAW,UVH."""
-    form = form_of(name, own)
+    form = form_of(name, own_sentence)
     return form is not None and not form.checksum
 
 
@@ -322,9 +322,9 @@ def split_fields(text: bytes) -> list[bytes]:
     return (text.replace(b';', b',') if text[:1] in (b'#', b'%') else text).split(b',')
 
 
-def find_time(name: Name, text: bytes, own: OwnSentence | None = None) -> tuple[int, str]:
+def find_time(name: Name, text: bytes, own_sentence: OwnSentence | None = None) -> tuple[int, str]:
     """Return the field of the time in a heading sentence, 0 without one, and what the time is."""
-    form = form_of(name, own)
+    form = form_of(name, own_sentence)
     if form is not None:
         if form.timed and not re.match(form.timed.encode(), field_of(
                 split_fields(text), form.time + 1).strip()):
@@ -425,7 +425,7 @@ _MAKERS = frozenset(b'%c' % first for first in b'PK#%')
 
 @lru_cache(maxsize=1 << 16)
 def heading_of(text: bytes, compass: Compass = UNSTATED,
-               own: OwnSentence | None = None) -> float:
+               own_sentence: OwnSentence | None = None) -> float:
     """
     Return the heading in a sentence.
 
@@ -436,7 +436,7 @@ def heading_of(text: bytes, compass: Compass = UNSTATED,
         itself, so the last 65536 texts are cached (16 MB).
     compass
         What is stated for magnetic headings.
-    own
+    own_sentence
         A sentence that the user describes.
 
     Returns
@@ -455,10 +455,10 @@ def heading_of(text: bytes, compass: Compass = UNSTATED,
     231.0
 
     """
-    name = identify(text) if own is None else own.identify(text)
+    name = identify(text) if own_sentence is None else own_sentence.identify(text)
     assert name is not None
-    if own is not None and name.kind == own.kind:
-        return _parse_form(own.form, split_fields(text), compass)
+    if own_sentence is not None and name.kind == own_sentence.kind:
+        return _parse_form(own_sentence.form, split_fields(text), compass)
     if compass is not UNSTATED and name.kind in MAGNETIC:
         return MAGNETIC[name.kind](split_fields(text), compass)
     return PARSERS[name.kind](split_fields(text))

@@ -315,19 +315,19 @@ class DriverSettings(Checked):
                        if self.deviation_table else ())
 
     @property
-    def own(self) -> OwnSentence | None:
+    def described_sentence(self) -> OwnSentence | None:
         """Return the sentence that the user describes."""
         return read_own_sentence(self.own_sentence)
 
     @property
     def kind(self) -> str:
         """Return the kind of sentence to use: 'auto', or one of `kinds`."""
-        return self.own.kind if self.own else self.sentence
+        return self.described_sentence.kind if self.described_sentence else self.sentence
 
     @property
     def kinds(self) -> tuple[str, ...]:
         """Return all kinds of heading sentences, the best first."""
-        return (self.own.kind, *SENTENCES) if self.own else SENTENCES
+        return (self.described_sentence.kind, *SENTENCES) if self.described_sentence else SENTENCES
 
     @property
     def address(self) -> Address:

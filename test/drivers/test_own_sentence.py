@@ -56,7 +56,7 @@ NOON_NS = 1_772_366_400 * SECOND_NS
 ])
 def test_an_own_sentence_gives_its_heading(line, text, heading_deg):
     own = read_own_sentence(line)
-    assert heading_of(text.encode(), own=own) == pytest.approx(heading_deg, abs=1e-9)
+    assert heading_of(text.encode(), own_sentence=own) == pytest.approx(heading_deg, abs=1e-9)
 
 
 @pytest.mark.parametrize('line, text, reason', [
@@ -72,7 +72,7 @@ def test_an_own_sentence_gives_its_heading(line, text, heading_deg):
     ('PXYZ heading=1 north=magnetic', 'PXYZ,1.0', 'no_variation')])
 def test_an_own_sentence_without_a_heading_says_why(line, text, reason):
     with pytest.raises(Rejected) as caught:
-        heading_of(text.encode(), own=read_own_sentence(line))
+        heading_of(text.encode(), own_sentence=read_own_sentence(line))
     assert caught.value.reason == reason
 
 
