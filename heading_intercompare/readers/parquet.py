@@ -16,8 +16,10 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from contextlib import contextmanager
-from typing import Any, Iterator
+from functools import partial
+from typing import Any, Iterator, NamedTuple, Sequence
 
 import numpy as np
 import pyarrow
@@ -29,10 +31,12 @@ from heading_intercompare.core.pairing.interpolation_kernel import LARGEST_FACTO
 from heading_intercompare.core.records import Headings, Integers, Pairs, Reals
 from heading_intercompare.core.units.angle_units import find_named_unit
 from heading_intercompare.core.units.given_stamps import find_unit
+from heading_intercompare.drivers.sentences import Rejected
+from heading_intercompare.drivers.settings import DEFAULT_DRIVER, DriverSettings
 
 from .json_lines import is_heading_name
 from .motion_columns import find_motion_columns, make_motion
-from .stamp_columns import find_time_columns, TIMES
+from .stamp_columns import find_time_columns, StampColumns, TIMES
 from .stream_recording import Collected, ReaderError, StreamOptions, UNSTATED
 
 _ROWS = 65536
@@ -72,13 +76,99 @@ def _time_column(path: str, file: Any, stated: str | None = None) -> str:
     return columns[-1]
 
 
+class _Row(NamedTuple):
+    """A row of a table: its number, from 1. Its texts hold numbers with decimal points."""
+
+    line: int
+
+    @staticmethod
+    def plain(cell: str) -> str:
+        return cell
+
+
+@contextmanager
+def _open_texts(path: str, names: Sequence[str]) -> Iterator[Iterator[list[str]]]:
+    """Open the rows of some columns as texts, '' where a cell is null."""
+    with _open(path) as file:
+        yield (row for batch in file.iter_batches(_ROWS, columns=[*names])
+               for row in _list_texts(batch, names))
+
+
+def _list_texts(batch: Any, names: Sequence[str]) -> Iterator[list[str]]:
+    columns = [batch.column(name).cast(pyarrow.string()).fill_null('').to_pylist()
+               for name in names]
+    return map(list, zip(*columns))
+
+
+def _is_text(kind: Any) -> bool:
+    """Tell whether a column has texts, or times of the day, whose date is in another column."""
+    if pyarrow.types.is_dictionary(kind):
+        kind = kind.value_type
+    return any(is_kind(kind) for is_kind in (
+        pyarrow.types.is_string, pyarrow.types.is_large_string, pyarrow.types.is_time))
+
+
+class _Times:
+    """
+    The stamps of the rows of a table.
+
+    Attributes
+    ----------
+    names
+        The columns of times.
+    texts
+        What reads texts as the stamps of a csv; None for a column of another type.
+    n_rows, n_stamps
+        Rows read so far, and those of them whose text is a stamp.
+
+    """
+
+    def __init__(self, path: str, file: Any, settings: DriverSettings = DEFAULT_DRIVER) -> None:
+        self._path, schema = path, file.schema_arrow
+        self.texts: StampColumns | None = None
+        columns = find_time_columns(list(schema.names), settings.time_column)
+        if columns and _is_text(schema.field(columns[-1]).type):
+            self.texts = StampColumns(path, columns, settings, partial(_open_texts, path, columns),
+                                      'row')
+            self.names = columns
+        else:
+            self.names = [_time_column(path, file, settings.time_column)]
+        self.n_rows = self.n_stamps = 0
+
+    def read(self, batch: Any, not_taken: Counter[str]) -> tuple[Integers, np.ndarray]:
+        """Return the stamps of the next rows, ns, and which have one; count why not."""
+        begin, self.n_rows = self.n_rows, self.n_rows + len(batch)
+        stamped = np.ones(len(batch), bool)
+        if self.texts is None:
+            return _stamps(self._path, self.names[0], batch.column(self.names[0])), stamped
+        stamp_ns = np.zeros(len(batch), np.int64)
+        for at, row in enumerate(_list_texts(batch, self.names)):
+            try:
+                stamp_ns[at] = self.texts.read(_Row(begin + at + 1), row)
+            except Rejected as rejected:
+                stamped[at] = False
+                not_taken[rejected.reason] += 1
+        self.n_stamps += int(np.count_nonzero(stamped))
+        return stamp_ns, stamped
+
+    def tell(self) -> list[str]:
+        """Return what is odd about the texts; ReaderError if none of them is a stamp."""
+        if self.texts is None:
+            return []
+        if self.texts.refusal and not self.n_stamps:
+            raise ReaderError(self._path, self.texts.refusal)
+        return [*filter(None, (self.texts.origin, self.texts.refusal and
+                               f'first row without a stamp: {self.texts.refusal}'))]
+
+
 def _stamps(path: str, name: str, column: Any) -> Integers:
     """Return a column of times as nanoseconds; 0 where it is null."""
     kind = column.type
     if pyarrow.types.is_timestamp(kind):
         column = column.cast(pyarrow.timestamp('ns', kind.tz)).cast(pyarrow.int64())
     elif not (pyarrow.types.is_floating(kind) or pyarrow.types.is_integer(kind)):
-        raise ReaderError(path, f'column {name} is {kind}: must be integers, floats or timestamps')
+        raise ReaderError(path, f'column {name} is {kind}: must be integers, floats, timestamps '
+                          'or texts')
     if not pyarrow.types.is_floating(column.type):
         filled: Integers = column.fill_null(0).to_numpy(zero_copy_only=False).astype(np.int64)
         unit_ns = 1 if pyarrow.types.is_timestamp(kind) else _find_unit(path, name, filled)
@@ -139,7 +229,7 @@ def read_parquet(path: str, options: StreamOptions = UNSTATED) -> Collected:
     collected = Collected()
     with _open(path) as file:
         names = file.schema_arrow.names
-        time = _time_column(path, file, options.stamps.time_column)
+        times = _Times(path, file, options.stamps)
         headings = [name for name in names if name == 'heading_deg' or is_heading_name(name)
                     or options.is_wanted(name)]
         if not headings:
@@ -147,10 +237,12 @@ def read_parquet(path: str, options: StreamOptions = UNSTATED) -> Collected:
                               'heading_deg')
         by_source = 'src' in names and len(headings) == 1
         motion = find_motion_columns(names)
-        columns = [time, *headings, *(['src'] if by_source else []),
+        columns = [*times.names, *headings, *(['src'] if by_source else []),
                    *(name for column in motion for name in column.names)]
         for batch in file.iter_batches(_ROWS, columns=columns):
-            stamps = _stamps(path, time, batch.column(time))
+            stamps, stamped = times.read(batch, collected.not_taken)
+            if not stamped.all():
+                batch, stamps = batch.filter(pyarrow.array(stamped)), stamps[stamped]
             for column in motion:
                 collected.add_motion_chunk(column.what, ' '.join(column.names), *make_motion(
                     column, stamps,
@@ -162,6 +254,7 @@ def read_parquet(path: str, options: StreamOptions = UNSTATED) -> Collected:
                 for label in [name] if labels is None else np.unique(labels).tolist():
                     collected.add_angles(label, 'Parquet', angles if labels is None
                                          else angles[labels == label], find_named_unit(name))
+        collected.oddities += times.tell()
     return collected
 
 
@@ -191,18 +284,23 @@ class PairsParquet:
         self._path, self.cut = path, ''
         with _open(path) as file:
             self.names = tuple(file.schema_arrow.names)
-            self._time = _time_column(path, file)
-        self.ignored = tuple(name for name in self.names if name not in (self._time, *_KNOWN))
+            times = _Times(path, file)
+        self.ignored = tuple(name for name in self.names if name not in (*times.names, *_KNOWN))
 
     def __iter__(self) -> Iterator[Pairs]:
         """Yield the pairs in file order, at most 65536 rows each."""
         with _open(self._path) as file:
+            times = _Times(self._path, file)
             for batch in file.iter_batches(_ROWS):
-                yield self._pairs(batch)
+                stamps, stamped = times.read(batch, Counter())
+                if times.texts is not None and not stamped.all():
+                    first = times.n_rows - len(batch) + int(np.argmin(stamped)) + 1
+                    raise ReaderError(self._path, times.texts.refusal or
+                                      f'row {first}: column {" and ".join(times.names)} is empty')
+                yield self._pairs(batch, stamps)
 
-    def _pairs(self, batch: Any) -> Pairs:
+    def _pairs(self, batch: Any, stamps: Integers) -> Pairs:
         path = self._path
-        stamps = _stamps(path, self._time, batch.column(self._time))
         ts_deg, rs_deg = (_reals(path, name, batch.column(name)) for name in ('ts_deg', 'rs_deg'))
         factors = []
         for name, absent in _REALS.items():

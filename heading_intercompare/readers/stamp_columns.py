@@ -18,9 +18,10 @@ from __future__ import annotations
 
 from collections import Counter
 from decimal import Decimal
+from functools import partial
 from itertools import islice
 import re
-from typing import Iterator, NamedTuple, Sequence
+from typing import Callable, ContextManager, Iterable, Iterator, NamedTuple, Protocol, Sequence
 
 import numpy as np
 
@@ -140,6 +141,17 @@ def _unit_in_name(name: str) -> int | None:
     return _UNITS.get(words[-1]) if len(words) > 1 else None
 
 
+class RowPlace(Protocol):
+    """Where a row is in its table, and how the numbers of the table are written."""
+
+    @property
+    def line(self) -> int:
+        """Return the number of the row, from 1."""
+
+    def plain(self, cell: str) -> str:
+        """Return the number in a cell with a decimal point; ValueError if it is none."""
+
+
 class StampColumns:
     """
     Reads the stamps of the rows of one table.
@@ -147,12 +159,16 @@ class StampColumns:
     Parameters
     ----------
     path
-        The csv.
+        The table.
     names
         The names of its header.
     settings
         The columns of the times; form, zone and pattern of the stamps, and the date of those
         without one.
+    open_rows
+        Opens the rows of the whole table; by default those of a csv.
+    counted
+        What the number of a row counts, in one word.
 
     Attributes
     ----------
@@ -177,8 +193,11 @@ class StampColumns:
     """
 
     def __init__(self, path: str, names: Sequence[str],
-                 settings: DriverSettings = DEFAULT_DRIVER) -> None:
-        self._path, self.refusal = path, ''
+                 settings: DriverSettings = DEFAULT_DRIVER,
+                 open_rows: Callable[[], ContextManager[Iterable[Sequence[str]]]] | None = None,
+                 counted: str = 'line') -> None:
+        self._path, self.refusal, self._counted = path, '', counted
+        self._open_rows = open_rows or partial(CsvRows, path, '')
         stated = settings.time_column
         self.names = find_time_columns(names, stated)
         if not self.names:
@@ -205,7 +224,7 @@ class StampColumns:
         """Return where the date of times came from, in words; '' if they have it themselves."""
         return self._days.origin or (self._rollovers.words if self._rollovers else '')
 
-    def read(self, rows: CsvRows, row: Sequence[str]) -> int:
+    def read(self, rows: RowPlace, row: Sequence[str]) -> int:
         """
         Return the stamp of a row, nanoseconds UTC.
 
@@ -226,7 +245,7 @@ class StampColumns:
         except Rejected as rejected:
             reason = rejected.reason
         if not self.refusal and cell:
-            self.refusal = (f'line {rows.line}: column {" and ".join(self.names)}: '
+            self.refusal = (f'{self._counted} {rows.line}: column {" and ".join(self.names)}: '
                             f'{cell[:_SHOWN]!r} is no stamp that can be read: '
                             f'{_advise(reason, cell)}; or name another column with --time-column')
         raise Rejected(reason)
@@ -362,11 +381,11 @@ class StampColumns:
 
     def _cells(self) -> Iterator[str]:
         """Yield the stamps of the whole table as texts."""
-        with CsvRows(self._path, '') as rows:
+        with self._open_rows() as rows:
             for row in rows:
                 yield self._text(row)
 
-    def _read(self, rows: CsvRows, cell: str) -> int:
+    def _read(self, rows: RowPlace, cell: str) -> int:
         if not cell:
             raise Rejected('no_stamp')
         if self._numeric and _NUMBER.fullmatch(cell):

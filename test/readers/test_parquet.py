@@ -85,6 +85,52 @@ def test_times_in_seconds_are_those_of_their_float(tmp_path):
     assert lists(read_parquet(path))['heading_deg'][0] == (1406851200000000000, 1.0)
 
 
+NOON_NS = 1_406_894_400 * S
+
+
+@pytest.mark.parametrize('columns, options', [
+    ({'utc': ['2014-08-01T12:00:00.25Z', '2014-08-01T12:00:01.25Z']}, {}),
+    ({'time': ['2014-08-01 14:00:00.25', '2014-08-01 14:00:01.25']}, {'stamp_zone': '+02:00'}),
+    ({'time': pa.array(['1406894400.25', '1406894401.25'], pa.large_string())}, {}),
+    ({'stamp_utc': pa.array(['20140801T120000.25Z', '20140801T120001.25Z']).dictionary_encode()},
+     {}),
+    ({'Date': ['2014-08-01'] * 2, 'Time': ['12:00:00.25', '12:00:01.25']},
+     {'time_column': 'Date,Time'}),
+    ({'Date': pa.array([16283] * 2, pa.int32()).cast(pa.date32()),
+      'Time': pa.array([43_200_250, 43_201_250], pa.int32()).cast(pa.time32('ms'))},
+     {'time_column': 'Date,Time'}),
+    ({'time': ['12:00:00.25', '12:00:01.25']}, {'date': '2014-08-01'})])
+def test_times_that_are_texts_are_read_as_those_of_a_csv(tmp_path, columns, options):
+    path = written(tmp_path, **columns, heading_deg=[1.5, 2.5], cog_deg=[1.0, 2.0],
+                   sog_kn=[1.0, 2.0])
+    found = read_parquet(path, StreamOptions(DriverSettings(**options)))
+    assert lists(found) == {'heading_deg': [(NOON_NS + S // 4, 1.5), (NOON_NS + 5 * S // 4, 2.5)]}
+
+
+def test_texts_without_a_stamp_are_counted_and_the_first_is_said(tmp_path):
+    path = written(tmp_path, utc=['2014-08-01T12:00:00Z', None, 'noon', '2014-08-01T12:00:03Z'],
+                   src=['a', 'b', 'a', 'b'], heading_deg=[1.0, 2.0, 3.0, 4.0])
+    found = read_parquet(path)
+    assert lists(found) == {'a': [(NOON_NS, 1.0)], 'b': [(NOON_NS + 3 * S, 4.0)]}
+    assert dict(found.not_taken) == {'no_stamp': 1, 'bad_stamp': 1}
+    said, = found.oddities
+    assert "first row without a stamp: row 3: column utc: 'noon' is no stamp" in said
+
+
+@pytest.mark.parametrize('second, problem', [
+    ('2014-08-01T12:00:01Z', None), ('noon', "row 2: column utc: 'noon' is no stamp"),
+    (None, 'row 2: column utc is empty')])
+def test_pairs_may_have_times_that_are_texts(tmp_path, second, problem):
+    path = written(tmp_path, utc=['2014-08-01T12:00:00Z', second], ts_deg=[1.0, 2.0],
+                   rs_deg=[3.0, 4.0])
+    if problem is None:
+        pairs, = PairsParquet(path)
+        assert pairs.stamp_ns.tolist() == [NOON_NS, NOON_NS + S]
+    else:
+        with pytest.raises(ReaderError, match=problem):
+            list(PairsParquet(path))
+
+
 def test_each_source_is_a_stream_and_what_is_no_heading_is_counted(tmp_path):
     path = written(tmp_path, t_ns=[1, 2, 3, 4, 5], src=[35, 36, 35, 36, 35],
                    heading_deg=[1.0, 2.0, None, 361.0, float('nan')])
@@ -127,7 +173,8 @@ def test_nulls_in_pairs_are_nan_and_absent_factors_1(tmp_path):
     ({'dday': [1.0], 'heading_deg': [1.0]}, 'one must be the time'),
     ({'t_ns': [1]}, 'has the columns t_ns: one must be heading_deg'),
     ({'t_ns': [1.5], 'heading_deg': [1.0]}, 'column t_ns is double: nanoseconds must be integers'),
-    ({'t_ns': ['x'], 'heading_deg': [1.0]}, 'column t_ns is .*string: must be integers'),
+    ({'t_ns': ['x'], 'heading_deg': [1.0]}, "row 1: column t_ns: 'x' is no stamp that can be"),
+    ({'t_ns': [True], 'heading_deg': [1.0]}, 'column t_ns is bool: must be integers'),
     ({'t_ns': [1], 'heading_deg': ['north']}, 'column heading_deg is .*string: must be numbers')])
 def test_a_wrong_column_is_one_line(tmp_path, columns, problem):
     path = written(tmp_path, **columns)
