@@ -269,7 +269,9 @@ class Intake:
     def read_messages(self, read: Callable[[str, Sequence[Message]],
                                            tuple[_Chunk, Sequence[str]]]) -> _Chunk:
         """Return rows as `read_rows`, read from messages with their infos."""
-        rows, problems = read(self.type_name or '', self.take())
+        # The type may be known with the first messages only.
+        messages = self.take()
+        rows, problems = read(self.type_name or '', messages)
         self.refuse(problems)
         return rows
 

@@ -479,10 +479,12 @@ class Bridge:
 
     def _view_node(self, name: str, now_s: float) -> NodeView:
         node = self._nodes[name]
-        worst = max(node.parts.values(), key=lambda status: status.level)
-        words = 'running' if worst.level == OK else \
+        # The list of alerts has the alarms.
+        worst = max((status for part, status in node.parts.items() if part != 'alarms'),
+                    key=lambda status: status.level, default=None)
+        words = 'running' if worst is None or worst.level == OK else \
             f'{worst.name.partition(": ")[2]}: {worst.message}'
-        return NodeView(name, max(OK, min(worst.level, ERROR)), shorten(words, _LONGEST),
+        return NodeView(name, OK if worst is None else max(OK, min(worst.level, ERROR)), shorten(words, _LONGEST),
                         now_s - node.came_s, self._is_silent(name, now_s))
 
     def _view_mode(self, now_s: float) -> str | None:

@@ -235,6 +235,15 @@ def test_nodes_with_their_worst_part():
     assert late.paired_share is None and late.bag.stale and late.bag.level == WARN
 
 
+def test_an_alarm_has_one_entry_and_not_another_beside_its_node():
+    bridge = make()
+    bridge.take_health([health('compliance', 'alarms', ERROR, 'jump: words of jump')], 0.0)
+    bridge.take_alarms([alarm('jump')], 0.0)
+    view = bridge.view(0.0)
+    assert [(node.level, node.words) for node in view.nodes] == [(OK, 'running')]
+    assert len(view.alerts) == 1
+
+
 def test_a_restart_of_a_node_clears_the_troubles_of_the_former_one():
     bridge = make()
     bridge.take_health([health('compliance', 'run', ERROR, 'broken')], 0.0)
