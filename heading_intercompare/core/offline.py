@@ -17,12 +17,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from itertools import pairwise
-from typing import Iterator, Sequence
+from typing import Sequence
 
 import numpy as np
 
 from heading_intercompare.core.pairing.ledger import LedgerKey
+from heading_intercompare.core.pairing.stream_pieces import cut_streams
 from heading_intercompare.core.timing.clock_search import find_apart
 from heading_intercompare.core.timing.heading_track import Track
 from heading_intercompare.core.timing.skew_scan import Scan, scan_skew
@@ -33,8 +33,6 @@ from .pipeline import Intercomparison
 from .records import Headings, Integers, Losses, Motion
 from .settings import LARGEST_SKEW_S, Pairing, Settings
 
-#: Readings of the TS that are paired at once.
-_AT_ONCE = 1 << 16
 _LEAST_READINGS = 64
 _SHOWS_NONE = ('no_fit', 'too_few')
 
@@ -44,7 +42,7 @@ _NO_RUN = ('not_aligned: with the skew removed the run no longer pairs as one ru
 
 def judge_aligned(ts: Headings, rs: Headings, results: Sequence[RunResult], settings: Settings, *,
                   source: str = '', lost: Sequence[tuple[LedgerKey, Losses]] = (),
-                  motion: Motion | None = None) -> list[RunResult]:
+                  motion: Sequence[Motion] = ()) -> list[RunResult]:
     """
     Remove the time skew of each run, then pair and judge it again.
 
@@ -62,7 +60,7 @@ def judge_aligned(ts: Headings, rs: Headings, results: Sequence[RunResult], sett
     lost
         What is missing from it, and how it was lost.
     motion
-        The motion of the ship.
+        The motion of the ship, in chunks.
 
     Returns
     -------
@@ -88,7 +86,7 @@ def judge_aligned(ts: Headings, rs: Headings, results: Sequence[RunResult], sett
 
 def _judge_again(ts: Headings, rs: Headings, result: RunResult, settings: Settings,
                  source: str, lost: Sequence[tuple[LedgerKey, Losses]],
-                 motion: Motion | None) -> RunResult:
+                 motion: Sequence[Motion]) -> RunResult:
     apart_s = _find_apart(ts, rs, result, settings)
     begun: RunResult | None = result
     if apart_s:
@@ -174,7 +172,7 @@ def name_apart(ts: Headings, rs: Headings, results: Sequence[RunResult],
 
 
 def _pair_again(ts: Headings, rs: Headings, result: RunResult, settings: Settings, source: str,
-                lost: Sequence[tuple[LedgerKey, Losses]], motion: Motion | None,
+                lost: Sequence[tuple[LedgerKey, Losses]], motion: Sequence[Motion],
                 shift_s: float) -> RunResult | None:
     """Return a run as judged with a skew removed; None if it does not pair as one run."""
     ts, rs = _readings_of(ts, rs, result, settings, abs(shift_s))
@@ -186,10 +184,11 @@ def _pair_again(ts: Headings, rs: Headings, result: RunResult, settings: Setting
                     pairing=_fix_method(result, settings.pairing),
                     runs=replace(settings.runs, stabilization_s=result.stabilization_s))
     comparison = Intercomparison(moved, source=source, table=table)
-    if motion is not None:
-        comparison.take_motion(motion)
-    for ts_part, rs_part in _cut(ts, rs, moved.alignment.skew_s):
-        comparison.update(ts_part, rs_part)
+    for rows in motion:
+        comparison.take_motion(rows)
+    late_ns = {'ts': round(moved.alignment.skew_s * 1e9)}
+    for piece in cut_streams({'ts': ts, 'rs': rs}, late_ns):
+        comparison.update(piece['ts'], piece['rs'])
     for key, losses in lost:
         within = (losses.stamp_ns >= result.verdict.start_ns) & (
             losses.stamp_ns <= result.verdict.end_ns)
@@ -236,19 +235,6 @@ def _between(headings: Headings, first_ns: int, last_ns: int) -> Headings:
 
 def _rises(stamp_ns: Integers) -> bool:
     return bool((stamp_ns[1:] >= stamp_ns[:-1]).all())
-
-
-def _cut(ts: Headings, rs: Headings, skew_s: float) -> Iterator[tuple[Headings, Headings]]:
-    """Yield the readings of both sensors in pieces that end together with the skew removed."""
-    if not (_rises(ts.stamp_ns) and _rises(rs.stamp_ns)):
-        yield ts, rs
-        return
-    ends_ns = ts.stamp_ns[_AT_ONCE::_AT_ONCE]
-    ts_ends, rs_ends = (
-        [0, *np.searchsorted(stream.stamp_ns, ends_ns - round(late_s * 1e9)).tolist(), len(stream)]
-        for stream, late_s in ((ts, 0.0), (rs, skew_s)))
-    for ts_span, rs_span in zip(pairwise(ts_ends), pairwise(rs_ends)):
-        yield ts[slice(*ts_span)], rs[slice(*rs_span)]
 
 
 def _note_alignment(result: RunResult, scan: Scan | None, words: str) -> RunResult:

@@ -244,7 +244,8 @@ class Compliance:
     def _look(self, run: RunSeries, look: Look, looks: int) -> None:
         """Judge the run in progress; the last of all looks is the end of the run."""
         if look.index < looks - 1:
-            self._looks.append(look_at(run, look, looks, self.settings, self.motion.rows))
+            self._looks.append(look_at(run, look, looks, self.settings,
+                                       self.motion.by_thing()))
 
     @property
     def early(self) -> LookVerdict | None:
@@ -274,7 +275,8 @@ class Compliance:
             return False
         number = 1 + sum(len(segment.finished) for segment in (*self._closed, runs))
         result = judge_run(
-            run, self.settings, number, self._source, looks=self._looks, motion=self.motion.rows,
+            run, self.settings, number, self._source, looks=self._looks,
+            motion=self.motion.by_thing(),
             progress=lambda share: self._progress(f'{share:.0%} of run {number} judged'))
         result = replace(result, first_pair=self._first_pair, verdict=replace(
             result.verdict, clock_segment=runs.number or None))

@@ -169,7 +169,8 @@ class ColumnBuffer:
 
 
 def _reals(values: ArrayLike) -> Reals:
-    return np.asarray(values, dtype=np.float64).reshape(-1)
+    reals: Reals = np.asarray(values, dtype=np.float64)
+    return reals if reals.ndim == 1 else reals.reshape(-1)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)
@@ -329,7 +330,8 @@ class Motion(_Columns):
         if len(columns) != len(names):
             raise ValueError(f'{what}: {len(columns)} columns, must be {", ".join(names)}')
         values = dict(zip(names, map(_reals, columns)))
-        none = np.full(stamps.shape, np.nan)
+        # A view of one number, so that a row takes no memory for what it does not tell.
+        none = np.broadcast_to(np.nan, stamps.shape)
         return cls(stamps, *(values.get(name, none) for name in cls.__slots__[1:]))
 
     @classmethod
@@ -376,12 +378,16 @@ class Motion(_Columns):
 
     def in_order(self) -> 'Motion':
         """Return the rows with a stamp, in stamp order."""
+        if len(self) and self.stamp_ns[0] > 0 and (self.stamp_ns[1:] >= self.stamp_ns[:-1]).all():
+            return self
         rows = self[np.argsort(self.stamp_ns, kind='stable')]
         return rows[rows.stamp_ns > 0]
 
     def select(self, what: str) -> 'Motion':
         """Return the rows that tell one thing: 'fix', 'velocity' or 'rate'."""
-        return self[np.isfinite([getattr(self, name) for name in MOTION_COLUMNS[what]]).all(0)]
+        tells = np.logical_and.reduce([np.isfinite(getattr(self, name))
+                                       for name in MOTION_COLUMNS[what]])
+        return self if tells.all() else self[tells]
 
     def positions(self) -> 'Motion':
         """Return the rows with a position."""

@@ -97,8 +97,13 @@ class LogReader:
 
     @property
     def position(self) -> int:
-        """Bytes read so far, to show progress."""
+        """Bytes read so far."""
         return self._files.position
+
+    @property
+    def share_read(self) -> str:
+        """Return how much of the log is read, as 12%, to show progress."""
+        return self._files.share_read
 
     @property
     def remarks(self) -> list[str]:

@@ -20,7 +20,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare import analyze, Headings, Settings
-from heading_intercompare.core import offline
+from heading_intercompare.core.pairing import stream_pieces
 
 S = 1_000_000_000
 T0 = 1_400_000_000 * S
@@ -90,7 +90,7 @@ def test_a_run_paired_again_in_pieces_is_that_of_all_readings_at_once(
         'norms.sigma_max_deg': 0.3, 'norms.sigma_ref_max_deg': 0.1, 'alignment.skew': 'apply'})
     whole = analyze(ts, rs, settings).to_dict()
     assert sum(any('aligned: ' in word for word in run['warnings']) for run in whole['runs'])
-    monkeypatch.setattr(offline, '_AT_ONCE', 300)
+    monkeypatch.setattr(stream_pieces, '_AT_ONCE', 300)
     assert analyze(ts, rs, settings).to_dict() == whole
 
 

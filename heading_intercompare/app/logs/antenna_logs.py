@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 import os
-from typing import Sequence
+from typing import Callable, Sequence
 
 from heading_intercompare.app.sources.file_hash import hash_files
 from heading_intercompare.core.motion.antennas import BaselineHeadings, find_baseline_headings
@@ -30,7 +30,8 @@ from heading_intercompare.drivers.settings import DriverError, DriverSettings
 from .log_import import ImportedLog
 
 
-def import_antennas(paths: Sequence[str], driver: DriverSettings, rule: Antennas) -> ImportedLog:
+def import_antennas(paths: Sequence[str], driver: DriverSettings, rule: Antennas,
+                    progress: Callable[[str], None] = lambda text: None) -> ImportedLog:
     """
     Return the headings of the baseline between two antennas as if from one log.
 
@@ -42,6 +43,8 @@ def import_antennas(paths: Sequence[str], driver: DriverSettings, rule: Antennas
         How their lines are stamped.
     rule
         Length and mounting of the baseline.
+    progress
+        Called with the progress in words.
 
     Raises
     ------
@@ -51,7 +54,7 @@ def import_antennas(paths: Sequence[str], driver: DriverSettings, rule: Antennas
         If a log has no position, or no two positions give a heading.
 
     """
-    motions = [read_log_motion(path, driver) for path in paths]
+    motions = [read_log_motion(path, driver, progress) for path in paths]
     for path, motion in zip(paths, motions):
         if 'fix' not in motion.rows:
             lacking = ', '.join(f'{n} {why}' for why, n in motion.not_taken.items())

@@ -24,6 +24,7 @@ from typing import Any, Callable, Mapping, Sequence
 
 from heading_intercompare.app.sources.file_hash import hash_files
 from heading_intercompare.core.records import Headings
+from heading_intercompare.core.runs.growing_columns import GrowingHeadings
 from heading_intercompare.drivers.log_lines.rollovers import describe_far
 from heading_intercompare.drivers.logs import LogReader
 from heading_intercompare.drivers.refused_lines import explain_no_heading, name_options
@@ -145,13 +146,13 @@ def import_log(path: str, driver: DriverSettings,
                                *streams.oddities, *_describe_span(streams.streams[name])])
     try:
         reader = LogReader(path, driver)
-        chunks = []
+        readings = GrowingHeadings()
         for chunk in reader:
-            chunks.append(chunk)
-            progress(f'{reader.position / reader.size:.0%}')
+            readings.append(chunk)
+            progress(f'{reader.share_read} of {path} read')
     except DriverError as error:
         raise DriverError(name_options(str(error), role)) from None
-    log = ImportedLog(path=path, headings=Headings.concatenate(chunks),
+    log = ImportedLog(path=path, headings=readings.headings,
                       sha256=hash_files(reader.paths), size=reader.size, sentence=reader.sentence,
                       not_taken=reader.counts, driver=driver, files=len(reader.paths),
                       remarks=[name_options(remark, role) for remark in reader.remarks])

@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Mapping, Sequence
+from typing import Any, Callable, Mapping, Sequence
 
 from heading_intercompare.core.records import Motion
 from heading_intercompare.drivers.motion.motion_log import LoggedMotion, read_log_motion
@@ -37,8 +37,8 @@ class FoundMotion:
 
     Attributes
     ----------
-    rows
-        In the order of the logs; empty if no log has any.
+    things
+        Its rows by what they tell, in the order of their log; empty if no log has any.
     notes : tuple of str
         What was used, and what else there was; empty without motion.
     origin
@@ -46,13 +46,19 @@ class FoundMotion:
 
     """
 
-    rows: Motion = field(default_factory=Motion.empty)
+    things: Mapping[str, Motion] = field(default_factory=dict)
     notes: tuple[str, ...] = ()
     origin: Mapping[str, Any] = field(default_factory=dict)
 
+    @property
+    def rows(self) -> Motion:
+        """Return all rows as one chunk."""
+        return Motion.concatenate(self.things.values())
+
 
 def find_motion(paths: Mapping[str, str], drivers: Mapping[str, DriverSettings],
-                motion_log: str | None = None) -> FoundMotion:
+                motion_log: str | None = None,
+                progress: Callable[[str], None] = lambda text: None) -> FoundMotion:
     """
     Read the motion of the ship.
 
@@ -65,6 +71,8 @@ def find_motion(paths: Mapping[str, str], drivers: Mapping[str, DriverSettings],
         How to read each log, and 'motion'.
     motion_log
         A log of the motion alone; then the logs of the sensors are not searched.
+    progress
+        Called with the progress in words.
 
     Raises
     ------
@@ -76,7 +84,7 @@ def find_motion(paths: Mapping[str, str], drivers: Mapping[str, DriverSettings],
     """
     sources: Sequence[tuple[str, str]] = [('motion', motion_log)] if motion_log is not None else [
         *reversed([*paths.items()])]
-    chunks: list[Motion] = []
+    things: dict[str, Motion] = {}
     used: list[str] = []
     unused: list[str] = []
     origin: dict[str, Any] = {}
@@ -85,7 +93,7 @@ def find_motion(paths: Mapping[str, str], drivers: Mapping[str, DriverSettings],
         if path in seen:
             continue
         seen.add(path)
-        motion = _read_motion(path, drivers[role])
+        motion = _read_motion(path, drivers[role], progress)
         if motion_log is not None and not motion.rows:
             lacking = ', '.join(f'{n} {why}' for why, n in motion.not_taken.items())
             raise DriverError(f'{path}: has no motion of the ship: no VTG, RMC, GNS, GGA, GLL or '
@@ -96,19 +104,20 @@ def find_motion(paths: Mapping[str, str], drivers: Mapping[str, DriverSettings],
                 unused.append(words)
                 continue
             origin[what] = f'{motion.sentences[what]} {path}'
-            chunks.append(rows)
+            things[what] = rows
             used.append(f'{words} ({len(rows)})')
     notes = [f'motion of the ship: {", ".join(used)}'
              + (f'; not used: {", ".join(unused)}' if unused else '')] if used else []
-    return FoundMotion(Motion.concatenate(chunks), tuple(notes), {
+    return FoundMotion(things, tuple(notes), {
         MOTION_WORDS[what]: sentence for what, sentence in origin.items()})
 
 
-def _read_motion(path: str, driver: DriverSettings) -> LoggedMotion:
+def _read_motion(path: str, driver: DriverSettings,
+                 progress: Callable[[str], None]) -> LoggedMotion:
     """Return the motion in a log; of another program, of the preferred stream for each thing."""
     options = options_for(driver)
     if not has_streams(path, options):
-        return read_log_motion(path, driver)
+        return read_log_motion(path, driver, progress)
     recording = open_log_of_streams(path, options)
     chosen = {} if recording is None else recording.choose_motion()
     return LoggedMotion({what: rows for what, (_, rows) in chosen.items()},

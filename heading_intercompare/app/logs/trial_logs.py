@@ -232,12 +232,13 @@ def judge_logs(logs: Mapping[str, str], settings: Settings,
     imported = {sensor.name: import_sensor(sensor, paths[sensor.name], drivers[sensor.name],
                                            settings, aft, progress) for sensor in sensors}
     _refuse_equal(imported, settings)
-    moved = (find_motion(paths, drivers, motion) if settings.motion.compare or motion
+    moved = (find_motion(paths, drivers, motion, progress) if settings.motion.compare or motion
              else FoundMotion())
     comparison = InputComparison(settings, first, table, takers=takers, sketched=sketched,
                                  progress=progress)
     if settings.motion.compare:
-        comparison.take_motion(moved.rows)
+        for thing in moved.things.values():
+            comparison.take_motion(thing)
     comparison.update({name: log.headings for name, log in imported.items()})
     results = comparison.finish()
     notes = [f'{name if settings.sensors else _WORDS[name]}: {log.path}, {len(log.headings)} '
@@ -265,7 +266,7 @@ def import_sensor(sensor: Sensor, path: str, driver: DriverSettings, settings: S
                   aft: str | None, progress: Callable[[str], None]) -> ImportedLog:
     """Return the headings of a sensor, from its log or, of the reference, of two antennas."""
     if sensor.is_reference and aft is not None:
-        return import_antennas((path, aft), driver, settings.antennas)
+        return import_antennas((path, aft), driver, settings.antennas, progress)
     return import_log(path, driver, progress, role=sensor.role, unit=sensor.unit)
 
 

@@ -21,6 +21,7 @@ from typing import Callable, Mapping, Sequence
 from heading_intercompare.bags.csv.pairs_account import PairsAccount, text_of_motion
 from heading_intercompare.core.offline import judge_aligned
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey
+from heading_intercompare.core.pairing.stream_pieces import cut_streams
 from heading_intercompare.core.pipeline import Intercomparison
 from heading_intercompare.core.records import Headings, Losses, Motion, Pairs
 from heading_intercompare.core.runs.growing_columns import GrowingHeadings
@@ -76,7 +77,7 @@ class InputComparison:
                           if settings.alignment.skew == 'apply'}
         self._spans = {sensor.name: StreamSpan() for sensor in self.comparison.sensors}
         self._losses: list[tuple[str, LedgerKey, Losses]] = []
-        self._motion = Motion.empty()
+        self._motion: list[Motion] = []
 
     @property
     def sensors(self) -> tuple[Sensor, ...]:
@@ -101,7 +102,7 @@ class InputComparison:
     def take_motion(self, motion: Motion) -> None:
         """Take the motion of the ship, before the first readings."""
         self.comparison.take_motion(motion)
-        self._motion = motion
+        self._motion.append(motion)
         for sketch in self._sketches.values():
             sketch.take_motion(motion)
 
@@ -116,7 +117,8 @@ class InputComparison:
             span.update(headings[name].stamp_ns)
         for name, readings in self._readings.items():
             readings.append(headings[name])
-        self._hand_out(self.comparison.update(headings))
+        for piece in cut_streams(headings):
+            self._hand_out(self.comparison.update(piece))
 
     def lose(self, name: str, key: LedgerKey, losses: Losses) -> None:
         """Count readings of a sensor that never came; `key` is that of a TS."""
@@ -173,7 +175,8 @@ class InputComparison:
 
         """
         notes, sensors = [*notes], {sensor.name: sensor for sensor in self.sensors}
-        motion = text_of_motion(self._motion) if self.comparison.tested else None
+        # Only a table of pairs needs it, and it takes more memory than the motion.
+        motion = text_of_motion(Motion.concatenate(self._motion)) if self._takers else None
         entries_of_tested: dict[str, Sequence[Input]] = {}
         accounts = {}
         apart = {}

@@ -36,6 +36,7 @@ from heading_intercompare.bags.rosbag2.provenance import describe_origin, Note, 
 from heading_intercompare.cli.terminal.console import say_lines
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.angles import wrap360
+from heading_intercompare.core.pairing.stream_pieces import find_edges, follow_stamps
 from heading_intercompare.core.records import Headings, Integers, Losses, Motion
 from heading_intercompare.core.sensor_table import read_sensors, Sensor, write_sensors
 from heading_intercompare.core.sensors.compared_sensors import list_sensors
@@ -91,7 +92,7 @@ class _Contents:
     headings: Mapping[str, Headings]
     origins: dict[str, Mapping[str, Any]]
     sensor_lines: Mapping[str, tuple[str, str]]
-    motion: Motion
+    motion: Mapping[str, Motion]
     lines: Sequence[str] = ()
     losses: Sequence[tuple[str, str, Losses]] = ()
     marks: Sequence[tuple[str, int]] = ()
@@ -121,7 +122,7 @@ def run(arguments: argparse.Namespace) -> int:
     sensors = {sensor.name: sensor for sensor in list_sensors(settings)}
     fitting = _leave_out(contents)
     streams = [_of_headings(sensors[name], headings) for name, headings in fitting.items()]
-    streams += _of_motion(_that_fit(contents.motion), motion_topics(settings.motion))
+    streams += _of_motion(contents.motion, motion_topics(settings.motion))
     messages = _single_messages(contents, sensors)
     with BagWriter(arguments.output) as bag:
         bag.metadata(RECORD, describe_origin(settings.to_mapping(), contents.origins))
@@ -164,22 +165,20 @@ def _read_logs(logs: Mapping[str, str], arguments: argparse.Namespace, settings:
     """Return what the logs of the sensors hold."""
     paths, drivers = plan_logs(logs, settings, drivers)
     sensors = {sensor.name: sensor for sensor in list_sensors(settings)}
-    imported = {}
-    for name, path in paths.items():
-        with Progress(path, arguments.quiet) as progress:
-            imported[name] = import_sensor(
-                sensors[name], path, drivers[name], settings,
-                (arguments.rs_antennas or (None, None))[1], progress.show)
     moved = FoundMotion()
-    if settings.motion.compare or arguments.motion:
-        moved = find_motion(paths, drivers, arguments.motion)
+    aft = (arguments.rs_antennas or (None, None))[1]
+    with Progress(f'{len(paths)} logs', arguments.quiet) as progress:
+        imported = {name: import_sensor(sensors[name], path, drivers[name], settings, aft,
+                                        progress.show) for name, path in paths.items()}
+        if settings.motion.compare or arguments.motion:
+            moved = find_motion(paths, drivers, arguments.motion, progress.show)
     return _Contents(
         {name: log.headings for name, log in imported.items()},
         {**{name: log.origin for name, log in imported.items()},
          **({'motion': dict(moved.origin)} if moved.origin else {})},
         {name: (log.path, ''.join(f'; {remark}' for remark in log.remarks)
                 + f'; not taken: {log.words_not_taken}') for name, log in imported.items()},
-        moved.rows, moved.notes)
+        moved.things, moved.notes)
 
 
 def _read_recording(arguments: argparse.Namespace, settings: Settings,
@@ -195,7 +194,7 @@ def _read_recording(arguments: argparse.Namespace, settings: Settings,
         recording.headings, {'recording': recording.origin},
         {sensor.name: (f'{sensor.heading_topic} of {path}', '')
          for sensor in list_sensors(settings)},
-        recording.motion, [f'note: {problem}' for problem in recording.problems],
+        recording.motion.split(), [f'note: {problem}' for problem in recording.problems],
         recording.losses, recording.marks, list(recording.notes))
 
 
@@ -243,14 +242,10 @@ class _Message(NamedTuple):
     data: bytes
 
 
-def _log_times(stamp_ns: Integers) -> Integers:
-    """Return log times: the largest stamp so far keeps a stream in order if stamps step back."""
-    return np.maximum.accumulate(stamp_ns)
-
-
 def _that_fit(rows: _Rows) -> _Rows:
     """Return the rows whose stamps a message of ROS can hold."""
-    return rows[fits_message(rows.stamp_ns)]
+    fits = fits_message(rows.stamp_ns)
+    return rows if fits.all() else rows[fits]
 
 
 def _of_headings(sensor: Sensor, headings: Headings) -> _Stream:
@@ -258,15 +253,16 @@ def _of_headings(sensor: Sensor, headings: Headings) -> _Stream:
     if sensor.convention == 'ned':
         # The messages have the yaw of ENU, 90 - heading; that of NED is the heading.
         headings = Headings(headings.stamp_ns, wrap360(90.0 - headings.heading_deg))
-    return _Stream(sensor.heading_topic, IMU, headings.stamp_ns, _log_times(headings.stamp_ns),
+    return _Stream(sensor.heading_topic, IMU, headings.stamp_ns, follow_stamps(headings.stamp_ns),
                    lambda lo, hi: encode_imu(headings[lo:hi], f'{sensor.name}_heading'))
 
 
-def _of_motion(motion: Motion, topics: dict[str, str]) -> list[_Stream]:
+def _of_motion(motion: Mapping[str, Motion], topics: dict[str, str]) -> list[_Stream]:
     """Return the streams of the motion of the ship; none of what no log tells."""
-    return [_Stream(topics[what], MOTION_TYPES[what][0], rows.stamp_ns, _log_times(rows.stamp_ns),
-                    partial(_encode_part, rows, what))
-            for what, rows in motion.split().items() if len(rows)]
+    fitting = {what: _that_fit(motion[what]) for what in MOTION_TYPES if what in motion}
+    return [_Stream(topics[what], MOTION_TYPES[what][0], rows.stamp_ns,
+                    follow_stamps(rows.stamp_ns), partial(_encode_part, rows, what))
+            for what, rows in fitting.items() if len(rows)]
 
 
 def _encode_part(rows: Motion, what: str, lo: int, hi: int) -> np.ndarray:
@@ -289,7 +285,7 @@ def _single_messages(contents: _Contents, sensors: Mapping[str, Sensor]) -> list
 
 def _write(bag: BagWriter, streams: Sequence[_Stream], messages: Sequence[_Message]) -> None:
     """Write the streams merged by stamp, each in the order of its log, and single messages."""
-    edges = _edges([stream.log_ns for stream in streams if len(stream.log_ns)])
+    edges = find_edges([stream.log_ns for stream in streams], _PIECE)
     for stream in streams:
         bag.add_topic(stream.topic, stream.type_name)
     for topic in dict.fromkeys(message.topic for message in messages):
@@ -306,9 +302,3 @@ def _write(bag: BagWriter, streams: Sequence[_Stream], messages: Sequence[_Messa
             message = messages[written]
             bag.write(message.topic, message.data, message.log_ns, sequence=written)
             written += 1
-
-
-def _edges(logs: list[Integers]) -> list[int]:
-    """Return the bounds of the pieces that are merged one at a time, to bound the memory."""
-    joined = np.sort(np.concatenate(logs))
-    return [*np.unique(joined[::_PIECE]).tolist(), int(joined[-1]) + 1]

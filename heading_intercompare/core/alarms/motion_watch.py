@@ -99,7 +99,7 @@ class MotionWatch:
         if self._due_ns is not None and newest_ns < self._due_ns:
             return {}
         self._due_ns = newest_ns + _EVERY_NS
-        check = check_motion(record.rows(), window.stamp_ns, window.rs_deg + window.x_deg,
+        check = check_motion(record.by_thing(), window.stamp_ns, window.rs_deg + window.x_deg,
                              window.rs_deg, self._settings.motion)
         if check.kind == 'agrees':
             return {'motion': Sign(False)}

@@ -41,7 +41,9 @@ LARGEST_TURN_DEG = 10.0
 MOST_LEGS = 64
 """The longest legs that a verdict lists."""
 
-_LEAST_SAMPLES = 4
+LEAST_VELOCITIES = 4
+"""With fewer velocities, those between positions are used; a window has no fewer, either."""
+
 _LEAST_SHARE = 0.5
 _FARTHEST_S = 3.0
 _ROUNDING_KN = 1e-6
@@ -104,11 +106,12 @@ def find_legs(motion: Motion, stamp_ns: Integers, ts_deg: Reals, rs_deg: Reals,
 
     """
     courses = motion.velocities()
-    if len(courses) < _LEAST_SAMPLES:
+    if len(courses) < LEAST_VELOCITIES:
         courses = _between_positions(motion.positions())
     at = find_nearest(stamp_ns, courses.stamp_ns)
     near = at >= 0
-    courses, at = courses[near], at[near]
+    if not near.all():
+        courses, at = courses[near], at[near]
     legs = _join_windows(_find_windows(courses, rule), courses)
     rows = []
     for lo, hi, speed in legs:
@@ -159,7 +162,7 @@ def _find_windows(courses: Motion, rule: MotionRule) -> list[tuple[int, int, flo
     for lo, hi in zip(edges[:-1], edges[1:]):
         part = courses[lo:hi]
         half = len(part) // 2
-        if len(part) < _LEAST_SAMPLES or (int(part.stamp_ns[-1]) - int(part.stamp_ns[0])
+        if len(part) < LEAST_VELOCITIES or (int(part.stamp_ns[-1]) - int(part.stamp_ns[0])
                                           < _LEAST_SHARE * WINDOW_S * _SECOND_NS):
             continue
         speed = float(np.hypot(part.east_m_s.mean(), part.north_m_s.mean())) / KNOT_M_S

@@ -24,10 +24,16 @@ import numpy as np
 
 from heading_intercompare.core.angles import wrap180, wrap360
 from heading_intercompare.core.declared_figures import figure
-from heading_intercompare.core.records import Integers, Motion, Reals
+from heading_intercompare.core.records import Integers, Motion, MOTION_COLUMNS, Reals
 from heading_intercompare.core.settings import MotionRule
 
-from .course_legs import CourseLegs, find_legs, largest_arc_deg, MOST_LEGS
+from .course_legs import (
+    CourseLegs,
+    find_legs,
+    largest_arc_deg,
+    LEAST_VELOCITIES,
+    MOST_LEGS,
+)
 from .turn_rate import compare_turns, TurnRate
 
 LEAST_AGAINST_S = 90.0
@@ -104,7 +110,7 @@ class MotionCheck:
                 if abs(off_deg) > bound_deg >= abs(other_deg)]
 
 
-def check_motion(motion: Motion, stamp_ns: Integers, ts_deg: Reals, rs_deg: Reals,
+def check_motion(motion: Mapping[str, Motion], stamp_ns: Integers, ts_deg: Reals, rs_deg: Reals,
                  rule: MotionRule) -> MotionCheck:
     """
     Compare both headings of a run with the motion of the ship.
@@ -112,7 +118,7 @@ def check_motion(motion: Motion, stamp_ns: Integers, ts_deg: Reals, rs_deg: Real
     Parameters
     ----------
     motion
-        In any order; rows outside the pairs do not count.
+        By what it tells, in any order; rows outside the pairs do not count.
     stamp_ns : ndarray of int64, shape (n,)
         Stamps of the pairs in increasing order, nanoseconds; n >= 0.
     ts_deg, rs_deg : ndarray, shape (n,)
@@ -130,13 +136,11 @@ def check_motion(motion: Motion, stamp_ns: Integers, ts_deg: Reals, rs_deg: Real
     check sees gross errors only, and agreement proves nothing.
 
     """
-    rows = motion.in_order()
-    if len(stamp_ns):
-        rows = rows[(rows.stamp_ns >= stamp_ns[0]) & (rows.stamp_ns <= stamp_ns[-1])]
-    else:
-        rows = Motion.empty()
-    legs = find_legs(rows, stamp_ns, ts_deg, rs_deg, rule)
-    turns = [compare_turns(rows, stamp_ns, heading) if len(rows.rates()) else None
+    positions, velocities, rates = (
+        _within(motion.get(what, Motion.empty()), stamp_ns) for what in MOTION_COLUMNS)
+    legs = find_legs(velocities if len(velocities) >= LEAST_VELOCITIES else positions,
+                     stamp_ns, ts_deg, rs_deg, rule)
+    turns = [compare_turns(rates, stamp_ns, heading) if len(rates) else None
              for heading in (ts_deg, rs_deg)]
     ahead = np.zeros(len(legs), bool)
     ts, rs = _against_courses(legs, ahead, turns)
@@ -152,12 +156,19 @@ def check_motion(motion: Motion, stamp_ns: Integers, ts_deg: Reals, rs_deg: Real
     duration = np.asarray(legs.duration_s, np.float64)
     longest = np.sort(np.argsort(-duration, kind='stable')[:MOST_LEGS])
     check = MotionCheck(
-        kind='not_testable', whose='', n_positions=len(rows.positions()),
-        n_velocities=len(rows.velocities()), n_rates=len(rows.rates()), n_legs=len(legs),
+        kind='not_testable', whose='', n_positions=len(positions),
+        n_velocities=len(velocities), n_rates=len(rates), n_legs=len(legs),
         legs_s=float(duration.sum()), astern_s=float(duration[astern].sum()),
         least_bound_deg=min(legs.bound_deg, default=None), ts=ts, rs=rs,
         legs=legs.pick(longest.tolist()))
     return _conclude(check, _tested_s(legs, astern), largest_arc_deg(legs.course_deg), is_unsure)
+
+
+def _within(motion: Motion, stamp_ns: Integers) -> Motion:
+    """Return the rows from the first to the last pair, in stamp order."""
+    rows = motion.in_order()
+    return rows[slice(*np.searchsorted(rows.stamp_ns, (stamp_ns[0], stamp_ns[-1] + 1)).tolist()
+                      if len(stamp_ns) else (0, 0))]
 
 
 def _follow(turns: Sequence[TurnRate | None]) -> bool:

@@ -20,17 +20,16 @@ from typing import Callable, Mapping
 
 import numpy as np
 
-from heading_intercompare.core.records import Motion
+from heading_intercompare.core.records import Motion, MOTION_COLUMNS
 from heading_intercompare.core.runs.growing_columns import Column, Keep
 
-_COLUMNS = Motion.__slots__
 #: Motion from up to this time before a run is kept: pairs may come later than the motion.
 _KEPT_BEFORE_NS = 1800 * 10 ** 9
 
 
 class MotionRecord:
     """
-    Rows of motion in any order.
+    Rows of motion in any order, by what they tell: a row takes 24 bytes, or 16 for a rate.
 
     Parameters
     ----------
@@ -45,33 +44,43 @@ class MotionRecord:
     """
 
     def __init__(self, keep: Keep | None = None) -> None:
-        self._columns = {name: Column(np.int64 if name == 'stamp_ns' else np.float64, keep)
-                         for name in _COLUMNS}
+        self._keep = keep
+        self._columns: dict[str, dict[str, Column]] = {}
         self.oldest_ns: int | None = None
         self.newest_ns: int | None = None
 
     def __len__(self) -> int:
-        return len(self._columns['stamp_ns'])
+        return sum(len(columns['stamp_ns']) for columns in self._columns.values())
 
     def take(self, motion: Motion) -> None:
         """Add rows."""
         if not len(motion):
             return
-        for name, column in self._columns.items():
-            column.append(getattr(motion, name))
+        for what, rows in motion.split().items():
+            if len(rows):
+                for name, column in self._columns_of(what).items():
+                    column.append(getattr(rows, name))
         first, last = int(motion.stamp_ns.min()), int(motion.stamp_ns.max())
         self.oldest_ns = first if self.oldest_ns is None else min(self.oldest_ns, first)
         self.newest_ns = last if self.newest_ns is None else max(self.newest_ns, last)
 
-    def rows(self) -> Motion:
-        """Return all rows, as they came; valid until the next `take`."""
-        return Motion(*[column.values for column in self._columns.values()])
+    def _columns_of(self, what: str) -> dict[str, Column]:
+        if what not in self._columns:
+            self._columns[what] = {
+                'stamp_ns': Column(np.int64, self._keep),
+                **{name: Column(np.float64, self._keep) for name in MOTION_COLUMNS[what]}}
+        return self._columns[what]
+
+    def by_thing(self) -> dict[str, Motion]:
+        """Return the rows by what they tell, as they came; valid until the next `take`."""
+        return {what: Motion.of(what, *[column.values for column in columns.values()])
+                for what, columns in self._columns.items()}
 
     def after(self, stamp_ns: int, keep: Keep | None = None) -> 'MotionRecord':
         """Return a record of the rows after a stamp; this record stays as it is."""
         left = MotionRecord(keep)
-        rows = self.rows()
-        left.take(rows[rows.stamp_ns > stamp_ns])
+        for rows in self.by_thing().values():
+            left.take(rows[rows.stamp_ns > stamp_ns])
         return left
 
 
@@ -109,10 +118,15 @@ class RunMotion:
                 self._record = MotionRecord(self._keeper())
             self._record.take(motion)
 
+    def by_thing(self) -> dict[str, Motion] | None:
+        """Return the rows after the last judged run, by what they tell; None if none ever came."""
+        return None if self._record is None else self._record.by_thing()
+
     @property
     def rows(self) -> Motion | None:
-        """Return the rows after the last judged run; None if there never was any motion."""
-        return None if self._record is None else self._record.rows()
+        """Return these rows as one chunk."""
+        things = self.by_thing()
+        return None if things is None else Motion.concatenate(things.values())
 
     def end_run(self, end_ns: int) -> None:
         """Forget what belongs to a run that was judged, given the stamp of its last pair."""

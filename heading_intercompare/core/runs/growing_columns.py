@@ -76,6 +76,10 @@ class Column:
             self.first = chunk[0]
         self.last = chunk[-1]
         if self._keep is None:
+            if not self._n_open and chunk.base is None and len(chunk) >= len(self._open):
+                # The first chunk is whole columns of a log: a full column needs no copy of it.
+                self._open, self._n_open = chunk, len(chunk)
+                return
             self._reserve(len(chunk))
         lo = 0
         while lo < len(chunk):

@@ -86,7 +86,8 @@ def integer_stamps(stamp_ns: ArrayLike) -> NDArray[np.int64]:
     if stamps.size and stamps.dtype.kind not in 'iu':
         raise ValueError(f'stamp_ns has dtype {stamps.dtype}: stamps are integer nanoseconds, '
                          'or in Headings.of datetime64')
-    return stamps.astype(np.int64, copy=False).reshape(-1)
+    integers: NDArray[np.int64] = stamps.astype(np.int64, copy=False)
+    return integers if integers.ndim == 1 else integers.reshape(-1)
 
 
 def utc_stamps(stamps: ArrayLike) -> NDArray[np.int64]:

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, replace
 import math
-from typing import Any, Callable, Iterator, Sequence
+from typing import Any, Callable, Iterator, Mapping, Sequence
 
 import numpy as np
 
@@ -245,7 +245,7 @@ class _Decision:
 
 def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
               risk: Risk | None = None, looks: Sequence[LookVerdict] = (),
-              motion: Motion | None = None,
+              motion: Mapping[str, Motion] | None = None,
               progress: Callable[[float], None] = lambda share: None) -> RunResult:
     """
     Judge a run as it is.
@@ -265,7 +265,8 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
     looks
         Results of the looks so far.
     motion
-        The motion of the ship, to check the headings against; None if there is none.
+        The motion of the ship by what it tells, to check the headings against; None if there is
+        none.
     progress
         Called with the share of the work that is done, from 0 to 1.
 
@@ -380,7 +381,7 @@ def _estimate_limit_95(data: PreparedRun, settings: Settings, n_effective: float
 
 
 def look_at(run: RunSeries, look: Look, looks: int, settings: Settings,
-            motion: Motion | None = None) -> LookVerdict:
+            motion: Mapping[str, Motion] | None = None) -> LookVerdict:
     """
     Judge a run in progress at a look, just as its end would be judged.
 
@@ -395,7 +396,7 @@ def look_at(run: RunSeries, look: Look, looks: int, settings: Settings,
     settings
         By which its end will be judged.
     motion
-        The motion of the ship so far.
+        The motion of the ship so far, as for `judge_run`.
 
     Notes
     -----

@@ -131,6 +131,11 @@ class LogFiles:
         """Bytes on the disk of all files."""
         return sum(os.path.getsize(path) for path in self.paths)
 
+    @property
+    def share_read(self) -> str:
+        """Return how much of the log `blocks` has read, as 12%."""
+        return f'{self.position / max(1, self.size):.0%}'
+
     def keep(self, is_log: Callable[[str], bool], key: Callable[[str], int | None]) -> None:
         """
         Drop the files that are not logs, and put the logs in order of time.

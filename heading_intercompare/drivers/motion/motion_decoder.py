@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from collections import Counter
 import math
-from typing import Iterable, Iterator, NamedTuple
+from typing import Callable, Iterable, Iterator, NamedTuple
 
 import numpy as np
 
@@ -237,12 +237,14 @@ class MotionDecoder:
         self._finish()
         return self._drain()
 
-    def read_log(self, log: LogFiles) -> dict[str, list[np.ndarray]]:
+    def read_log(self, log: LogFiles, progress: Callable[[str], None] = lambda text: None,
+                 ) -> dict[str, list[np.ndarray]]:
         """Read a whole log; return stamps and values by what they tell."""
         for begins, block in log.blocks(_BLOCK):
             if begins is not None:
                 self._lines.begin_file(begins)
             self._take(self._lines.feed(block))
+            progress(f'{log.share_read} of the motion of the ship in {log.path} read')
         self._finish()
         return {what: listening.rows.drain() for what, listening in self._by_thing.items()}
 

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 import os
-from typing import Mapping
+from typing import Callable, Mapping
 
 from heading_intercompare.core.records import Attitude, Motion, MOTION_COLUMNS
 from heading_intercompare.drivers.csv_log import is_csv_file, open_csv
@@ -52,7 +52,8 @@ class LoggedMotion:
 
 
 def read_log_motion(path: str | os.PathLike[str],
-                    settings: DriverSettings | None = None) -> LoggedMotion:
+                    settings: DriverSettings | None = None,
+                    progress: Callable[[str], None] = lambda text: None) -> LoggedMotion:
     """
     Read the motion of the ship from a log.
 
@@ -62,6 +63,8 @@ def read_log_motion(path: str | os.PathLike[str],
         A log of NMEA sentences: a file, a folder of files, or a pattern of names.
     settings
         How its lines are stamped; `sentence`, `talker` and `instrument` choose headings only.
+    progress
+        Called with the progress in words.
 
     Returns
     -------
@@ -87,7 +90,7 @@ def read_log_motion(path: str | os.PathLike[str],
     if log is None:
         return LoggedMotion()
     decoder = MotionDecoder(rule, MOTION, log)
-    columns = decoder.read_log(log)
+    columns = decoder.read_log(log, progress)
     things = [what for what in MOTION_COLUMNS if what in columns]
     return LoggedMotion({what: Motion.of(what, *columns[what]) for what in things},
                         {what: str(decoder.chosen[what]) for what in things},

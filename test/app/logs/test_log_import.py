@@ -27,7 +27,8 @@ def test_a_log_comes_with_its_hash_and_what_was_not_taken(tmp_path):
     (tmp_path / 'a.csv').write_bytes(text)
     shown = []
     found = import_log(str(tmp_path / 'a.csv'), DriverSettings(), shown.append)
-    assert found.headings.heading_deg.tolist() == [1.0] and shown[-1] == '100%'
+    assert found.headings.heading_deg.tolist() == [1.0]
+    assert shown[-1] == f'100% of {tmp_path}/a.csv read'
     assert found.sha256 == hashlib.sha256(text).hexdigest() and found.size == len(text)
     assert found.words_not_taken == '1 bad_field'
     assert found.origin['headings'] == 1 and found.origin['not_taken.bad_field'] == 1

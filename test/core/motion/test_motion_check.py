@@ -67,7 +67,7 @@ def voyages():
 
 def checked(voyage: Voyage, ts, rs, motion, **rule):
     """Return the check of two headings."""
-    return check_motion(motion, voyage.stamp_ns, np.mod(ts, 360.0), np.mod(rs, 360.0),
+    return check_motion(motion.split(), voyage.stamp_ns, np.mod(ts, 360.0), np.mod(rs, 360.0),
                         MotionRule(**rule))
 
 
@@ -154,14 +154,14 @@ def two_legs(off_deg):
 def test_a_ship_that_goes_astern_after_a_turn_is_not_surely_mirrored():
     """North ahead, then east astern: the headings 0 and 270 are also those of mirrored sensors."""
     motion, stamps, heading = two_legs(180.0)
-    found = check_motion(motion, stamps, heading, heading, MotionRule())
+    found = check_motion(motion.split(), stamps, heading, heading, MotionRule())
     assert (found.kind, found.whose, found.ts.kind) == ('doubt', 'both', 'mirrored')
     turned = np.unwrap(heading, period=360.0)
     rates = Motion.of_rates(stamps, np.gradient(np.interp(
         np.arange(960), [500, 590, 960], [turned[0], turned[-1], turned[-1]])))
     smooth = np.interp(np.arange(960), [500, 590, 960], [turned[0], turned[-1], turned[-1]])
-    found = check_motion(motion + rates, stamps, np.mod(smooth, 360.0), np.mod(smooth, 360.0),
-                         MotionRule())
+    heading = np.mod(smooth, 360.0)
+    found = check_motion((motion + rates).split(), stamps, heading, heading, MotionRule())
     assert (found.kind, found.ts.turns.kind) == ('agrees', 'follows') and found.astern_s > 300.0
 
 
@@ -201,7 +201,7 @@ def test_at_a_speed_below_the_current_nothing_can_be_tested(rng):
 @pytest.mark.parametrize('pairs, rows', [(0, 100), (1000, 0)])
 def test_no_pairs_or_no_motion_show_nothing(voyages, pairs, rows):
     voyage = voyages[0]
-    found = check_motion(voyage.courses[:rows], voyage.stamp_ns[:pairs],
+    found = check_motion(voyage.courses[:rows].split(), voyage.stamp_ns[:pairs],
                          voyage.heading_deg[:pairs], voyage.heading_deg[:pairs], MotionRule())
     assert (found.kind, found.n_legs, found.least_bound_deg) == ('not_testable', 0, None)
 
@@ -220,7 +220,7 @@ def test_at_most_64_legs_are_listed_the_longest_in_their_order():
     stamps = 10 ** 18 + np.arange(70 * 120) * 10 ** 9
     course = 20.0 * (np.arange(stamps.size) // 120)
     motion = Motion.of_courses(stamps, course, np.full(stamps.size, 10.0))
-    found = check_motion(motion, stamps, course % 360.0, course % 360.0, MotionRule())
+    found = check_motion(motion.split(), stamps, course % 360.0, course % 360.0, MotionRule())
     assert found.n_legs == 70 and len(found.legs) == 64
     assert list(found.legs.start_ns) == sorted(found.legs.start_ns)
 
@@ -233,7 +233,7 @@ def test_the_compass_of_a_real_yacht_agrees_with_its_course(shared_data, off, ki
     headings, _ = read_log(log, rule)
     motion = Motion.concatenate(list(read_log_motion(log, rule).rows.values()))
     heading = np.mod(headings.heading_deg + off, 360.0)
-    found = check_motion(motion, headings.stamp_ns, heading, heading, MotionRule())
+    found = check_motion(motion.split(), headings.stamp_ns, heading, heading, MotionRule())
     assert found.kind == kind and found.n_legs == 1
     assert found.legs_s / 60.0 == pytest.approx(2.0, abs=0.05)
     assert found.least_bound_deg == pytest.approx(42.4, abs=0.5)

@@ -35,16 +35,18 @@ def rates(seconds):
 
 
 def test_a_record_returns_the_rows_as_they_came_however_they_are_cut(rng):
-    rows = rates(rng.permutation(5000)) + Motion.of_courses([7 * S], [90.0], [10.0])
+    stamps = S * rng.permutation(5000)
+    rows = (Motion.of_courses([7 * S], [90.0], [10.0]) + rates(stamps // S)
+            + Motion.of_positions(stamps, stamps / 1e12, stamps / 1e11)
+            + Motion.of_courses([5 * S], [270.0], [9.0]))
     record = MotionRecord()
     lo = 0
     while lo < len(rows):
         hi = lo + int(rng.integers(0, 40))
         record.take(rows[lo:hi])
         lo = hi
-    assert len(record) == 5001
-    for name in Motion.__slots__:
-        np.testing.assert_array_equal(getattr(record.rows(), name), getattr(rows, name))
+    assert len(record) == 10_002
+    assert record.by_thing() == rows.split()
     assert (record.oldest_ns, record.newest_ns) == (0, 4999 * S)
 
 
@@ -56,8 +58,8 @@ def test_full_pages_are_moved_out_of_memory():
         return lambda: page
     record = MotionRecord(keep)
     record.take(rates(range(70_000)))
-    assert len(kept) == len(Motion.__slots__)
-    np.testing.assert_array_equal(record.rows().stamp_ns, np.arange(70_000) * S)
+    assert len(kept) == len(('stamp_ns', 'rate_deg_s'))
+    np.testing.assert_array_equal(record.by_thing()['rate'].stamp_ns, np.arange(70_000) * S)
 
 
 def test_what_a_judged_run_does_not_need_is_forgotten():

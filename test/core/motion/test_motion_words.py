@@ -36,7 +36,7 @@ def voyage():
 
 def check(voyage, ts, rs, motion):
     """Return the check of two headings."""
-    return check_motion(motion, voyage.stamp_ns, np.mod(ts, 360.0), np.mod(rs, 360.0),
+    return check_motion(motion.split(), voyage.stamp_ns, np.mod(ts, 360.0), np.mod(rs, 360.0),
                         MotionRule())
 
 
