@@ -16,11 +16,12 @@
 Take the pictures in the docs: the live page as the demo runs, and the first page of a protocol.
 
 It needs the extras `web`, `report` and `test`, ROS, and Chromium. Run it after a change of either:
-``python docs/screenshots.py``, or ``python docs/screenshots.py protocol``.
+``python docs/screenshots.py``, or with ``page``, ``faults`` or ``protocol`` for a part of them.
 """
 
 from __future__ import annotations
 
+from concurrent.futures import Future
 from pathlib import Path
 import re
 import shutil
@@ -29,11 +30,19 @@ import sys
 import tempfile
 from typing import Iterator
 
+from page_cases import make_cases, SEEN_S
 from playwright.sync_api import Browser, Page, Playwright, sync_playwright
+
+from heading_intercompare.web.controls import Controls
+from heading_intercompare.web.server import PageServer
 
 DOCS = Path(__file__).resolve().parent
 BROWSERS = ('chromium', 'chromium-browser', 'google-chrome')
 PICTURES = (('day', 1280, 800), ('night', 1280, 800), ('dusk', 768, 1024))
+FAULTS = {'sound': ('day', 1280, 800), 'frozen': ('day', 1280, 800),
+          'silent': ('dusk', 390, 844), 'turned': ('night', 1280, 800),
+          'clock': ('dusk', 1024, 768), 'disk': ('day', 1920, 1080),
+          'stopped': ('night', 390, 844), 'four': ('dusk', 1280, 800)}
 MOST_BYTES = 150_000
 _SPEED, _LEAST_PAIRS = '30', 4000
 _TRIAL = ('norms.sigma_max_deg=0.3', 'norms.sigma_ref_max_deg=0.1', 'trial.ship=MV Example',
@@ -97,6 +106,30 @@ def take_live_page() -> None:
             browser.close()
 
 
+def take_faults() -> None:
+    """Take a picture of the live page for each fault of `page_cases`."""
+    cases = make_cases()
+    shown = [cases['sound']]
+    # A process can serve one page.
+    controls = Controls(lambda: (shown[0].view(SEEN_S), 0.0), lambda what, text: Future())
+    server = PageServer(controls, port=0)
+    with sync_playwright() as play:
+        browser = open_browser(play)
+        for name, bridge in cases.items():
+            shown[0] = bridge
+            palette, width, height = FAULTS[name]
+            page = browser.new_page(viewport={'width': width, 'height': height})
+            page.goto(server.url)
+            page.wait_for_selector('.picture')
+            page.add_style_tag(content='* { animation: none !important; }')
+            page.evaluate(f'choosePalette("{palette}")')
+            page.wait_for_timeout(1500.0)
+            keep(page, f'page_{name}')
+            page.close()
+        browser.close()
+    server.close()
+
+
 def take_protocol() -> None:
     """Take the picture of the first page of a protocol, as it is printed."""
     program = [sys.executable, '-m', 'heading_intercompare']
@@ -113,7 +146,8 @@ def take_protocol() -> None:
         browser.close()
 
 
+_PARTS = {'page': take_live_page, 'faults': take_faults, 'protocol': take_protocol}
+
 if __name__ == '__main__':
-    if sys.argv[1:] != ['protocol']:
-        take_live_page()
-    take_protocol()
+    for part in sys.argv[1:] or _PARTS:
+        _PARTS[part]()

@@ -268,7 +268,8 @@ class Compliance(GraphNode):
     def _acknowledge(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         self._acknowledged.publish(encode_text(ALL))
         n = self.health.acknowledge() + sum(panel.acknowledge() for panel in self.panels)
-        response.success, response.message = True, f'{n} {"alert" if n == 1 else "alerts"} acknowledged'
+        response.success = True
+        response.message = f'{n} alert{"" if n == 1 else "s"} acknowledged'
         return response
 
     def _report(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:

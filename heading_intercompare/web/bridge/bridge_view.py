@@ -484,8 +484,9 @@ class Bridge:
                     key=lambda status: status.level, default=None)
         words = 'running' if worst is None or worst.level == OK else \
             f'{worst.name.partition(": ")[2]}: {worst.message}'
-        return NodeView(name, OK if worst is None else max(OK, min(worst.level, ERROR)), shorten(words, _LONGEST),
-                        now_s - node.came_s, self._is_silent(name, now_s))
+        level = OK if worst is None else max(OK, min(worst.level, ERROR))
+        return NodeView(name, level, shorten(words, _LONGEST), now_s - node.came_s,
+                        self._is_silent(name, now_s))
 
     def _view_mode(self, now_s: float) -> str | None:
         """Return the mode of the first AHRS that tells one."""
