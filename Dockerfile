@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: 2026 The heading_intercompare authors
 # SPDX-License-Identifier: Apache-2.0
 #
-# The steps of README.md in a container with ROS 2 Jazzy:
+# The steps of docs/install.md in a container with ROS 2 Jazzy:
 #
 #     docker build -t heading_intercompare . && docker run --rm heading_intercompare
 #     docker stop --time 60 CONTAINER    # as Ctrl-C: the last run is judged, the bag is closed

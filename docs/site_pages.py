@@ -81,7 +81,10 @@ def _describe_commands() -> str:
     """Return the page of the command line: the help of every command."""
     text = ['# Commands', '', 'The output of `heading-intercompare COMMAND --help`. Exit codes: '
             '0 done, 2 a mistake in the input or the options, 70 a fault of the program;',
-            'with `--check` see [use verdicts in scripts](../howto/use_verdicts.md).', '']
+            'with `--check` see [use verdicts in scripts](../howto/use_verdicts.md).', '',
+            '| command | does |', '|---|---|',
+            *(f'| [`{name}`](#{name}) | {summary} |'
+              for name, (_, summary, _) in program.COMMANDS.items()), '']
     for name in program.COMMANDS:
         shown = io.StringIO()
         with (patch.dict(os.environ, COLUMNS=_COLUMNS, NO_COLOR='1'), redirect_stdout(shown),

@@ -165,15 +165,36 @@ def test_a_release_fails_until_the_owner_has_entered_the_addresses(tmp_path):
     assert re.search(r'^release: addresses ', makefile, re.MULTILINE)
 
 
-def test_the_container_is_made_with_the_steps_of_the_readme():
+def test_the_container_is_made_with_the_steps_of_the_page():
     made = (ROOT / 'Dockerfile').read_text('utf-8')
-    readme = (ROOT / 'README.md').read_text('utf-8')
-    steps = re.search(r'in a workspace.*?\n\n((?:    .*\n)+)', readme, re.DOTALL)[1]
+    page = (ROOT / 'docs' / 'install.md').read_text('utf-8')
+    steps = re.search(r'In a workspace.*?\n\n((?:    .*\n)+)', page, re.DOTALL)[1]
     at = [made.find(line.partition('  #')[0].strip()) for line in steps.splitlines()[:4]]
     assert len(at) == 4 and -1 not in at and at == sorted(at)
     opened = json.loads((ROOT / '.devcontainer' / 'devcontainer.json').read_text('utf-8'))
     assert (ROOT / '.devcontainer' / opened['build']['dockerfile']).resolve() == (
         ROOT / 'Dockerfile')
+
+
+def test_the_readme_is_short_and_names_what_ci_runs():
+    readme = (ROOT / 'README.md').read_text('utf-8')
+    assert len(readme.split()) <= 700
+    tested, = re.findall(r'^(make \w+)$', (ROOT / '.ci' / 'run').read_text('utf-8'), re.MULTILINE)
+    assert re.search(rf'^    {tested} ', readme, re.MULTILINE)
+    for link in re.findall(r'\]\(([^)#]+)\)', readme):
+        assert (ROOT / link).is_file(), link
+
+
+def test_pip_is_silent_unless_it_fails():
+    assert '-m pip install --quiet ' in (ROOT / '.ci' / 'venv').read_text('utf-8')
+
+
+def test_the_page_of_the_installation_names_each_extra():
+    extras = re.search(r'extras_require=\{(.*?)\n    \}', (ROOT / 'setup.py').read_text('utf-8'),
+                       re.DOTALL)[1]
+    page = (ROOT / 'docs' / 'install.md').read_text('utf-8')
+    rows = '\n'.join(line.split(' | ')[0] for line in page.splitlines() if line.startswith('| `'))
+    assert {*re.findall(r'`(\w+)`', rows)} == {*re.findall(r"^ +'(\w+)':", extras, re.MULTILINE)}
 
 
 def test_the_maintainer_has_an_address_that_colcon_accepts():

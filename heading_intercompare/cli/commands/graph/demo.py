@@ -22,7 +22,7 @@ from functools import partial
 import math
 from pathlib import Path
 import shutil
-from typing import Callable, Iterator, Mapping, Sequence
+from typing import Callable, Iterator, Mapping
 
 from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.app.scenarios import read_scenario
@@ -86,7 +86,6 @@ def run(arguments: argparse.Namespace) -> int:
     bag = str(out / 'bag')
     tell = print if not arguments.quiet else lambda *_: None
 
-    addresses: list[str] = []
     expected = '' if several else f' of {round(scenario.duration_s * scenario.ts.rate_hz):,}'
     tell('1. live: simulator -> synchronizer -> compliance -> recorder, '
          f'{scenario.duration_s:g} s at {arguments.speed:g} times real time')
@@ -95,7 +94,6 @@ def run(arguments: argparse.Namespace) -> int:
             [Source(SensorSimulator, 'sensor_simulator',
                     {**scenario.to_mapping(), 'speed': arguments.speed, 'stamps': 'scenario'})],
             parameters, output=bag, report_dir=str(out / 'live'), private=True, page=page,
-            served=addresses.append,
             progress=lambda n: progress.show(f'{n:,}{expected} pairs'))
     tell(f'2. replayed: {bag} -> synchronizer -> compliance')
     with Progress('replayed', arguments.quiet) as progress:
@@ -109,32 +107,26 @@ def run(arguments: argparse.Namespace) -> int:
         judged = judge_bags([bag], settings, sketched=True, progress=progress.show)
     offline = judged.verdict
     json.write(offline, out / 'offline.json')
-    say(str(offline), VERDICT_MARKS)
+    say(f'VERDICT: {offline.summary()}' if isinstance(offline, Verdict) else str(offline),
+        VERDICT_MARKS)
     protocol = _write_protocol(report, partial(write_protocols, offline, report,
                                                judged.sketches))
     say('')
     code = _compare({'live': live, 'replayed': replayed}, offline)
-    say_lines([f'protocol: {protocol}', _describe_page(addresses, several)])
+    demo = 'demo --sensors' if several else 'demo'
+    say_lines([f'live page: heading-intercompare {demo} --web --speed 10; of a trial: live --web',
+               f'protocol: {protocol}'])
     return code
 
 
-def _describe_page(addresses: Sequence[str], several: bool) -> str:
-    """Return the address of the live page, or how to get it."""
-    if addresses:
-        return f'page: {addresses[0]} showed step 1; heading-intercompare live --web shows a trial'
-    demo = 'demo --sensors --web' if several else 'demo --web'
-    return (f'page: http://127.0.0.1:8080/ shows step 1 of heading-intercompare {demo}, and a '
-            'trial of heading-intercompare live --web')
-
-
 def _write_protocol(path: Path, draw: Callable[[], object]) -> str:
-    """Write the protocol and return its path, or the reason why it cannot be written."""
+    """Write the protocol and say how to open it, or why it cannot be written."""
     try:
         check_form(path)
     except ValueError as error:
         return f'left out: {error}'
     draw()
-    return str(path.resolve())
+    return f'open {path.resolve().as_uri()} in a browser'
 
 
 def _differences(verdict: Verdict | SensorsVerdict,
