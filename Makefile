@@ -36,7 +36,7 @@ OF_VERSIONS := $(addprefix test/,$(addprefix core/,statistics timing pairing dec
 	test_pipeline.py) messages readers bags/mcap app/test_analysis.py cli/test_what_binds.py \
 	report/figures test_packaging.py)
 TESTS := -m pytest --numprocesses $(WORKERS) --dist loadscope --no-loadscope-reorder
-SITE := $(BIN)/python -m sphinx --fail-on-warning --keep-going -q -b html docs docs/_build
+SITE := $(BIN)/python -m sphinx --fail-on-warning --keep-going -q -b html -d build/doctrees docs docs/_build
 TABLES := A B E cells gaps drift rates runs means looks open short
 
 .PHONY: demo quick test test-pins coverage release addresses docs format clean help

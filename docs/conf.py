@@ -33,8 +33,8 @@ author = 'The heading_intercompare authors'
 copyright = f'2026, {author}'
 version = release = VERSION
 
-extensions = ['myst_parser', 'numpydoc', 'sphinx.ext.autodoc', 'sphinx.ext.viewcode']
-exclude_patterns = ['_build', '_site']
+extensions = ['myst_parser', 'numpydoc', 'sphinx.ext.autodoc']
+exclude_patterns = ['_build', '_site', 'static']
 source_suffix = {'.md': 'markdown', '.rst': 'restructuredtext'}
 myst_enable_extensions = ['colon_fence', 'deflist']
 myst_heading_anchors = 4
@@ -43,6 +43,9 @@ html_theme = 'pydata_sphinx_theme'
 html_title = f'heading_intercompare {VERSION}'
 html_theme_options = {'show_prev_next': False, 'navigation_with_keys': False}
 html_copy_source = False
+html_static_path = ['static']
+html_css_files = ['site.css']
+html_search_scorer = str(DOCS / 'search_scorer.js')
 
 add_module_names = False
 autodoc_member_order = 'bysource'

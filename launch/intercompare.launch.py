@@ -102,6 +102,9 @@ class Plan:
         self.output, self.report_dir = given['output'], given['report_dir']
         self.namespace, self.log_level = read_namespace(given['namespace']), given['log_level']
         self.file = load_config(self.config)
+        if self.file.bare:
+            raise SettingsError(f'{self.config}: {self.file.bare[0]}: ROS takes settings in '
+                                "sections only: put it below '/**: ros__parameters:'")
         settings = settings_for(self.file, defaults=LIVE)
         self.unstated = unstated(LIVE, self.file)
         check_norms(settings)

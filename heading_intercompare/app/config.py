@@ -39,6 +39,7 @@ LIVE: Mapping[str, Any] = {'sequential.plan_s': 'open'}
 """What a graph takes that judges live, by setting, where the user states nothing."""
 
 _ANALYSIS = frozenset(rule.name for rule in list_settings(Settings))
+_GROUPS = frozenset(name.partition('.')[0] for name in _ANALYSIS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,17 +55,20 @@ class Config:
         The section ``/**``: `Settings` by dotted name.
     sections
         The parameters of single nodes, by dotted name.
+    bare
+        The settings that stand without a section, such as ``trial``; nodes of `ros2` reject them.
 
     """
 
     path: str = ''
     shared: Mapping[str, Any] = field(default_factory=dict)
     sections: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    bare: Sequence[str] = ()
 
 
 def load_config(path: str | None) -> Config:
     """
-    Read a ROS parameter file.
+    Read a ROS parameter file; settings without a section are those of ``/**``.
 
     Raises
     ------
@@ -82,27 +86,45 @@ def load_config(path: str | None) -> Config:
     if not isinstance(document, dict):
         raise SettingsError(f'{path}: is not a ROS parameter file: must hold sections such as '
                             f"'{SHARED}: ros__parameters: ...'")
+    bare = {name: value for name, value in document.items()
+            if str(name).partition('.')[0] in _GROUPS and not _is_section(value)}
     sections = {}
     for name, section in document.items():
-        if not (isinstance(section, dict) and set(section) == {'ros__parameters'}):
+        if name in bare:
+            continue
+        if not _is_section(section):
             raise SettingsError(f'{path}: section {name!r}: must hold ros__parameters and '
-                                'nothing else')
-        parameters = section['ros__parameters'] or {}
-        if not isinstance(parameters, dict):
-            raise SettingsError(f'{path}: section {name!r}: ros__parameters must be a mapping')
-        try:
-            values = flatten(parameters)
-        except SettingsError as error:
-            raise SettingsError(f'{path}: section {name!r}: {error}') from error
+                                'nothing else, or be a group of settings such as norms or trial')
         short = str(name).lstrip('/') if name != SHARED else SHARED
         if short in sections:
             raise SettingsError(f'{path}: section {short!r} is given twice, with and without a '
                                 'slash')
-        sections[short] = values
-    shared = sections.pop(SHARED, {})
+        sections[short] = _flatten_section(path, name, section['ros__parameters'] or {})
+    shared = _join_bare(path, _flatten_section(path, SHARED, bare), sections.pop(SHARED, {}))
     for name, values in sections.items():
         _refuse_own_analysis(path, name, values, shared)
-    return Config(path, shared, sections)
+    return Config(path, shared, sections, tuple(bare))
+
+
+def _is_section(value: object) -> bool:
+    return isinstance(value, dict) and set(value) == {'ros__parameters'}
+
+
+def _flatten_section(path: str, name: str, parameters: object) -> dict[str, Any]:
+    if not isinstance(parameters, dict):
+        raise SettingsError(f'{path}: section {name!r}: ros__parameters must be a mapping')
+    try:
+        return flatten(parameters)
+    except SettingsError as error:
+        raise SettingsError(f'{path}: section {name!r}: {error}') from error
+
+
+def _join_bare(path: str, bare: Mapping[str, Any], shared: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the settings without a section and those of ``/**``; a name in both is an error."""
+    if twice := sorted(bare.keys() & shared.keys()):
+        raise SettingsError(f"{path}: {twice[0]} is given twice, in section '{SHARED}' and "
+                            'without a section')
+    return {**shared, **bare}
 
 
 def _refuse_own_analysis(path: str, name: str, values: Mapping[str, Any],

@@ -60,3 +60,31 @@ def test_the_replayer_may_take_another_topic_of_its_bag(load):
 
 def test_a_node_of_another_package_may_call_its_parameters_as_it_likes(load):
     assert load(camera={'model': 'x20', 'sensors': 3}).sections['camera']['sensors'] == 3
+
+
+@pytest.mark.parametrize('text, shared', [
+    ('trial: {ship: MV Example}', {'trial.ship': 'MV Example'}),
+    ('trial.ship: MV Example', {'trial.ship': 'MV Example'}),
+    ('model: UN\n/**: {ros__parameters: {trial: {ship: A}}}', {'model': 'UN', 'trial.ship': 'A'}),
+    ('norms: {sigma_max_deg: 1.0}\ncompliance: {ros__parameters: {report_dir: x}}',
+     {'norms.sigma_max_deg': 1.0})])
+def test_settings_without_a_section_are_those_of_all(tmp_path, text, shared):
+    path = tmp_path / 'my.yaml'
+    path.write_text(text)
+    config = load_config(str(path))
+    assert config.shared == shared and len(config.bare) == 1
+
+
+@pytest.mark.parametrize('text, words', [
+    ('tiral: {ship: A}', "section 'tiral': must hold ros__parameters"),
+    ('trial: {ship: A}\n/**: {ros__parameters: {trial: {ship: B}}}',
+     "trial.ship is given twice, in section '/**' and without a section"),
+    ('trial: {ship: A}\ntrial.ship: B', 'trial.ship'),
+    ('norms: {sigma_max_deg: 1.0}\ncompliance: {ros__parameters: {norms.sigma_max_deg: 2.0}}',
+     'norms.sigma_max_deg holds for every node')])
+def test_a_doubtful_place_of_a_setting_is_refused(tmp_path, text, words):
+    path = tmp_path / 'my.yaml'
+    path.write_text(text)
+    with pytest.raises(SettingsError) as refused:
+        load_config(str(path))
+    assert str(refused.value).startswith(f'{path}: ') and words in str(refused.value)

@@ -318,6 +318,7 @@ TWO_NORMS = '/**: {ros__parameters: {norms: {sigma_max_deg: 0.2, sigma_ref_max_d
     (FILES[0], {'text': ''}, 'norms.sigma_max_deg is missing'),
     (FILES[0], {'text': '- a'}, 'is not a ROS parameter file'),
     (FILES[0], {'text': '/**: 3'}, 'must hold ros__parameters'),
+    (FILES[0], {'text': 'norms: {sigma_max_deg: 1}'}, 'norms: ROS takes settings in sections'),
     (FILES[0], {'text': 'a: b: c'}, 'line 1'),
     (FILES[0], {'text': '/**: {ros__parameters: {norms: {sigma_max: 1}}}'}, 'sigma_max'),
     (FILES[0], {'record': 'maybe'}, 'record:=maybe: must be true or false'),
