@@ -13,10 +13,12 @@
 # limitations under the License.
 
 """
-Take the pictures in the docs: the live page as the demo runs, and the first page of a protocol.
+Take the pictures in the docs: the live page as the demo runs, a protocol, and differences.
 
 It needs the extras `web`, `report` and `test`, ROS, and Chromium. Run it after a change of either:
-``python docs/screenshots.py``, or with ``page``, ``faults`` or ``protocol`` for a part of them.
+``python docs/screenshots.py``, or with ``page``, ``faults`` or ``protocol`` for a part of them. The
+differences need the folder with the real logs of the tutorial:
+``python docs/screenshots.py differences FOLDER``.
 """
 
 from __future__ import annotations
@@ -29,10 +31,12 @@ import subprocess
 import sys
 import tempfile
 from typing import Iterator
+import warnings
 
 from page_cases import make_cases, SEEN_S
 from playwright.sync_api import Browser, Page, Playwright, sync_playwright
 
+from heading_intercompare import analyze_bag, analyze_logs, Settings
 from heading_intercompare.web.controls import Controls
 from heading_intercompare.web.server import PageServer
 
@@ -146,8 +150,27 @@ def take_protocol() -> None:
         browser.close()
 
 
+def draw_differences(logs: Path) -> None:
+    """Draw the differences of the simulated trial and of the real logs of the tutorials."""
+    with tempfile.TemporaryDirectory() as folder, warnings.catch_warnings():
+        warnings.simplefilter('ignore')
+        trial = str(Path(folder, 'trial'))
+        subprocess.run([sys.executable, '-m', 'heading_intercompare', 'simulate', '--scenario',
+                        'demo', '-o', trial], check=True, stdout=subprocess.DEVNULL)
+        verdicts = {
+            'demo': analyze_bag(trial, Settings.of(sigma_max_deg=0.3, sigma_ref_max_deg=0.1)),
+            'palmer': analyze_logs(
+                logs / 'NBP1406_gyr1-2014-08-01', logs / 'NBP1406_s330-2014-08-01',
+                Settings.of(sigma_max_deg=0.2, sigma_ref_max_deg=0.1, m_low=0.9))}
+    for name, verdict in verdicts.items():
+        verdict.plot('differences').savefig(DOCS / f'{name}_differences.png', dpi=120)
+
+
 _PARTS = {'page': take_live_page, 'faults': take_faults, 'protocol': take_protocol}
 
 if __name__ == '__main__':
-    for part in sys.argv[1:] or _PARTS:
-        _PARTS[part]()
+    if sys.argv[1:2] == ['differences']:
+        draw_differences(Path(sys.argv[2]))
+    else:
+        for part in sys.argv[1:] or _PARTS:
+            _PARTS[part]()

@@ -16,8 +16,8 @@
 Decide, from recorded data, whether a heading sensor meets its accuracy norm.
 
 It compares a tested sensor (TS) with a reference sensor (RS) on the same ship. Start with
-`analyze` for arrays or with `analyze_bag` for a recording. Settings have the same names as in the
-parameter file.
+`analyze` for arrays, `analyze_logs` for two logs or `analyze_bag` for a recording. Settings have
+the same names as in the parameter file.
 """
 
 from importlib import import_module
@@ -27,11 +27,12 @@ from heading_intercompare.core.version import VERSION as __version__
 
 _OFFERED = {
     'app.analysis': ('analyze', 'analyze_bag', 'analyze_bags', 'analyze_sensors', 'judge_bags'),
-    'app.logs.trial_logs': ('judge_logs',),
+    'app.logs.trial_logs': ('analyze_logs', 'judge_logs'),
     'bags.recording.recorded_headings': ('read_bag', 'RecordedHeadings'),
     'bags.rosbag2.bag_reader': ('BagReader',),
     'core.declared_settings': ('SettingsError',),
-    'core.diagnostics.three_cornered_hat': ('three_cornered_hat',),
+    'core.decision.trial_plan': ('plan_trial', 'TrialPlan'),
+    'core.diagnostics.three_cornered_hat': ('at_common_stamps', 'Hats', 'three_cornered_hat'),
     'core.outcome': ('Outcome',),
     'core.pairing.pairer': ('pair', 'Pairer'),
     'core.pipeline': ('Compliance', 'Intercomparison'),
@@ -41,6 +42,7 @@ _OFFERED = {
                       'Risk', 'RunCutting', 'Sequential', 'Settings', 'Trial'),
     'core.verdict.all_runs': ('join',),
     'core.verdict.verdict_document': ('RunVerdict', 'Verdict'),
+    'drivers.settings': ('DriverSettings',),
 }
 """The names that are offered, by the module that defines them; it is loaded at first use."""
 _MODULES = {name: module for module, names in _OFFERED.items() for name in names}
@@ -67,14 +69,19 @@ if TYPE_CHECKING:
         analyze_sensors as analyze_sensors,
         judge_bags as judge_bags,
     )
-    from .app.logs.trial_logs import judge_logs as judge_logs
+    from .app.logs.trial_logs import analyze_logs as analyze_logs, judge_logs as judge_logs
     from .bags.recording.recorded_headings import (
         read_bag as read_bag,
         RecordedHeadings as RecordedHeadings,
     )
     from .bags.rosbag2.bag_reader import BagReader as BagReader
+    from .core.decision.trial_plan import plan_trial as plan_trial, TrialPlan as TrialPlan
     from .core.declared_settings import SettingsError as SettingsError
-    from .core.diagnostics.three_cornered_hat import three_cornered_hat as three_cornered_hat
+    from .core.diagnostics.three_cornered_hat import (
+        at_common_stamps as at_common_stamps,
+        Hats as Hats,
+        three_cornered_hat as three_cornered_hat,
+    )
     from .core.outcome import Outcome as Outcome
     from .core.pairing.pairer import pair as pair, Pairer as Pairer
     from .core.pipeline import Compliance as Compliance, Intercomparison as Intercomparison
@@ -100,3 +107,4 @@ if TYPE_CHECKING:
     )
     from .core.verdict.all_runs import join as join
     from .core.verdict.verdict_document import RunVerdict as RunVerdict, Verdict as Verdict
+    from .drivers.settings import DriverSettings as DriverSettings

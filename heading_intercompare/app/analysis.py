@@ -43,6 +43,7 @@ from heading_intercompare.report import SeriesSketch
 from heading_intercompare.report.figures.notebook import Plotter
 
 from .campaign import judge_inputs
+from .python_words import python_words, speak_python
 from .run_table import assign_runs, name_unused, read_run_table, RunTable
 from .sources.input_comparison import InputComparison, PairTakers
 from .sources.judged_input import JudgedInput
@@ -85,6 +86,10 @@ class Judgement:
     def verdict(self) -> Verdict | SensorsVerdict:
         """Return the verdict on all sensors; without the setting `sensors` that on the TS."""
         return self.verdicts['ts'] if self.sensors is None else self.sensors
+
+    def __repr__(self) -> str:
+        """Return the headline."""
+        return f'<Judgement: {self.verdict.headline}>'
 
 
 def judge_bags(paths: Sequence[Place], settings: Settings, *,
@@ -248,6 +253,18 @@ def analyze(ts: Headings | Sequence[Headings], rs: Headings | Sequence[Headings]
     ----------
     GK (1)-(7); the guarded decision of ``docs/verdict.md``.
 
+    Examples
+    --------
+    >>> import numpy as np
+    >>> rng = np.random.default_rng(1)
+    >>> stamp_ns = 1_400_000_000_000_000_000 + np.arange(1800) * 1_000_000_000
+    >>> ship_deg = 320.0 + 20.0 * np.sin(np.arange(1800) / 60.0)
+    >>> ts = Headings.of(stamp_ns, ship_deg + 0.05 * rng.standard_normal(1800))
+    >>> rs = Headings.of(stamp_ns, ship_deg + 0.02 * rng.standard_normal(1800))
+    >>> verdict = analyze(ts, rs, Settings.of(sigma_max_deg=0.2, sigma_ref_max_deg=0.1))
+    >>> verdict.outcome.value, verdict.runs[0].n
+    ('compliant', 1800)
+
     """
     ts = [ts] if isinstance(ts, Headings) else list(ts)
     rs = [rs] if isinstance(rs, Headings) else list(rs)
@@ -347,9 +364,16 @@ def analyze_bag(path: Place, settings: Settings, *, runs: Place | RunTable | Non
     OSError, ValueError
         If the recording cannot be read, or the table of runs is wrong.
 
+    Examples
+    --------
+    >>> settings = Settings.of(sigma_max_deg=0.2, sigma_ref_max_deg=0.1)
+    >>> verdict = analyze_bag('trial', settings)  # doctest: +SKIP
+
     """
-    return _warn(judge_bags([path], settings, runs=runs, jobs=jobs, sketched=True,
-                            progress=progress))
+    with python_words():
+        judgement = judge_bags([path], settings, runs=runs, jobs=jobs, sketched=True,
+                               progress=progress)
+    return warn_of_notes(judgement)
 
 
 def analyze_bags(paths: Sequence[Place], settings: Settings, *,
@@ -378,13 +402,20 @@ def analyze_bags(paths: Sequence[Place], settings: Settings, *,
     OSError, ValueError
         If no recording can be read, or the table of runs is wrong.
 
+    Examples
+    --------
+    >>> settings = Settings.of(sigma_max_deg=0.2, sigma_ref_max_deg=0.1)
+    >>> verdict = analyze_bags(['monday', 'tuesday'], settings)  # doctest: +SKIP
+
     """
-    return _warn(judge_bags(paths, settings, runs=runs, executor=executor, jobs=jobs,
-                            sketched=True, progress=progress))
+    with python_words():
+        judgement = judge_bags(paths, settings, runs=runs, executor=executor, jobs=jobs,
+                               sketched=True, progress=progress)
+    return warn_of_notes(judgement)
 
 
-def _warn(judgement: Judgement) -> Verdict | SensorsVerdict:
+def warn_of_notes(judgement: Judgement) -> Verdict | SensorsVerdict:
     """Issue the notes as warnings at the caller of the caller; return the verdict."""
     for note in judgement.notes:
-        warnings.warn(note, stacklevel=3)
+        warnings.warn(speak_python(note), stacklevel=3)
     return judgement.verdict

@@ -20,7 +20,14 @@ from dataclasses import replace
 import os
 from typing import Callable, Mapping, Sequence
 
-from heading_intercompare.app.analysis import conclude, Judgement, refuse_apart
+from heading_intercompare.app.analysis import (
+    conclude,
+    Judgement,
+    Place,
+    refuse_apart,
+    warn_of_notes,
+)
+from heading_intercompare.app.python_words import python_words
 from heading_intercompare.app.run_table import assign_runs, read_run_table
 from heading_intercompare.app.sources.input_comparison import (
     InputComparison,
@@ -32,9 +39,9 @@ from heading_intercompare.core.sensor_table import describe_driver, read_sensors
 from heading_intercompare.core.sensors.compared_sensors import list_sensors
 from heading_intercompare.core.sensors.pair_settings import check_norms
 from heading_intercompare.core.settings import Settings
-from heading_intercompare.core.verdict.verdict_document import Input
+from heading_intercompare.core.verdict.verdict_document import Input, Verdict
 from heading_intercompare.drivers.refused_lines import describe_start
-from heading_intercompare.drivers.settings import DriverSettings
+from heading_intercompare.drivers.settings import DEFAULT_DRIVER, DriverSettings
 from heading_intercompare.readers.registry import has_one_sensor, has_streams
 from heading_intercompare.readers.stream_recording import UNSTATED
 
@@ -260,6 +267,64 @@ def judge_logs(logs: Mapping[str, str], settings: Settings,
     owner = sensors[0].name if settings.sensors else 'the TS'
     return conclude([judged], settings, [f'{runs}: source {source} is not the log of {owner}'
                                          for source in elsewhere])
+
+
+def analyze_logs(ts: Place, rs: Place, settings: Settings, *,
+                 ts_driver: DriverSettings = DEFAULT_DRIVER,
+                 rs_driver: DriverSettings = DEFAULT_DRIVER, runs: Place | None = None,
+                 motion: Place | None = None,
+                 progress: Callable[[str], None] = lambda text: None) -> Verdict:
+    """
+    Judge a TS against an RS from their logs, as the command ``analyze`` judges two logs.
+
+    Parameters
+    ----------
+    ts, rs
+        The log of each sensor: a file, a folder or a pattern of names. One log may hold both.
+    settings
+        Settings with the norms; `sensors` is not read.
+    ts_driver, rs_driver
+        How to read each log: sentence, talker, form and zone of the stamps, and more.
+    runs
+        Table of runs, a csv file.
+    motion
+        A log with the motion of the ship; by default that of the RS or of the TS, if it has any.
+    progress
+        Called with the progress in words.
+
+    Returns
+    -------
+    Verdict
+        Notes on the logs, such as what was not taken of them, are issued as warnings.
+
+    Raises
+    ------
+    SettingsError
+        If a norm is missing.
+    OSError, ValueError
+        If a log cannot be read or has no heading, the stamps of the logs do not meet, or the
+        table of runs is wrong.
+
+    Examples
+    --------
+    >>> settings = Settings.of(sigma_max_deg=0.2, sigma_ref_max_deg=0.1)
+    >>> verdict = analyze_logs('gyro.log', 'seapath.log', settings,
+    ...                        ts_driver=DriverSettings(talker='HE'))  # doctest: +SKIP
+
+    """
+    drivers = {'ts': ts_driver, 'rs': rs_driver}
+    paths = [os.fspath(ts), os.fspath(rs)]
+    with python_words():
+        pair = find_logs(paths[:1] if paths[0] == paths[1] else paths, drivers)
+        if pair is None:
+            raise ValueError(f'{paths[0]}: is no log; analyze_bags judges recordings')
+        judgement = judge_logs(dict(zip(ROLES, pair)), replace(settings, sensors=None), drivers,
+                               runs=None if runs is None else os.fspath(runs),
+                               motion=None if motion is None else os.fspath(motion),
+                               sketched=True, progress=progress)
+    verdict = warn_of_notes(judgement)
+    assert isinstance(verdict, Verdict)
+    return verdict
 
 
 def import_sensor(sensor: Sensor, path: str, driver: DriverSettings, settings: Settings,

@@ -62,6 +62,10 @@ class RecordedHeadings:
     notes: tuple[Note, ...]
     problems: tuple[str, ...]
 
+    def __repr__(self) -> str:
+        """Return the numbers of headings."""
+        return f'<RecordedHeadings: {len(self.ts)} of the TS, {len(self.rs)} of the RS>'
+
 
 def read_bag(path: str | os.PathLike[str], settings: Settings | None = None) -> RecordedHeadings:
     """

@@ -123,6 +123,10 @@ class TrialPlan:
     advised_runs: tuple[int | None, ...]
     chances: tuple[Chance, ...]
 
+    def __repr__(self) -> str:
+        """Return the least length of a run, and the number of chances."""
+        return f'<TrialPlan: a run of {self.least_s:g} s at least, {len(self.chances)} chances>'
+
 
 def plan_trial(settings: Settings, rng: np.random.Generator, *, rate_hz: float = 1.0,
                slow_share: float = 1.0, wanted: float = 0.8, trials: int = 100,
@@ -168,6 +172,12 @@ def plan_trial(settings: Settings, rng: np.random.Generator, *, rate_hz: float =
     Only the variance decides, without looks. The RS is at the upper bound of what is known of it,
     where certifying is hardest. Short runs have ten times the slowest error where their means
     count (variant B), otherwise twenty times. They lie far apart.
+
+    Examples
+    --------
+    >>> settings = Settings.of(sigma_max_deg=0.2, sigma_ref_max_deg=0.1, slowest_error_s=60.0)
+    >>> plan_trial(settings, np.random.default_rng(1), trials=2, times=[1.0])
+    <TrialPlan: a run of 1200 s at least, 12 chances>
 
     """
     slowest = slowest_error_s(settings.risk)

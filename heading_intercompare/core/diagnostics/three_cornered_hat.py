@@ -64,6 +64,11 @@ class Hats:
     std_deg: tuple[float | None, ...]
     point_deg2: tuple[float, ...]
 
+    def __repr__(self) -> str:
+        """Return the standard deviation of each sensor; nan where the variance is negative."""
+        stds = ', '.join('nan' if std is None else f'{std:.4f}' for std in self.std_deg)
+        return f'<Hats: {stds} deg, n = {self.n}>'
+
 
 def at_common_stamps(sensors: Sequence[Headings],
                      skew_s: Sequence[float] | None = None) -> tuple[np.ndarray, np.ndarray]:
@@ -136,6 +141,12 @@ def three_cornered_hat(heading_deg: ArrayLike, stamp_ns: ArrayLike | None = None
     ----------
     Gray & Allan 1974; the covariance form is that of Groslambert et al. 1981. E.12 of
     ``docs/diagnostics.md``.
+
+    Examples
+    --------
+    >>> errors_deg = np.random.default_rng(1).standard_normal((3, 10000))
+    >>> three_cornered_hat(100.0 + np.array([[0.3], [0.2], [0.1]]) * errors_deg)
+    <Hats: 0.2955, 0.1941, 0.1079 deg, n = 10000>
 
     """
     heading = np.asarray(heading_deg, dtype=np.float64)

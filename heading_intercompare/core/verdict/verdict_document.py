@@ -86,6 +86,10 @@ class RunVerdict:
     None.
     """
 
+    def __repr__(self) -> str:
+        """Return the number of the run and the headline."""
+        return f'<RunVerdict on run {self.run}: {self.headline}>'
+
     run: int = figure('number of the run, from 1', unit='')
     source: str = figure('source', 'name of the input')
     start_ns: int = figure('first pair', row='first pair, UTC')

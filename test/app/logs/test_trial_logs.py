@@ -19,11 +19,13 @@ from __future__ import annotations
 from functools import reduce
 import gzip
 import hashlib
+import json
 
 from command_line import analyze_json, NORMS, refusal
 import numpy as np
 import pytest
 
+from heading_intercompare import analyze_logs, DriverSettings, Settings
 from heading_intercompare.cli import main
 
 QUIET_NORMS = (*NORMS, '--quiet')
@@ -345,3 +347,37 @@ def test_sound_sensors_of_real_ships_raise_nothing(shared_data, capsys, ts, rs, 
     assert found['least_bound_deg'] == pytest.approx(bound_deg, abs=0.05)
     assert found['ts']['off_deg'] == pytest.approx(ts_deg, abs=0.05)
     assert found['rs']['off_deg'] == pytest.approx(rs_deg, abs=0.05)
+
+
+SETTINGS = Settings.of(sigma_max_deg=0.3, sigma_ref_max_deg=0.1)
+
+
+def test_two_logs_in_python_give_the_verdict_of_the_command(logs, capsys):
+    by_command, notes = analyze_json(capsys, *logs)
+    with pytest.warns(UserWarning) as warned:
+        verdict = analyze_logs(*logs, SETTINGS)
+    document = json.loads(json.dumps(verdict.to_dict()))
+    assert document['runs'] == by_command['runs'] and document['inputs'] == by_command['inputs']
+    assert [f'note: {warning.message}' for warning in warned] == notes
+    assert warned[0].filename == __file__
+    assert '\n' not in repr(verdict) and repr(verdict.runs[0]).startswith('<RunVerdict on run 1: ')
+
+
+def test_one_log_of_both_sensors_needs_drivers_that_differ(logs, tmp_path):
+    both = tmp_path / 'both.log'
+    both.write_text(logs[0].read_text() + logs[1].read_text())
+    with pytest.raises(ValueError, match='apart with ts_driver.sentence and rs_driver.sentence'):
+        analyze_logs(both, both, SETTINGS)
+    with pytest.warns(UserWarning):
+        verdict = analyze_logs(both, both, SETTINGS, ts_driver=DriverSettings(talker='HE'),
+                               rs_driver=DriverSettings(talker='IN'))
+    assert verdict.runs[0].n > 800
+
+
+@pytest.mark.parametrize('paths', [('pairs.csv', 'pairs.csv'), ('a.mcap', 'b.mcap')])
+def test_what_is_no_log_is_refused_in_words_of_python(tmp_path, paths):
+    for name in paths:
+        (tmp_path / name).write_text('stamp_s,ts_deg,rs_deg\n1400000000,1,1\n')
+    with pytest.raises(ValueError) as refused:
+        analyze_logs(*(tmp_path / name for name in paths), SETTINGS)
+    assert '--' not in str(refused.value) and str(refused.value).startswith(str(tmp_path))
