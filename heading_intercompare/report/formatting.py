@@ -95,6 +95,19 @@ def with_uncertainty(figure: float | None, u: float | None) -> str:
     return f'{shown} ± {rounded(u, u)}'
 
 
+def with_unit(text: str, unit: str) -> str:
+    """
+    Return a figure in text with its unit; a missing one is unknown and has none.
+
+    Examples
+    --------
+    >>> with_unit('0.1', 'deg'), with_unit(ABSENT, 'deg')
+    ('0.1 deg', 'unknown')
+
+    """
+    return 'unknown' if text == ABSENT else f'{text} {unit}'
+
+
 def bounds(low: float | None, up: float | None) -> str:
     """
     Return the ends of an interval, rounded to the second digit of half its width.
@@ -107,6 +120,7 @@ def bounds(low: float | None, up: float | None) -> str:
     """
     half = None if low is None or up is None else 0.5 * (up - low)
     return f'{rounded(low, half)} to {rounded(up, half)}' if (low, up) != (None, None) else ABSENT
+
 
 def outcome(decision: Outcome | None) -> str:
     """Return the words of an outcome."""

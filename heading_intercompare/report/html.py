@@ -33,8 +33,11 @@ from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.core.verdict.vocabulary import EFFECT_WORDS, NO_RUN, STATE_WORDS
 
 from .contents.decision_rule import describe_norms, describe_uncertainty, state_conformity
+from .contents.defaults import is_default
+from .contents.file_names import hide_paths, name_files
 from .contents.findings import describe_findings, rows_of_block
 from .contents.first_page import compose_first_page
+from .contents.holding import find_worst
 from .contents.identification import identify, name_trial, span_of, verdict_id
 from .contents.tables import (
     GUARDED,
@@ -88,32 +91,36 @@ def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = (),
         Called with the progress in words.
 
     """
-    runs = [(run.run, run) for run in verdict.runs]
-    campaign, settings = verdict.campaign, verdict.settings
-    drawn = [(sketch.source, sketch.n_invalid, draw_figures(
+    names = name_files(verdict.inputs, [
+        *(run.source for run in verdict.runs), *(sketch.source for sketch in sketches)])
+    drawn = [(names[sketch.source], sketch.n_invalid, draw_figures(
         sketch, verdict, f'input{k}', partial(_tell, progress, k, len(sketches))))
         for k, sketch in enumerate(sketches, 1)]
-    by_sensor = campaign.rule == 'sensor' and verdict.validity_effect != VOID
+    shown = hide_paths(verdict, names)
+    runs = [(run.run, run) for run in shown.runs]
+    campaign, settings = shown.campaign, shown.settings
+    by_sensor = campaign.rule == 'sensor' and shown.validity_effect != VOID
     running = name_trial(settings)
     return load_template('protocol.html').render(
-        verdict=verdict, no_run=NO_RUN, id=verdict_id(verdict), span=span_of(verdict),
+        verdict=shown, no_run=NO_RUN, id=verdict_id(verdict), span=span_of(shown),
         running=running if len(running) <= _LONGEST_HEAD else f'{running[:_LONGEST_HEAD]}...',
-        first=compose_first_page(verdict), shows=_pick_figure(verdict, sketches, drawn),
+        first=compose_first_page(shown), shows=_pick_figure(verdict, sketches, drawn),
         identification=identify(verdict), norms=describe_norms(settings),
-        statement=state_conformity(verdict), ledger=rows_by_run(LEDGER, runs),
+        statement=state_conformity(shown), ledger=rows_by_run(LEDGER, runs),
         summary=rows_by_run(SUMMARY, runs), results=rows_by_run(RESULTS, runs),
-        worst=rows_of(WORST, campaign), homogeneity=_compare_runs(verdict),
+        worst=rows_of(WORST, campaign), homogeneity=_compare_runs(shown),
         shared=rows_of(SENSOR, campaign.sensor) if campaign.sensor and by_sensor else [],
         guarded=rows_by_run(GUARDED, runs), uncertainty=describe_uncertainty(settings),
-        budgets=[(run.run, budget_of(run, settings)) for run in verdict.runs], drawn=drawn,
-        findings=describe_findings(verdict.runs),
+        budgets=[(number, budget_of(run, settings)) for number, run in runs], drawn=drawn,
+        findings=describe_findings(shown.runs),
         notes=[(f'{utc(note.stamp_ns)} UTC', note.text, recording.path)
-               for recording in verdict.inputs for note in recording.notes or ()],
-        settings=[(name, exact(thing)) for name, thing in settings.to_mapping().items()
+               for recording in shown.inputs for note in recording.notes or ()],
+        settings=[(name, exact(thing), 'default' if is_default(settings, name) else '')
+                  for name, thing in settings.to_mapping().items()
                   if not name.startswith('trial.')],
         taken_out=[(f'{utc(stretch.start_ns)} UTC', f'{utc(stretch.end_ns)} UTC', str(stretch.n),
                     stretch.reason)
-                   for stretch in (verdict.taken_out.stretches if verdict.taken_out else ())])
+                   for stretch in (shown.taken_out.stretches if shown.taken_out else ())])
 
 
 def _tell(progress: Callable[[str], None], sketch: int, sketches: int, done: int) -> None:
@@ -135,8 +142,7 @@ def _pick_figure(verdict: Verdict, sketches: Sequence[SeriesSketch],
     """Return the differences in time of the run with the largest variance."""
     candidates = [(sketch, figure) for sketch, (_, _, figures) in zip(sketches, drawn)
                   for figure in figures if figure.id.endswith('-differences') and figure.svg]
-    worst = next((run for run in verdict.runs
-                  if run.run == verdict.campaign.worst_variance_run), None)
+    worst = find_worst(verdict)
     if worst is not None:
         begun = [(sketch.time.start_ns, figure) for sketch, figure in candidates
                  if sketch.source == worst.source and sketch.time.start_ns is not None

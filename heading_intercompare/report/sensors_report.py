@@ -30,6 +30,7 @@ from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
 from heading_intercompare.core.verdict.verdict_document import Verdict
 
 from . import check_form, json, write
+from .contents.file_names import name_files
 from .contents.first_page import SIGNS
 from .series_sketch import SeriesSketch
 
@@ -92,7 +93,7 @@ def _write_overview(verdict: SensorsVerdict, path: Path, progress: Callable[[str
     protocols = {name: sensor_path(path, name).name for name in verdict.verdicts}
     text = load_template('sensors.html').render(
         verdict=verdict, void=VOID, words=OUTCOME_WORDS, signs=SIGNS, protocols=protocols,
-        trial=verdict.settings.trial,
+        trial=verdict.settings.trial, names=name_files(verdict.inputs),
         sensors=[(sensor, split_words(sensor)) for sensor in verdict.sensors],
         matrices=[(title.strip(), matrix_of(verdict, text)) for title, text in SHOWN],
         evidence=[(f'{pair.first} and {pair.second}', '; '.join(pair.findings))

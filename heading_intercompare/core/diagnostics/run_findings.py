@@ -86,9 +86,11 @@ class Correlation:
     window_s: float | None = figure('largest lag summed', default=None)
     tau_1_s: float | None = figure('correlation time for the mean', default=None)
     tau_2_s: float | None = figure('correlation time for the variance', default=None)
-    n_effective_mean: float = figure('effective number for the mean', 'of independent differences '
-                                     'that would give as good a mean')
-    n_effective_variance: float = figure('effective number for the variance')
+    n_effective_mean: float = figure(
+        'effective number for the mean, by this correlation time', 'of independent differences '
+        'that would give as good a mean')
+    n_effective_variance: float = figure(
+        'effective number for the variance, by this correlation time')
     closed: bool = figure('the run is long enough for these times', 'the sum ended before a '
                           'quarter of it; if not, they are too short')
 

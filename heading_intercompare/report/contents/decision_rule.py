@@ -21,11 +21,13 @@ from typing import Sequence
 from heading_intercompare.core.decision.norm_presets import PRESETS, sigma_max_deg
 from heading_intercompare.core.decision.sequential import Looks
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.settings import Norms, Pairing, Settings
+from heading_intercompare.core.settings import Pairing, Settings
 from heading_intercompare.core.validity.condition import is_doubtful, VOID
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 from heading_intercompare.core.verdict.vocabulary import law_words
 from heading_intercompare.report.formatting import interval, number, outcome, value
+
+from .defaults import is_default, mark_default
 
 Rows = list[tuple[str, str]]
 
@@ -36,7 +38,7 @@ _MET = {Outcome.COMPLIANT: 'met', Outcome.NON_COMPLIANT: 'not met',
 
 def describe_norms(settings: Settings) -> Rows:
     """Return the norms and the method as pairs of name and value."""
-    norms, default = settings.norms, Norms()
+    norms = settings.norms
     ts_law, rs_law = law_words(settings.model)
     rows = [('norm of the TS standard deviation, sigma_max [deg]',
              number(sigma_max_deg(norms, settings.model))),
@@ -45,19 +47,21 @@ def describe_norms(settings: Settings) -> Rows:
             ('actual RS standard deviation, if known [deg]',
              number(norms.sigma_ref_deg)),
             ('bounds of M = sigma_ref / sigma_ref_max, as set [1]',
-             _unless_stated(interval(norms.m_low, norms.m_up), (norms.m_low, norms.m_up),
-                            (default.m_low, default.m_up))),
+             mark_default(interval(norms.m_low, norms.m_up), settings, 'norms.m_low',
+                          'norms.m_up')),
             ('norm of the total error at P [deg]',
              number(norms.total_error_max_deg)),
-            ('confidence probability P [1]', _unless_stated(
-                number(norms.probability), norms.probability, default.probability)),
-            ('coverage factor by rule', _unless_stated(
-                value(norms.k_rule), norms.k_rule, default.k_rule)),
-            ('error laws', _unless_stated(f'TS {ts_law}, RS {rs_law} (model {settings.model})',
-                                          settings.model, Settings().model)),
-            ('variant of GK Table I', _unless_stated(
-                value(settings.variant), settings.variant, Settings().variant)),
-            ('pairing', _pairing(settings.pairing))]
+            ('confidence probability P [1]', mark_default(
+                number(norms.probability), settings, 'norms.probability')),
+            ('coverage factor by rule', mark_default(
+                value(norms.k_rule), settings, 'norms.k_rule')),
+            ('error laws', mark_default(f'TS {ts_law}, RS {rs_law} (model {settings.model})',
+                                        settings, 'model')),
+            ('variant of GK Table I', mark_default(
+                value(settings.variant), settings, 'variant')),
+            ('pairing', mark_default(_pairing(settings.pairing), settings, *(
+                f'pairing.{name}' for name in (
+                    'method', 'auto_s', 'slow_rs_s', 'kernel', 'max_gap_s', 'tolerance_s'))))]
     name = norms.preset
     if name in PRESETS:
         preset = PRESETS[name]
@@ -66,11 +70,6 @@ def describe_norms(settings: Settings) -> Rows:
         if preset.secant:
             rows.insert(3, ('latitude [deg]', number(norms.latitude_deg)))
     return rows
-
-
-def _unless_stated(text: str, stated: object, default: object) -> str:
-    """Return a setting in words, marked where it is the default that nobody changed."""
-    return f'{text}, default' if stated == default else text
 
 
 def _pairing(rule: Pairing) -> str:
@@ -95,8 +94,10 @@ def state_conformity(verdict: Verdict) -> Rows:
     whether the specification is met.
     """
     settings, runs = verdict.settings, verdict.runs
-    consumer = number(settings.risk.alpha_consumer)
-    producer = number(settings.risk.alpha_producer)
+    consumer, producer = (
+        mark_default(number(risk), settings, name) for risk, name in (
+            (settings.risk.alpha_consumer, 'risk.alpha_consumer'),
+            (settings.risk.alpha_producer, 'risk.alpha_producer')))
     m = len(runs)
     share = settings.risk.count_share
     reject = ('The counts of extreme differences can also reject, if the lower bound of their '
@@ -167,10 +168,12 @@ def describe_uncertainty(settings: Settings) -> list[str]:
     reference = ('This range sets the width of the dead zone, and more data cannot narrow it.'
                  if settings.norms.sigma_ref_deg is None
                  else 'The verdict is no better than this figure.')
-    skew = settings.alignment.skew_s
+    skew = ('no latency of the TS was stated, so none was removed'
+            if is_default(settings, 'alignment.skew_s') else
+            f'a known latency of the TS of {number(settings.alignment.skew_s)} s was removed')
     return [
         f'Reference: its standard deviation is taken from the settings. {reference}',
-        f'Timing: a known latency of the TS of {number(skew)} s was removed. A latency adds '
+        f'Timing: {skew}. A latency adds '
         'latency times rate of turn to the difference: 0.1 s at 1 deg/s add 0.1 deg.',
         'Resolution: rounding to a step q adds q²/12 to the variance of each sensor. This is not '
         'subtracted.',

@@ -145,7 +145,9 @@ FINDINGS = (
     Finding(
         'correlation',
         'Neighbouring differences repeat each other. The effective numbers say how many '
-        'independent differences would give as good a mean and as good a variance.', 'a',
+        'independent differences would give as good a mean and as good a variance, by the '
+        'correlation times of this section alone. The decision allows for slower errors too, so '
+        'its number, among the results, is another one.', 'a',
         'n n_effective_mean n_effective_variance r1 tau_1_s tau_2_s window_s closed stamps.n '
         'stamps.typical_s stamps.nominal_s stamps.lost_share stamps.backward stamps.equal '
         'stamps.silences stamps.longest_back_s stamps.longest_s'),

@@ -33,9 +33,10 @@ from heading_intercompare.report.formatting import (
     outcome,
     rounded,
     with_uncertainty,
+    with_unit,
 )
 
-from .holding import upper_bound_holds
+from .holding import find_worst, upper_bound_holds, worth_of
 
 #: A letter tells the outcomes apart in black and white and for the colour-blind.
 SIGNS = {Outcome.COMPLIANT: '✓', Outcome.NON_COMPLIANT: '✗', Outcome.INDETERMINATE: '?'}
@@ -81,7 +82,7 @@ def compose_first_page(verdict: Verdict) -> FirstPage:
     means = _MEANS[verdict.outcome]
     if void:
         means = 'The comparison says nothing about the tested sensor.'
-    facts = [('rests on', _rest_on(verdict.runs)), ('measured', _measured(verdict.runs)),
+    facts = [('rests on', _rest_on(verdict.runs)), ('measured', _measured(verdict)),
              ('covers', _covered(verdict)), ('validity', _validity(verdict)),
              ('why', _why(verdict))]
     if not void:
@@ -99,27 +100,36 @@ def _rest_on(runs: Sequence[RunVerdict]) -> str:
     if not runs:
         return NO_RUN
     count = '1 run' if len(runs) == 1 else f'{len(runs)} runs'
-    worth = sum(run.guarded.nu or 0.0 for run in runs)
     text = (f'{count} of {span_words(sum(run.coverage.span_s for run in runs))} analysed, '
             f'{sum(run.n for run in runs)} differences TS - RS')
+    counts = [worth_of(run) for run in runs if run.n]
+    worth = sum(count for count in counts if count is not None)
+    if None in counts:
+        where = f' for {counts.count(None)} of {len(runs)} runs' if len(runs) > 1 else ''
+        return f'{text}; how many independent ones they are worth is unknown{where}'
     return (f'{text}, worth {rounded(worth, worth)} independent ones for the variance' if worth
             else text)
 
 
-def _measured(runs: Sequence[RunVerdict]) -> str:
+def _measured(verdict: Verdict) -> str:
     """Return the figures of the run, or of the run with the largest variance."""
-    counted = [run for run in runs if run.variance_deg2 is not None]
-    if not counted:
+    run = find_worst(verdict)
+    if run is None:
         return 'nothing: too few differences'
-    run = max(counted, key=lambda run: run.variance_deg2 or 0.0)
     guarded = run.guarded
-    words = [f'mean difference {with_uncertainty(run.mean_deg, guarded.bias_u_deg)} deg',
-             f'standard deviation {number(run.std_deg, 3)} deg']
+    words = [f'mean difference {_mean(run)}',
+             f'standard deviation of the differences '
+             f'{with_unit(number(run.std_deg, 3), "deg")}']
     if upper_bound_holds(run) and guarded.upper_bound_deg2 is not None:
-        words.append(f'variance {bounds(guarded.lower_bound_deg2, guarded.upper_bound_deg2)} '
-                     f'deg², to be at most {number(guarded.acceptance_limit_deg2, 3)} deg²')
-    where = f'run {run.run}, with the largest variance: ' if len(runs) > 1 else ''
+        variance = bounds(guarded.lower_bound_deg2, guarded.upper_bound_deg2)
+        words.append(f'variance, at the stated risks, {variance} deg², '
+                     f'to be at most {number(guarded.acceptance_limit_deg2, 3)} deg²')
+    where = f'run {run.run}, with the largest variance: ' if len(verdict.runs) > 1 else ''
     return where + '; '.join(words)
+
+
+def _mean(run: RunVerdict) -> str:
+    return with_unit(with_uncertainty(run.mean_deg, run.guarded.bias_u_deg), 'deg')
 
 
 def _covered(verdict: Verdict) -> str:
@@ -187,8 +197,8 @@ def _list_runs(verdict: Verdict) -> list[str]:
     if verdict.campaign.rule == 'sensor':
         # No run decides alone, so what it alone would need says nothing.
         lines = [f'run {run.run}: {run.n} differences in {span_words(run.coverage.span_s)}, mean '
-                 f'{with_uncertainty(run.mean_deg, run.guarded.bias_u_deg)} deg, standard '
-                 f'deviation {number(run.std_deg, 3)} deg' for run in runs[:_MOST_RUNS]]
+                 f'{_mean(run)}, standard deviation {with_unit(number(run.std_deg, 3), "deg")}'
+                 for run in runs[:_MOST_RUNS]]
     else:
         lines = [f'run {run.run} alone: {run.headline}' for run in runs[:_MOST_RUNS]]
     if len(runs) > _MOST_RUNS:

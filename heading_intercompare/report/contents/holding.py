@@ -22,9 +22,10 @@ would speak for another outcome than the headline.
 
 from __future__ import annotations
 
+from heading_intercompare.core.diagnostics.assumptions import NOT_TESTABLE
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.validity.condition import VOID
-from heading_intercompare.core.verdict.verdict_document import RunVerdict
+from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 
 #: The record is too short for the upper bound, or a drift may widen it.
 _UPPER_BOUND_FAILS = ('insufficient_data', 'insufficient_duration', 'drift_left_in')
@@ -39,6 +40,24 @@ def is_sound(run: RunVerdict) -> bool:
 def upper_bound_holds(run: RunVerdict) -> bool:
     """Tell whether the record is long enough for the risk of its upper bounds to hold."""
     return is_sound(run) and run.guarded.reason not in _UPPER_BOUND_FAILS
+
+
+def worth_of(run: RunVerdict) -> float | None:
+    """
+    Return how many independent differences a run is worth for the variance.
+
+    None without such a number, or if assumption (a) cannot tell it: errors that are slow for the
+    length of the run may make it smaller.
+    """
+    is_unknown = any(assumption.id == 'a' and assumption.state == NOT_TESTABLE
+                     for assumption in run.assumptions)
+    return None if is_unknown else run.guarded.nu
+
+
+def find_worst(verdict: Verdict) -> RunVerdict | None:
+    """Return the run with the largest variance; None if no run has one."""
+    return next((run for run in verdict.runs
+                 if run.run == verdict.campaign.worst_variance_run), None)
 
 
 def confidence_holds(run: RunVerdict) -> bool:

@@ -24,6 +24,8 @@ from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import SCHEMA, SCHEMA_VERSION, Verdict
 from heading_intercompare.report.formatting import ABSENT, number, value
 
+from .defaults import mark_default
+
 _ID_DIGITS = 12
 
 
@@ -74,10 +76,11 @@ def identify(verdict: Verdict) -> list[tuple[str, list[tuple[str, str]]]]:
             ('reference sensor (RS): maker', trial.rs_maker), ('RS: type', trial.rs_type),
             ('RS: serial number', trial.rs_serial),
             ('RS: proof of its norm', trial.rs_evidence),
-            ('installation angle TS - RS [deg], as set',
-             value(settings.installation_offset_deg)),
-            ('its standard uncertainty [deg], as set',
-             value(settings.installation_offset_u_deg))]),
+            ('installation angle TS - RS [deg], as set', mark_default(
+                value(settings.installation_offset_deg), settings, 'installation_offset_deg')),
+            ('its standard uncertainty [deg], as set', mark_default(
+                value(settings.installation_offset_u_deg), settings,
+                'installation_offset_u_deg'))]),
         ('Software', [
             ('software', f'{verdict.software.name} {verdict.software.version}'),
             ('version of the decision rule', str(verdict.rule_version)),

@@ -39,6 +39,7 @@ from .holding import (
     length_holds,
     probability_holds,
     upper_bound_holds,
+    worth_of,
 )
 
 _COLUMNS = 4
@@ -146,7 +147,7 @@ SUMMARY: tuple[Row[RunVerdict], ...] = (
     Row('length analysed', 'h', lambda run: number(run.coverage.span_s / 3600.0, 4)),
     Row('differences, n', '1', lambda run: run.n),
     Row('independent differences they are worth for the variance', '1',
-        lambda run: rounded(run.guarded.nu, run.guarded.nu)),
+        lambda run: rounded(worth_of(run), worth_of(run))),
     Row('mean difference and its standard uncertainty', 'deg',
         lambda run: with_uncertainty(run.mean_deg, run.guarded.bias_u_deg)),
     Row('its 95 % interval', 'deg',

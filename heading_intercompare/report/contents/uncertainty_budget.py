@@ -21,9 +21,10 @@ import math
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import RunVerdict
-from heading_intercompare.report.formatting import ABSENT, bounds, number, rounded
+from heading_intercompare.report.formatting import ABSENT, bounds, number, rounded, with_unit
 
-from .holding import is_sound, upper_bound_holds
+from .defaults import mark_default
+from .holding import is_sound, upper_bound_holds, worth_of
 from .tables import Table
 
 _HEAD = ('source', 'what is known', 'type', 'standard uncertainty of the mean [deg]',
@@ -52,26 +53,37 @@ def budget_of(run: RunVerdict, settings: Settings) -> Table:
     low, up = _reference(settings)
     rounding = run.normality.rounding_variance_deg2
     rows = [
-        ['sampling', f'{run.n} differences are worth {_two(guarded.nu)} independent ones for the '
-         'variance', 'A',
+        ['sampling', _sampling(run), 'A',
          _two(sampling), f'the variance is {_bounds_of(run)}'],
         ['reference sensor, sigma_ref',
          f'from {number(low, 4)} to {number(up, 4)} deg' if low != up
          else f'known, {number(low, 4)} deg', 'B', ABSENT,
          f'{number(low ** 2, 4)} to {number(up ** 2, 4)}' if low != up else number(low ** 2, 4)],
         ['resolution of both sensors',
-         f'steps of {number(run.normality.ts_step_deg, 4)} deg (TS) and '
-         f'{number(run.normality.rs_step_deg, 4)} deg (RS)', 'B', ABSENT, _two(rounding)],
+         f'steps of the TS: {_step(run.normality.ts_step_deg)}; of the RS: '
+         f'{_step(run.normality.rs_step_deg)}', 'B', ABSENT, _two(rounding)],
         ['timing', _timing(run), 'A', ABSENT, _two(_added_by_skew(run))],
         ['interpolation',
          f'white noise keeps {number(pairing.ts_variance_factor, 3)} (TS) and '
          f'{number(pairing.rs_variance_factor, 3)} (RS) of its variance', 'A', ABSENT,
          'in the acceptance limit'],
         ['installation angle',
-         f'{number(settings.installation_offset_deg, 6)} deg, as stated', 'B',
+         mark_default(f'{number(settings.installation_offset_deg, 6)} deg', settings,
+                      'installation_offset_deg', 'installation_offset_u_deg'), 'B',
          _two(u_offset), ABSENT],
         ['together', 'root of the sum of squares', '', _two(u_mean), ABSENT]]
     return Table(_HEAD, rows)
+
+
+def _sampling(run: RunVerdict) -> str:
+    worth = worth_of(run)
+    return (f'{run.n} differences are worth '
+            f'{"an unknown number of" if worth is None else _two(worth)} independent ones for the '
+            'variance')
+
+
+def _step(step_deg: float | None) -> str:
+    return 'none seen' if step_deg is None else f'{number(step_deg, 4)} deg'
 
 
 def _two(u: float | None) -> str:
@@ -99,7 +111,8 @@ def _timing(run: RunVerdict) -> str:
     if skew.skew_s is None or skew.u_s is None:
         return 'the skew of the stamps is not known'
     return (f'skew {rounded(skew.skew_s, skew.u_s)} s, standard uncertainty '
-            f'{_two(skew.u_s)} s; rate of turn {number(skew.rate_std_deg_s, 2)} deg/s')
+            f'{_two(skew.u_s)} s; rate of turn '
+            f'{with_unit(number(skew.rate_std_deg_s, 2), "deg/s")}')
 
 
 def _added_by_skew(run: RunVerdict) -> float | None:
