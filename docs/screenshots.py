@@ -16,8 +16,8 @@
 Take the pictures in the docs: the live page as the demo runs, a protocol, and differences.
 
 It needs the extras `web`, `report` and `test`, ROS, and Chromium. Run it after a change of either:
-``python docs/screenshots.py``, or with ``page``, ``faults`` or ``protocol`` for a part of them. The
-differences need the folder with the real logs of the tutorial:
+``python docs/screenshots.py``, or with ``page``, ``faults`` or ``protocol`` for a part of them.
+The differences need the folder with the real logs of the tutorial:
 ``python docs/screenshots.py differences FOLDER``.
 """
 
