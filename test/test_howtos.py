@@ -78,11 +78,12 @@ def test_a_parameter_file_of_a_guide_is_taken(tmp_path, name, text):
 def inputs(tmp_path_factory):
     """Return a folder with stand-ins of what the pages name."""
     folder = tmp_path_factory.mktemp('inputs')
-    assert main(['simulate', '--scenario', 'demo', '-o', str(folder / BAGS[0]), '--quiet']) == 0
-    for name in BAGS[1:]:
-        shutil.copytree(folder / BAGS[0], folder / name)
     for name in ('my.yaml', 'heading_intercompare.yaml'):
         (folder / name).write_text(NORMS)
+    assert main(['simulate', '--scenario', 'demo', '--config', str(folder / 'my.yaml'),
+                 '-o', str(folder / BAGS[0]), '--quiet']) == 0
+    for name in BAGS[1:]:
+        shutil.copytree(folder / BAGS[0], folder / name)
     for name, bodies in LOGS.items():
         (folder / name).write_text(''.join(
             f'{t:%Y-%m-%dT%H:%M:%S}.000Z {with_checksum(body.format(ts=ts, rs=rs))}\n'
