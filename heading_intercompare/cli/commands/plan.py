@@ -29,12 +29,17 @@ from heading_intercompare.app.outputs import check_outputs, name_file, Outputs
 from heading_intercompare.cli.terminal.console import say
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.decision.coverage import span_words
-from heading_intercompare.core.decision.trial_plan import LEVELS, plan_trial, TrialPlan
+from heading_intercompare.core.decision.trial_plan import (
+    LEVELS,
+    plan_trial,
+    REMEDY_LEVEL,
+    TrialPlan,
+)
 from heading_intercompare.core.settings import Settings
 
 from .analyze import add_settings_arguments
 
-_MARKS = ((r'(?m)^to certify .*$', 'bold'),)
+_MARKS = ((r'(?m)^(to certify|what shortens) .*$', 'bold'),)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -49,6 +54,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         help='probability of certifying to aim at (default: 0.8)')
     parser.add_argument('--seed', metavar='N', type=int, default=1,
                         help='seed of the simulated records (default: 1)')
+    parser.add_argument('--trials', metavar='N', type=int, default=200,
+                        help='simulated trials for each chance (default: 200)')
     parser.add_argument('--json', metavar='F', help="write the plan as JSON; '-' for stdout")
 
 
@@ -57,11 +64,14 @@ def run(arguments: argparse.Namespace) -> int:
     settings = settings_for(load_config(arguments.config), arguments.set)
     if arguments.seed < 0:
         raise ValueError(f'--seed {arguments.seed}: must be at least 0')
+    if arguments.trials < 1:
+        raise ValueError(f'--trials {arguments.trials}: must be at least 1')
     check_outputs(Outputs(json=arguments.json), (), config=arguments.config)
     with Progress('plan', arguments.quiet) as progress:
         plan = plan_trial(settings, np.random.default_rng(arguments.seed),
                           rate_hz=arguments.rate, slow_share=arguments.slow_share,
-                          wanted=arguments.probability, progress=progress.show)
+                          wanted=arguments.probability, trials=arguments.trials,
+                          progress=progress.show)
     text = json.dumps({'levels': LEVELS, **asdict(plan)}, indent=2) + '\n'
     if arguments.json == '-':
         sys.stdout.write(text)
@@ -104,10 +114,23 @@ def _table(plan: TrialPlan, settings: Settings, arguments: argparse.Namespace) -
     error = 50.0 / plan.trials ** 0.5
     return '\n'.join([
         *lines, '', f'to certify with probability {plan.wanted:g} a TS at', *advice,
+        *_name_remedies(plan),
         f'several runs: set campaign.rule=sensor, and wait at least '
         f'{span_words(plan.slowest_error_s)} between runs',
         f'each chance is from {plan.trials} simulated trials; its standard error is at most '
         f'{error:.0f} percent'])
+
+
+def _name_remedies(plan: TrialPlan) -> list[str]:
+    """Return the lines that say what shortens the trial, the best first."""
+    measured = ('not certified by any length tried' if plan.total_s is None
+                else f'{span_words(plan.total_s)} measured in all')
+    tried = f'a TS at {REMEDY_LEVEL:g} of its norm ({measured})'
+    if not plan.remedies:
+        return [f'neither a better RS, nor knowing it better, nor more pairs shortens {tried}']
+    return [f'what shortens the trial of {tried}, best first:',
+            *(f'  {remedy.change} ({remedy.words}): {span_words(remedy.total_s)}'
+              for remedy in plan.remedies)]
 
 
 def _trial(runs: int, duration_s: float) -> str:

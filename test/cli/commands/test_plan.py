@@ -25,7 +25,7 @@ from heading_intercompare.cli import main
 
 NORMS = ['--set', 'norms.sigma_max_deg=0.2', '--set', 'norms.sigma_ref_max_deg=0.01']
 GIVEN = [*NORMS, '--set', 'risk.slowest_error_s=30', '--slow-share', '0.2', '--rate', '0.5',
-         '--quiet']
+         '--trials', '60', '--quiet']
 
 
 def test_the_table_says_how_long_to_measure(capsys, tmp_path):
@@ -38,7 +38,8 @@ def test_the_table_says_how_long_to_measure(capsys, tmp_path):
         'in all); or one run of 10 min\n' in out
     assert 'set campaign.rule=sensor, and wait at least 30 s between runs' in out
     assert plan['least_s'] == 600.0 and plan['levels'] == [0.5, 0.7, 0.85]
-    assert len(out.splitlines()) == 12 + len(plan['chances']) // 3
+    assert len(out.splitlines()) == 13 + len(plan['chances']) // 3 + len(plan['remedies'])
+    assert plan['total_s'] == 600.0 and 'a TS at 0.7 of its norm (10 min measured in all)' in out
     assert main(['plan', *GIVEN, '--json', '-']) == 0
     assert json.loads(capsys.readouterr().out) == plan
 
@@ -48,6 +49,7 @@ def test_the_table_says_how_long_to_measure(capsys, tmp_path):
     (['--set', 'risk.sensor_class=ins'], 'norms.sigma_max_deg is missing'),
     ([*GIVEN, '--rate', '-1'], 'rate_hz = -1.0: must be greater than 0'),
     ([*GIVEN, '--seed', '-1'], '--seed -1: must be at least 0'),
+    ([*GIVEN, '--trials', '0'], '--trials 0: must be at least 1'),
     ([*GIVEN, '--json', '/'], '--json /: is a folder')])
 def test_a_mistake_is_one_line(arguments, words, capsys):
     err = refusal(capsys, 'plan', *arguments)
