@@ -36,8 +36,8 @@ from .settings import LARGEST_SKEW_S, Pairing, Settings
 _LEAST_READINGS = 64
 _SHOWS_NONE = ('no_fit', 'too_few')
 
-_NO_RUN = ('not_aligned: with the skew removed the run no longer pairs as one run; it is judged '
-           'with its stamps unchanged')
+_NO_RUN = ('not_aligned: with latency or clock offset removed the run no longer pairs as one run; '
+           'it is judged with its stamps unchanged')
 
 
 def judge_aligned(ts: Headings, rs: Headings, results: Sequence[RunResult], settings: Settings, *,

@@ -59,7 +59,8 @@ SIMULATED = {
     'some readings lost': (', dropout: 0.3', '', 4, 'compliant',
                            'upper_bound_within_acceptance_limit', 'DOUBTFUL: 30 % lost'),
     'a clock that is late': (', faults: 0 clock_step 1.5', '', 4, 'non_compliant',
-                            'lower_bound_above_rejection_limit', 'DOUBTFUL: a skew of'),
+                            'lower_bound_above_rejection_limit', 'DOUBTFUL: a latency or '
+                            'clock offset of'),
     'too noisy': (', markov_deg: 0.6, markov_tau_s: 5', '', 1, 'non_compliant',
                   'lower_bound_above_rejection_limit', 'NON-COMPLIANT'),
 }

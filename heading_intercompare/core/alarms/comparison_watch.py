@@ -326,7 +326,7 @@ class ComparisonWatch:
         size_s = step.after_s - step.before_s
         if abs(size_s) < _LEAST_STEP_S:
             return Sign(None)
-        return Sign(True, f'the skew between TS and RS stepped by {size_s:+.2f} s',
+        return Sign(True, f'the clock offset between TS and RS stepped by {size_s:+.2f} s',
                     {'step_s': size_s, 'step_ns': int(window.stamp_ns[0])
                      + round(step.time_s * 1e9)})
 

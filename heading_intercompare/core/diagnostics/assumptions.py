@@ -115,13 +115,14 @@ def judge_synchronous(skew: Skew, range_s: float) -> Assumption:
         return _of('b', VIOLATED, skew.why_not(range_s))
     largest = skew.largest_variance_deg2(range_s)
     if largest is None or not skew.std_deg:
-        return _of('b', NOT_TESTABLE, 'there is too little data to estimate a time skew')
+        return _of('b', NOT_TESTABLE, 'there is too little data to estimate latency and '
+                   'clock offset')
     share = largest / skew.std_deg ** 2
     if not skew.well_determined:
         # The variance holds what an unknown skew adds, so a small share excuses none.
         return _of('b', NOT_TESTABLE, skew.why_not(range_s))
-    figures = (f'the skew is {skew.skew_s:.3f} s (standard uncertainty {skew.u_s:.3f} s) and adds '
-               f'up to {100.0 * share:.3g} % to the variance')
+    figures = (f'the latency or clock offset is {skew.skew_s:.3f} s (standard uncertainty '
+               f'{skew.u_s:.3f} s) and adds up to {100.0 * share:.3g} % to the variance')
     if share <= SKEW_SHARE:
         return _of('b', MET, figures)
     return _of('b', VIOLATED if skew.significant else NOT_TESTABLE, figures)

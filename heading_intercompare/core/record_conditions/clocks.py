@@ -38,8 +38,8 @@ _SURE_SIGMAS = 4.0
 
 def _judge(e: Examined) -> Finding:
     if e.settings.alignment.skew == 'off':
-        return CLOCKS.find(NOT_TESTABLE, '', 'the skew is not estimated (alignment.skew '
-                       'off)')
+        return CLOCKS.find(NOT_TESTABLE, '', 'latency and clock offset are not estimated '
+                           '(alignment.skew off)')
     c, estimate = e.columns, e.columns.skew
     apart_s = estimate.apart_s
     clock = estimate_clock_drift(
@@ -63,12 +63,13 @@ def _judge(e: Examined) -> Finding:
     if not estimate.well_determined or estimate.skew_s is None:
         return CLOCKS.find(NOT_TESTABLE, '', estimate.why_not(
             e.settings.alignment.skew_range_s))
-    figures = f'the skew is {estimate.skew_s:.3f} s (standard uncertainty {estimate.u_s:.3f} s)'
+    figures = (f'the latency or clock offset is {estimate.skew_s:.3f} s (standard uncertainty '
+               f'{estimate.u_s:.3f} s)')
     if not estimate.significant or (
             e.outcome is Outcome.INDETERMINATE and estimate.u_s is not None
             and abs(estimate.skew_s) < _SURE_SIGMAS * estimate.u_s):
         return CLOCKS.find(HOLDS, '', figures)
-    words = f'a skew of {estimate.skew_s:.2f} s decides, without it'
+    words = f'a latency or clock offset of {estimate.skew_s:.2f} s decides, without it'
     return _weigh_skew(e, estimate.skew_s, words, figures)
 
 
@@ -97,8 +98,9 @@ def _describe_unsteady(clock: ClockDrift, start_ns: int) -> tuple[str, str]:
              for step in clock.steps]
     size, at_ns = max(sizes, key=lambda step: abs(step[0]))
     steps = ', '.join(f'by {size:.2f} s at {utc(at)} UTC' for size, at in sizes)
-    return (f'the skew changes by {size:.2g} s at {utc(at_ns)} UTC',
-            f'the skew steps {steps}; before that it is {clock.steps[0].before_s:.2f} s')
+    return (f'the latency or clock offset changes by {size:.2g} s at {utc(at_ns)} UTC',
+            f'the latency or clock offset steps {steps}; before that it is '
+            f'{clock.steps[0].before_s:.2f} s')
 
 
 def _describe_apart(e: Examined, skew_s: float) -> str:
@@ -122,8 +124,8 @@ def _judge_beyond(e: Examined, skew_s: float) -> Finding:
     words = (f'the TS may be {"late" if skew_s > 0.0 else "early"} by about {abs(skew_s):.1f} s, '
              'beyond alignment.skew_range_s')
     evidence = (f'the clocks may be off by more than {range_s:g} s (alignment.skew_range_s): '
-                f'the differences scatter least with a skew of about {skew_s:.1f} s, which '
-                f'alignment.skew_s = {e.settings.alignment.skew_s + skew_s:.1f} removes')
+                f'the differences scatter least with a clock offset of about {skew_s:.1f} s, '
+                f'which alignment.skew_s = {e.settings.alignment.skew_s + skew_s:.1f} removes')
     if e.outcome is Outcome.COMPLIANT:
         return CLOCKS.find(DOUBTFUL, words, f'{evidence}; {_UNSEEN}')
     return _weigh_skew(e, skew_s, f'{words}, without that', evidence)
@@ -148,8 +150,9 @@ CLOCKS = Condition(
               'or they lie more than a minute apart, unless the TS is rejected with that removed, '
               'too: the headline says which lags, by how much, and which setting mends it',
     void_why='the difference compares two moments',
-    doubtful_when='a constant skew is significant, and without it the outcome would differ: the '
-                  'headline gives both outcomes; or the skew is beyond `alignment.skew_range_s` '
-                  '(up to 60 s), and the run complies or would differ: the headline says by how '
-                  'much; or a clock was set back: the headline says which, by how much and when',
+    doubtful_when='a constant latency or clock offset is significant, and without it the outcome '
+                  'would differ: the headline gives both outcomes; or it is beyond '
+                  '`alignment.skew_range_s` (up to 60 s), and the run complies or would differ: '
+                  'the headline says by how much; or a clock was set back: the headline says '
+                  'which, by how much and when',
     judge=_judge, settle=_settle, is_permanent=True, watched_by=('clock_step',))

@@ -63,7 +63,7 @@ def _judge(e: Examined) -> Finding:
     if convention.direction == 'not_testable':
         return CONVENTION.find(NOT_TESTABLE, '', 'the ship did not move enough to show '
                                'whether both count clockwise, or only in a swell, in which a '
-                               'skew looks the same')
+                               'latency looks the same')
     return CONVENTION.find(HOLDS, '', 'TS turns with RS, by the same axes')
 
 

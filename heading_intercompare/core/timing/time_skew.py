@@ -136,15 +136,15 @@ class Skew:
         """Say why the skew is not well determined within a range, seconds."""
         if self.kind == 'beyond':
             also = '' if self.also_s is None else f' (or about {self.also_s:.1f} s)'
-            return (f'the differences scatter least with a skew of about {self.beyond_s:.1f} s'
-                    f'{also}, beyond alignment.skew_range_s = {range_s:g} s')
+            return (f'the differences scatter least with a clock offset of about '
+                    f'{self.beyond_s:.1f} s{also}, beyond alignment.skew_range_s = {range_s:g} s')
         if self.kind == 'no_fit':
-            return (f'the ship moved, but no skew within {range_s:g} s '
+            return (f'the ship moved, but no latency or clock offset within {range_s:g} s '
                     f'(alignment.skew_range_s) fits{self._beyond_that()}')
         if self.kind == 'unclear':
-            return (f'the skew, {self.skew_s:.3f} s, is not well determined (standard uncertainty '
-                    f'{self.u_s:.3f} s)')
-        return 'the ship did not turn enough to show a skew of the clocks'
+            return (f'the latency or clock offset, {self.skew_s:.3f} s, is not well determined '
+                    f'(standard uncertainty {self.u_s:.3f} s)')
+        return 'the ship did not turn enough to show a latency or clock offset'
 
     def _beyond_that(self) -> str:
         """Say how far the search for clocks that lie apart could see."""

@@ -123,7 +123,7 @@ class RunVerdict:
     looks: Sequence[LookVerdict] = figure('looks at the run in progress', 'empty without a plan')
     paper_outcome: Outcome = figure('GK as printed')
     guarded: Guarded = figure('decision with a stated risk', 'see risk.md')
-    skew: RunSkew = figure('time skew between the sensors')
+    skew: RunSkew = figure('latency or clock offset between the sensors')
     drift: Drift = figure('drift and warm-up')
     heading_dependence: HeadingDependence = figure('dependence on the heading')
     normality: Normality = figure('distribution of the errors')

@@ -103,9 +103,9 @@ FINDINGS = (
     Finding(
         'skew',
         'If the data of one sensor are older than their stamps say, every turn of the ship makes '
-        'a difference that no sensor error causes. A positive skew means that the data of the TS '
-        'are older. The estimate compares the differences with the rate of turn. The scan shifts '
-        'one stream in time and looks for the least scatter.', 'b',
+        'a difference that no sensor error causes. A positive latency means that the data of '
+        'the TS are older. The estimate compares the differences with the rate of turn. The '
+        'scan shifts one stream in time and looks for the least scatter.', 'b',
         'estimate.kind estimate.skew_s estimate.interval_s estimate.well_determined '
         'estimate.significant variance_aligned_deg2 outcome_as_paired outcome_aligned '
         'estimate.std_deg estimate.std_aligned_deg estimate.mean_aligned_deg '

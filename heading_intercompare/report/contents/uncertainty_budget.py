@@ -109,8 +109,8 @@ def _bounds_of(run: RunVerdict) -> str:
 def _timing(run: RunVerdict) -> str:
     skew = run.skew.estimate
     if skew.skew_s is None or skew.u_s is None:
-        return 'the skew of the stamps is not known'
-    return (f'skew {rounded(skew.skew_s, skew.u_s)} s, standard uncertainty '
+        return 'latency and clock offset of the stamps are not known'
+    return (f'latency or clock offset {rounded(skew.skew_s, skew.u_s)} s, standard uncertainty '
             f'{_two(skew.u_s)} s; rate of turn '
             f'{with_unit(number(skew.rate_std_deg_s, 2), "deg/s")}')
 

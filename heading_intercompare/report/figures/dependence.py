@@ -106,13 +106,14 @@ def draw_against_rate(about: Subject) -> Iterator[Drawing | LeftOut]:
                   label=f'mean in each {number(turning.width_deg_s, 3)} deg/s')
         ends = rate[at[[0, -1]]]
         for k, (skew_s, mean_deg) in enumerate(slopes):
-            words = f'skew of {skew_s:.3f} s' if len(slopes) == 1 else 'skew of each run'
+            words = ('latency or clock offset '
+                     + (f'of {skew_s:.3f} s' if len(slopes) == 1 else 'of each run'))
             axes.plot(ends, mean_deg - skew_s * ends, **UNIT, label=None if k else words)
         axes.set_ylim(*pad(float((mean - std).min()), float((mean + std).max())))
 
     yield Drawing(
         name='rate', title=title,
-        caption='A line that falls or rises through the points is a time skew: '
+        caption='A line that falls or rises through the points is a latency: '
             'its slope in degrees for each degree per second is minus the age of the TS '
             'data in seconds.' + (' The rate of turn is that of a sensor of its own, which '
                                   'may be late itself.' if turning.measured else ''),
@@ -125,7 +126,7 @@ def draw_skew_scan(about: Subject) -> Iterator[Drawing | LeftOut]:
     shifts = about.sketch.shifts
     scans = [run.skew.scan for run in about.runs if run.skew.scan is not None]
     n = sum(scan.n for scan in scans) if scans else 0 if shifts is None else shifts.n
-    title = about.title('scatter against the skew removed', n)
+    title = about.title('scatter against the latency or clock offset removed', n)
     if scans:
         curves = [(np.array(scan.curve_s), np.array(scan.curve_std_deg)) for scan in scans]
     elif shifts is not None and shifts.n > 1:
@@ -142,7 +143,7 @@ def draw_skew_scan(about: Subject) -> Iterator[Drawing | LeftOut]:
             axes.plot(shift_s, std_deg, **SERIES, marker='.', markersize=4.0,
                       label=None if k else 'standard deviation')
         for k, (skew_s, interval_s) in enumerate(estimates):
-            axes.axvline(skew_s, **UNIT, label=None if k else 'skew that the verdict estimates')
+            axes.axvline(skew_s, **UNIT, label=None if k else 'as the verdict estimates')
             if interval_s is not None:
                 axes.axvspan(*interval_s, color='#c3d3e6', zorder=0,
                              label=None if k else 'its interval of 95 %')
@@ -150,7 +151,7 @@ def draw_skew_scan(about: Subject) -> Iterator[Drawing | LeftOut]:
 
     yield Drawing(
         name='skew_scan', title=title, caption=(
-            'The lowest point is the skew at which both sensors '
+            'The lowest point is the latency or clock offset at which both sensors '
             'agree best; a flat curve means that the ship turned too little to tell. '
             'Interpolation '
             'averages noise and lowers the curve between readings.'),

@@ -42,6 +42,7 @@ from heading_intercompare.core.verdict.verdict_document import Verdict
 REFUSALS = Path(__file__).resolve().parents[3] / 'docs' / 'refusals.md'
 #: Findings on all runs together, or on what is removed.
 NOT_OF_EVERY_RUN = ('drift_removed', 'mean_over_runs', 'left_out')
+OFFSET = 'latency or clock offset'
 N = 12_000
 STEP_NS = 10 ** 8
 STAMPS = np.arange(1, N + 1) * STEP_NS
@@ -323,7 +324,7 @@ def test_a_skew_that_decides_gives_both_outcomes(ship, rng):
     verdict = judged(late + 0.1 * rng.standard_normal(N), ship + 0.05 * rng.standard_normal(N))
     assert verdict.outcome is Outcome.NON_COMPLIANT
     assert effects(verdict) == {'clocks': DOUBTFUL}
-    assert 'a skew of 0.50 s decides, without it compliant' in verdict.headline
+    assert f'a {OFFSET} of 0.50 s decides, without it compliant' in verdict.headline
 
 
 def test_a_skew_that_decides_nothing_does_not_bind(ship, rng):
@@ -346,7 +347,7 @@ def test_the_alternative_that_a_headline_gives_is_that_of_the_aligned_run(late_s
 
     pair = (heading(t - late_s) + 0.1 * rng.standard_normal(N),
             heading(t) + 0.05 * rng.standard_normal(N))
-    assert f'a skew of {late_s:.2f} s decides, without it compliant' in judged(*pair).headline
+    assert f'a {OFFSET} of {late_s:.2f} s decides, without it compliant' in judged(*pair).headline
     assert judged(*pair, alignment={'skew': 'apply'}).outcome is Outcome.COMPLIANT
 
 
@@ -554,7 +555,7 @@ def test_no_skew_within_the_range_rejects_a_sound_sensor(late_s, yaw_period_s, r
     ts, rs = late_pair(rng, late_s, yaw_period_s)
     verdict = judged(ts, rs)
     assert effects(verdict) == {'clocks': DOUBTFUL}
-    assert f'a skew of {late_s:.2f} s decides, without it compliant' in verdict.headline
+    assert f'a {OFFSET} of {late_s:.2f} s decides, without it compliant' in verdict.headline
     assert judged(ts, rs, alignment={'skew': 'apply'}).outcome is Outcome.COMPLIANT
 
 
@@ -580,7 +581,7 @@ def test_a_clock_that_steps_is_named_and_void(step_s, rng):
     ts, rs = late_pair(rng, np.where(T_S > 700.0, step_s, 0.0))
     verdict = judged(ts, rs)
     assert verdict.runs[0].reason == 'void.clocks'
-    assert f'the skew changes by {step_s:.2g} s at 1970-01-01 00:11:40' in verdict.headline
+    assert f'the {OFFSET} changes by {step_s:.2g} s at 1970-01-01 00:11:40' in verdict.headline
 
 
 def sea(rng, n=40):
@@ -633,7 +634,7 @@ def test_clocks_that_lie_apart_give_no_certificate_either(late_s, effect, rng):
 def test_a_bad_sensor_is_not_excused_by_clocks_that_lie_apart(rng):
     verdict = judged(*apart_pair(rng, 150.0, 0.6))
     assert effects(verdict) == {} and verdict.outcome is Outcome.NON_COMPLIANT
-    assert any('skew of about 150.' in w for w in verdict.runs[0].warnings)
+    assert any('clock offset of about 150.' in w for w in verdict.runs[0].warnings)
 
 
 def test_sound_sensors_are_not_called_mirrored_by_clocks_that_lie_apart(rng):
@@ -667,7 +668,7 @@ def test_clocks_that_lie_apart_and_are_unsteady_are_named_in_full(slope_s_per_h,
     assert verdict.runs[0].reason == 'void.clocks'
     assert 'the clock of the RS lags by about 12' in verdict.headline
     assert ('the clocks drift apart by 5' if slope_s_per_h
-            else 'the skew changes by 2 s at 1970-01-01 00:11:40') in verdict.headline
+            else f'the {OFFSET} changes by 2 s at 1970-01-01 00:11:40') in verdict.headline
 
 
 @pytest.mark.parametrize('sigma_deg, late_s', [(0.5, 0.0), (0.5, 3.0), (2.0, 0.5)])

@@ -47,7 +47,7 @@ def test_timing_times_the_rate_of_turn_is_a_variance(made):
     none = replace(run, skew=replace(run.skew, estimate=replace(
         run.skew.estimate, skew_s=None, u_s=None)))
     assert rows_of(none, verdict.settings)['timing'][1:] == [
-        'the skew of the stamps is not known', 'A', '-', '-']
+        'latency and clock offset of the stamps are not known', 'A', '-', '-']
 
 
 @pytest.mark.parametrize('given, words, variance', [

@@ -62,7 +62,7 @@ def test_the_slope_against_the_rate_of_turn_is_minus_the_skew(late):
     axes = axes_of(late[1], late[0], 'rate')
     rate, mean = line(axes, 'mean in each')
     assert np.polyfit(rate, mean, 1)[0] == pytest.approx(-0.4, abs=0.02)
-    x, y = line(axes, 'skew of')
+    x, y = line(axes, 'latency or clock offset of')
     assert (y[1] - y[0]) / (x[1] - x[0]) == pytest.approx(-0.4, abs=0.01)
 
 
@@ -70,7 +70,7 @@ def test_the_scatter_is_least_at_the_skew(late):
     axes = axes_of(late[1], late[0], 'skew_scan')
     skew_s, std_deg = line(axes, 'standard deviation')
     assert skew_s[np.argmin(std_deg)] == pytest.approx(0.4, abs=0.05)
-    assert line(axes, 'skew that the verdict estimates')[0][0] == pytest.approx(0.4, abs=0.01)
+    assert line(axes, 'as the verdict estimates')[0][0] == pytest.approx(0.4, abs=0.01)
 
 
 def test_a_scan_of_the_verdict_goes_before_that_of_the_sketch(late):
