@@ -225,7 +225,7 @@ def test_recover_prints_what_was_kept_and_lost(bag, tmp_path, capsys):
     kept = sum(t.count for t in BagReader(tmp_path / 'new').topics.values())
     assert 2200 < kept < 2401
     assert f'kept: {kept} messages' in out
-    assert f'lost: {2401 - kept} messages; 1 chunks damaged or cut' in out
+    assert f'lost: {2401 - kept} messages; 1 chunk damaged or cut' in out
     assert f'bag: {tmp_path / "new"}\n' in out
     assert err.startswith('note: trial_0.mcap: bytes ') and err.count('\n') == 1
     text = printed(capsys, 'info', tmp_path / 'new')

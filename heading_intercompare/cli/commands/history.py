@@ -26,6 +26,7 @@ from typing import Any, Sequence
 
 from heading_intercompare.app.outputs import name_file
 from heading_intercompare.app.run_table import parse_stamp
+from heading_intercompare.bags.recording.recorder_losses import count_words
 from heading_intercompare.cli.terminal.console import say, say_lines, VERDICT_MARKS
 from heading_intercompare.core.typed_reader import make_plain
 from heading_intercompare.core.utc_text import utc
@@ -72,7 +73,8 @@ def run(arguments: argparse.Namespace) -> int:
     books = [Logbook(path) for path in arguments.logbooks]
     if arguments.merge_into is not None:
         n = merge_logbooks(Logbook(arguments.merge_into), books)
-        say_lines([f'{n} runs of {len(books)} logbooks are in {arguments.merge_into}'])
+        say_lines([f'{count_words(n, "run")} of {count_words(len(books), "logbook")} are in '
+                   f'{arguments.merge_into}'])
         return 0
     since_ns, service_ns = _read_time(arguments, 'since'), _read_time(arguments, 'service')
     histories = tell_histories(
@@ -144,7 +146,7 @@ def _list(histories: Sequence[History], changes: Sequence[Sequence[ServiceChange
     lines = []
     for history, service_changes in zip(histories, changes):
         lines += [f'{history.ship or "(no ship)"}, settings {history.settings_sha256[:8]}: '
-                  f'{len(history.points)} runs',
+                  f'{count_words(len(history.points), "run")}',
                   f'  {"start, UTC":16}  {"hours":>7}  {"n":>9}  {"mean/deg":>9}  {"sd/deg":>8}  '
                   'outcome']
         lines += [f'  {_describe(point)}' for point in history.list_since(since_ns)]

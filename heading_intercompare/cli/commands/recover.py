@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import argparse
 
+from heading_intercompare.bags.recording.recorder_losses import count_words
 from heading_intercompare.bags.recovery.recover_bag import recover, Recovered
 from heading_intercompare.cli.terminal.console import say_lines, tell
 from heading_intercompare.cli.terminal.progress import Progress
@@ -42,10 +43,11 @@ def run(arguments: argparse.Namespace) -> int:
     for note in total.notes:
         tell(note)
     for topic, count in sorted(total.counts.items()):
-        say_lines([f'{topic}: {count} messages'])
-    say_lines([f'kept: {total.messages} messages in {total.chunks} chunks of {total.files} files, '
+        say_lines([f'{topic}: {count_words(count, "message")}'])
+    say_lines([f'kept: {count_words(total.messages, "message")} in '
+               f'{count_words(total.chunks, "chunk")} of {count_words(total.files, "file")}, '
                f'{total.bytes} bytes', f'lost: {_describe_losses(total)}',
-               *([f'kept without proof: {total.messages_unproven} messages']
+               *([f'kept without proof: {count_words(total.messages_unproven, "message")}']
                  if total.messages_unproven else []),
                f'bag: {arguments.output}'])
     return 0
@@ -55,5 +57,6 @@ def _describe_losses(total: Recovered) -> str:
     if not total.damaged:
         return 'nothing'
     bound = '' if total.messages_known else 'at least '
-    return (f'{bound}{total.messages_lost} messages; {total.chunks_lost} chunks damaged or cut; '
-            f'{total.bytes_lost} bytes unreadable')
+    return (f'{bound}{count_words(total.messages_lost, "message")}; '
+            f'{count_words(total.chunks_lost, "chunk")} damaged or cut; '
+            f'{count_words(total.bytes_lost, "byte")} unreadable')
