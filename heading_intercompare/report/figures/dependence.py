@@ -24,11 +24,13 @@ from heading_intercompare.core.records import Reals
 from heading_intercompare.report.formatting import number
 from heading_intercompare.report.series_sketch import HEADING_BINS
 
-from .drawing import Drawing, LeftOut, pad, SERIES, SIGMA, START, Subject, UNIT
+from .drawing import add_remark, Drawing, fit_axis, LeftOut, SERIES, SIGMA, START, Subject, UNIT
 
 _NORM: dict[str, Any] = {'color': '#000000', 'linewidth': 1.2, 'linestyle': (0, (16.0, 4.0))}
 _LEAST_IN_BIN = 5
 _LEAST_BINS = 4
+#: The means between these shares are on the axis.
+_MIDDLE = (0.05, 0.95)
 _BARS: dict[str, Any] = {'color': '#767676', 'linewidth': 1.4}
 _Y_LABEL = 'difference TS - RS [deg]'
 
@@ -60,6 +62,8 @@ def draw_against_heading(about: Subject) -> Iterator[Drawing | LeftOut]:
     why_not = sorted({run.heading_dependence.reason.replace('_', ' ') for run in about.runs
                       if run.heading_dependence.coefficients_deg is None})
     levels = [*(mean - std).tolist(), *(mean + std).tolist(), *(level for level, _, _ in lines)]
+    axis_low, axis_up, beyond = fit_axis(min(levels), max(levels), about.scale(
+        [*(level for level, _, _ in lines), *np.quantile(mean, _MIDDLE).tolist()]))
 
     def fill(axes: Any) -> None:
         axes.vlines(x, mean - std, mean + std, **_BARS, label='+/- its standard deviation')
@@ -74,13 +78,14 @@ def draw_against_heading(about: Subject) -> Iterator[Drawing | LeftOut]:
             axes.axhline(level, **look, label=words)
         axes.set_xlim(0.0, 360.0)
         axes.set_xticks(range(0, 361, 45))
-        axes.set_ylim(*pad(min(levels), max(levels)))
+        axes.set_ylim(axis_low, axis_up)
 
     more = f' No harmonics: {" and ".join(why_not)}.' if why_not and not fits else ''
     yield Drawing(
         name='heading', title=about.title('difference against heading'),
-        caption='A wave of the means about their average is a deviation: one wave a turn is an '
-            'error that turns with the ship, two waves a quadrantal one.' + more,
+        caption=add_remark(
+            'A wave of the means about their average is a deviation: one wave a turn is an error '
+            'that turns with the ship, two waves a quadrantal one.' + more, beyond),
         x_label='RS heading [deg]', y_label=_Y_LABEL, fill=fill)
 
 
@@ -97,6 +102,9 @@ def draw_against_rate(about: Subject) -> Iterator[Drawing | LeftOut]:
         return
     mean = bins.mean_deg[at]
     std = np.nan_to_num(bins.std_deg[at], nan=0.0)
+    axis_low, axis_up, beyond = fit_axis(
+        float((mean - std).min()), float((mean + std).max()),
+        about.scale(np.quantile(mean, _MIDDLE).tolist()))
     slopes = [(skew_s, run.mean_deg or 0.0) for run in about.runs
               if (skew_s := run.skew.estimate.skew_s) is not None]
 
@@ -109,14 +117,14 @@ def draw_against_rate(about: Subject) -> Iterator[Drawing | LeftOut]:
             words = ('latency or clock offset '
                      + (f'of {skew_s:.3f} s' if len(slopes) == 1 else 'of each run'))
             axes.plot(ends, mean_deg - skew_s * ends, **UNIT, label=None if k else words)
-        axes.set_ylim(*pad(float((mean - std).min()), float((mean + std).max())))
+        axes.set_ylim(axis_low, axis_up)
 
     yield Drawing(
         name='rate', title=title,
-        caption='A line that falls or rises through the points is a latency: '
+        caption=add_remark('A line that falls or rises through the points is a latency: '
             'its slope in degrees for each degree per second is minus the age of the TS '
             'data in seconds.' + (' The rate of turn is that of a sensor of its own, which '
-                                  'may be late itself.' if turning.measured else ''),
+                                  'may be late itself.' if turning.measured else ''), beyond),
         x_label='rate of turn as reported [deg/s]' if turning.measured else
             'rate of turn of the RS, over 2 s [deg/s]', y_label=_Y_LABEL, fill=fill)
 
@@ -135,6 +143,10 @@ def draw_skew_scan(about: Subject) -> Iterator[Drawing | LeftOut]:
         yield LeftOut('skew_scan', title, 'the record is too short, or its readings too far '
                       'apart, to shift one sensor against the other')
         return
+    ends = np.array([(std_deg.min(), std_deg.max()) for _, std_deg in curves])
+    axis_low, axis_up, beyond = fit_axis(
+        float(ends.min()), float(ends.max()), (float(ends[:, 0].min()),
+                                               float(np.median(ends[:, 1]))))
     estimates = [(run.skew.estimate.skew_s, run.skew.estimate.interval_s) for run in about.runs
                  if run.skew.estimate.skew_s is not None]
 
@@ -148,12 +160,13 @@ def draw_skew_scan(about: Subject) -> Iterator[Drawing | LeftOut]:
                 axes.axvspan(*interval_s, color='#c3d3e6', zorder=0,
                              label=None if k else 'its interval of 95 %')
         axes.axvline(0.0, **START, label='as the stamps say')
+        axes.set_ylim(axis_low, axis_up)
 
     yield Drawing(
-        name='skew_scan', title=title, caption=(
+        name='skew_scan', title=title, caption=add_remark(
             'The lowest point is the latency or clock offset at which both sensors '
             'agree best; a flat curve means that the ship turned too little to tell. '
             'Interpolation '
-            'averages noise and lowers the curve between readings.'),
+            'averages noise and lowers the curve between readings.', beyond),
         x_label='age of the TS data assumed [s]', y_label='standard deviation [deg]', fill=fill,
         height_mm=60.0)

@@ -22,36 +22,25 @@ import numpy as np
 
 from heading_intercompare.report.formatting import number
 
-from .drawing import Drawing, LeftOut, LIMIT, pad, RANGE, SERIES, Subject, UNIT
+from .drawing import add_remark, Drawing, fit_axis, LeftOut, LIMIT, RANGE, SERIES, Subject, UNIT
 
 _BARS = 120
-_LOST_AT_MOST = 0.02
 _FINE = 4001
 _POINTS = 400
 _LEAST = 30
 
 
-def _choose_axis(about: Subject) -> tuple[float, float, int]:
-    """Return the ends of the histogram's axis, and the number of differences beyond them."""
-    low, up = about.extremes()
-    limits = [level for band in about.bands for level, _, _ in band.lines()]
-    if limits:
-        least, most = min(limits), max(limits)
-        near, far = least - (most - least), most + (most - least)
-        if low < near or up > far:
-            histogram = about.sketch.histogram
-            edges = histogram.edges_deg()
-            lost = int(histogram.counts[(edges[:-1] < near) | (edges[1:] > far)].sum())
-            if lost <= _LOST_AT_MOST * about.sketch.n:
-                return near, far, lost
-        low, up = min(low, least), max(up, most)
-    return (*pad(low, up), 0)
+def _count_beyond(about: Subject, low: float, up: float) -> int:
+    """Return the number of differences beyond the ends of an axis."""
+    histogram = about.sketch.histogram
+    edges = histogram.edges_deg()
+    return int(histogram.counts[(edges[1:] <= low) | (edges[:-1] >= up)].sum())
 
 
 def draw_histogram(about: Subject) -> Iterator[Drawing | LeftOut]:
     """Yield the histogram of the differences, with the density of the model."""
     histogram = about.sketch.histogram
-    low, up, lost = _choose_axis(about)
+    low, up, far = fit_axis(*about.extremes(), about.scale(about.limits_deg()))
     joint = 1
     while (up - low) / (joint * histogram.width_deg) > _BARS:
         joint *= 2
@@ -61,7 +50,7 @@ def draw_histogram(about: Subject) -> Iterator[Drawing | LeftOut]:
     edges = (at[0] + np.arange(len(counts) + 1)) * width
     fine = np.linspace(low, up, 401)
     model = about.model_density(fine)
-    beyond = f', {lost} beyond the axis' if lost else ''
+    beyond = f', {_count_beyond(about, low, up)} beyond the axis' if far else ''
     bands = about.bands
 
     def fill(axes: Any) -> None:
@@ -84,9 +73,10 @@ def draw_histogram(about: Subject) -> Iterator[Drawing | LeftOut]:
         axes.set_ylim(0.0, 1.08 * top)
 
     yield Drawing(
-        name='histogram', title=about.title('size of the differences') + beyond, caption=(
+        name='histogram', title=about.title('size of the differences') + beyond,
+        caption=add_remark(
             'The bars should follow the line of the model; bars beyond the dashed limits '
-            'are the counts of GK (6).'), x_label='difference TS - RS [deg]',
+            'are the counts of GK (6).' + about.moved, far), x_label='difference TS - RS [deg]',
         y_label=f'number in {number(width, 3)} deg', fill=fill)
 
 
@@ -116,16 +106,19 @@ def draw_quantiles(about: Subject) -> Iterator[Drawing | LeftOut]:
     keep = (rank < _POINTS // 4) | (rank >= len(rank) - _POINTS // 4) | (
         rank % max(1, len(rank) * 2 // _POINTS) == 0)
     both = np.concatenate((expected, size))
-    lowest, highest = float(both.min()), float(both.max())
+    lowest, highest, beyond = fit_axis(float(both.min()), float(both.max()), about.scale())
 
     def fill(axes: Any) -> None:
         axes.plot([lowest, highest], [lowest, highest], **LIMIT, label='the model')
         axes.plot(expected[keep], size[keep], 'o', color=SERIES['color'], markersize=2.6,
                   label='the differences')
+        axes.set_xlim(lowest, highest)
+        axes.set_ylim(lowest, highest)
 
     yield Drawing(
-        name='quantiles', title=title, caption=(
+        name='quantiles', title=title, caption=add_remark(
             'Points on the dashed line follow the model; ends that turn '
-            'away from it upwards on the right and downwards on the left are heavy tails.'),
+            'away from it upwards on the right and downwards on the left are heavy tails.',
+            beyond),
         x_label=f'quantile of the model {about.settings.model} [deg]',
         y_label='quantile of the differences [deg]', fill=fill)

@@ -43,6 +43,10 @@ SIGMA: dict[str, Any] = {'color': '#000000', 'linewidth': 1.2,
 UNIT: dict[str, Any] = {'color': '#d55e00', 'linewidth': 1.4, 'linestyle': (0, (6.0, 2.0))}
 TAKEN_OUT: dict[str, Any] = {'facecolor': 'none', 'edgecolor': '#767676', 'hatch': '////',
                              'linewidth': 0.0}
+#: A mean has moved if it differs by more than this share of the usual scatter from the start.
+_MOVED = 0.5
+_FIRST_PART = 0.25
+
 START: dict[str, Any] = {'color': '#767676', 'linewidth': 1.0, 'linestyle': (0, (1.0, 3.0))}
 
 
@@ -101,13 +105,67 @@ def pad(low: float, up: float) -> tuple[float, float]:
     return low - margin, up + margin
 
 
-class Band:
-    """The limits of a run, as differences about its centre; degrees."""
+def fit_axis(low: float, up: float, scale: tuple[float, float]) -> tuple[float, float, str]:
+    """
+    Return the ends of an axis, and in words how far the values go that it leaves out.
 
-    def __init__(self, run: RunVerdict, settings: Settings) -> None:
+    Parameters
+    ----------
+    low, up
+        The least and the largest value, degrees.
+    scale
+        The values that a figure must show, such as its limits. The axis reaches one width of
+        these beyond them, so a few wild values do not flatten all others.
+
+    Examples
+    --------
+    >>> fit_axis(-0.2, 90.0, (-1.0, 1.0))
+    (-1.24, 3.0, 'beyond the axis: as far as 90 deg')
+
+    """
+    least, most = scale
+    width = most - least or max(abs(most), 1.0)
+    near, far = least - width, most + width
+    shown_low, shown_up = max(min(low, least), near), min(max(up, most), far)
+    padded_low, padded_up = pad(shown_low, shown_up)
+    lost = [value for value in (low, up) if not near <= value <= far]
+    axis_low = near if low < near else padded_low
+    axis_up = far if up > far else padded_up
+    words = ' and '.join(f'{value:.3g}' for value in lost)
+    return axis_low, axis_up, f'beyond the axis: as far as {words} deg' if lost else ''
+
+
+def _find_early(sketch: SeriesSketch, run: RunVerdict) -> float | None:
+    """Return the median of the first quarter of a run, degrees; None without a difference."""
+    envelope = sketch.time
+    if envelope.start_ns is None:
+        return None
+    middle_ns = (envelope.start_ns + np.arange(len(envelope.bins.n)) * envelope.width_ns
+                 + envelope.width_ns // 2)
+    end_ns = run.start_ns + round(_FIRST_PART * (run.end_ns - run.start_ns))
+    early = (middle_ns >= run.start_ns) & (middle_ns <= end_ns) & (envelope.bins.n > 0)
+    return float(np.median(envelope.bins.mean_deg[early])) if early.any() else None
+
+
+def add_remark(caption: str, remark: str) -> str:
+    """Return a caption with a remark as its last sentence; without one, as it is."""
+    return f'{caption} {remark[0].upper()}{remark[1:]}.' if remark else caption
+
+
+class Band:
+    """
+    The limits of a run, as differences about its centre; degrees.
+
+    GK counts about the mean. A fault can move the mean, and the limits with it. Then they stand
+    where they stood before the fault: about the median of the first quarter of the run. About the
+    stated installation angle they stand if the sensors point too far apart to be mounted parallel.
+    """
+
+    def __init__(self, run: RunVerdict, settings: Settings,
+                 early_deg: float | None = None) -> None:
         counts = run.count_criterion
         self.run = run
-        self.center_deg = 0.0 if settings.variant == 'A' else run.mean_deg or 0.0
+        self.center_deg, self.moved = _find_center(run, settings, early_deg)
         self.limit_deg = counts.limit_deg
         self.tightened_deg = counts.tightened_limit_deg
         self.sigma_deg = math.sqrt(run.variance_criterion.limit_deg2)
@@ -120,6 +178,20 @@ class Band:
                     (self.tightened_deg, TIGHTENED,
                      'tightened limit of GK (**), n++ beyond it'))
                 for sign in (1.0, -1.0)]
+
+
+def _find_center(run: RunVerdict, settings: Settings,
+                 early_deg: float | None) -> tuple[float, str]:
+    """Return the centre of the limits, and about what they stand if not about the mean."""
+    mean_deg = run.mean_deg
+    if settings.variant == 'A' or mean_deg is None:
+        return 0.0, ''
+    if abs(mean_deg) > settings.detectors.mean_max_deg:
+        return 0.0, 'the installation angle as set, from which its mean is too far away'
+    usual_deg = math.sqrt(run.variance_criterion.limit_deg2)
+    if early_deg is not None and abs(mean_deg - early_deg) > _MOVED * usual_deg:
+        return early_deg, 'the median of its first quarter, because its mean moved later'
+    return mean_deg, ''
 
 
 @dataclass(frozen=True, slots=True)
@@ -156,7 +228,7 @@ class Subject:
                   and (r.clock_segment or 0) == sketch.segment]
         runs = [r for r in inside if r.source == sketch.source] or inside
         return cls(sketch, start_ns, verdict.settings, runs,
-                   [Band(run, verdict.settings) for run in runs])
+                   [Band(run, verdict.settings, _find_early(sketch, run)) for run in runs])
 
     def title(self, what: str, n: int | None = None) -> str:
         """Return the title of a figure: the runs, what it shows, and of how many values."""
@@ -171,6 +243,25 @@ class Subject:
         """Return the usual time from difference to difference, seconds; None if unknown."""
         return next((r.correlation.stamps.typical_s for r in self.runs
                      if r.correlation.stamps.typical_s), None)
+
+    def scale(self, levels_deg: Sequence[float] = ()) -> tuple[float, float]:
+        """Return what an axis must show: nine tenths of the differences, and some levels."""
+        low, up = self.sketch.histogram.quantiles_deg(0.05, 0.95)
+        return min([low, *levels_deg]), max([up, *levels_deg])
+
+    def limits_deg(self) -> list[float]:
+        """Return the levels of all limits, degrees."""
+        return [level for band in self.bands for level, _, _ in band.lines()]
+
+    @property
+    def moved(self) -> str:
+        """Return a sentence on the limits that do not stand about the mean of their run."""
+        bands = [band for band in self.bands if band.moved]
+        if not bands:
+            return ''
+        more = f' (and {len(bands) - 1} more)' if len(bands) > 1 else ''
+        return (f' The limits of run {bands[0].run.run}{more} stand about '
+                f'{bands[0].moved}.')
 
     def extremes(self) -> tuple[float, float]:
         """Return the least and the largest difference, degrees."""

@@ -31,9 +31,9 @@ from heading_intercompare.report.formatting import number
 from .drawing import (
     days,
     Drawing,
+    fit_axis,
     LeftOut,
     LIMIT,
-    pad,
     RANGE,
     SERIES,
     START,
@@ -131,11 +131,7 @@ def draw_headings(about: Subject) -> Iterator[Drawing | LeftOut]:
 def find_far(about: Subject, times: Times) -> tuple[Reals, Reals]:
     """Return times and values of the extremes farther out than n normal values reach."""
     bins = about.sketch.time.bins
-    histogram = about.sketch.histogram
-    edges = histogram.edges_deg()
-    share = np.cumsum(histogram.counts) / max(1, about.sketch.n)
-    low, middle, up = (float(edges[min(int(np.searchsorted(share, p)) + 1, len(edges) - 1)])
-                       for p in (0.05, 0.5, 0.95))
+    low, middle, up = about.sketch.histogram.quantiles_deg(0.05, 0.5, 0.95)
     # Half the width of nine tenths is 1.645 standard deviations, whatever a few outliers do.
     sigma = 0.5 * (up - low) / 1.645
     reach = sigma * math.sqrt(2.0 * math.log(_RARE * max(2, about.sketch.n)))
@@ -146,9 +142,8 @@ def find_far(about: Subject, times: Times) -> tuple[Reals, Reals]:
 
 def draw_differences(about: Subject) -> Iterator[Drawing | LeftOut]:
     """Yield the figure of the differences against time, with limits, runs and outliers."""
-    times, levels = Times(about), list(about.extremes())
-    for band in about.bands:
-        levels += [level for level, _, _ in band.lines()]
+    times = Times(about)
+    axis_low, axis_up, beyond = fit_axis(*about.extremes(), about.scale(about.limits_deg()))
     bins = about.sketch.time.bins
     low, mean, up = (column[times.at] for column in (bins.low_deg, bins.mean_deg, bins.up_deg))
     far_days, far = find_far(about, times)
@@ -169,13 +164,21 @@ def draw_differences(about: Subject) -> Iterator[Drawing | LeftOut]:
         if len(far):
             axes.plot(far_days, far, 'x', color='#d55e00', markersize=5.0, markeredgewidth=1.2,
                       label=f'outliers, in {len(far)} ranges')
-        axes.set_ylim(*pad(min(levels), max(levels)))
+        outside = (low < axis_low, up > axis_up)
+        for level, at, sign in zip((axis_low, axis_up), outside, 'v^'):
+            if at.any():
+                axes.plot(times.days[at], np.full(np.count_nonzero(at), level), sign,
+                          color='#d55e00', markersize=6.0, markeredgecolor='#000000',
+                          clip_on=False, label=beyond if at is outside[-1] or not outside[-1].any()
+                          else None)
+        axes.set_ylim(axis_low, axis_up)
         _span(axes, about)
 
     yield Drawing(
         name='differences', title=about.title('difference against time'), caption=(
             'The differences must stay between the dashed limits, without drift or steps; a '
-            'cross marks a value farther out than this many normal values reach.'), x_label=_UTC,
+            'cross marks a value farther out than this many normal values reach.'
+            + about.moved), x_label=_UTC,
         y_label='difference TS - RS [deg]', fill=fill, is_time=True)
 
 

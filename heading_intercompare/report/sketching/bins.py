@@ -156,6 +156,13 @@ class Histogram:
             self.counts = np.bincount(at - self.first, self.counts).astype(np.int64)
         self.width_deg *= 2.0
 
+    def quantiles_deg(self, *shares: float) -> list[float]:
+        """Return the upper edges of the bins that hold these shares of the values, n >= 1."""
+        edges = self.edges_deg()
+        whole = np.cumsum(self.counts) / self.counts.sum()
+        return [float(edges[min(int(np.searchsorted(whole, share)) + 1, len(edges) - 1)])
+                for share in shares]
+
     def edges_deg(self) -> Reals:
         """Return the edges of the bins in degrees, one more than there are bins."""
         at = self.first + np.arange(len(self.counts) + 1)
