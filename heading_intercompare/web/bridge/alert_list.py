@@ -91,7 +91,7 @@ _KINDS: Mapping[str, _Kind] = {
 
 
 @dataclass(frozen=True, slots=True)
-class _Named:
+class _PlacedAlarm:
     """An alarm with its kind, and the sensor that it is about."""
 
     alarm: AlarmView
@@ -99,7 +99,7 @@ class _Named:
     sensor: str
     node: str
 
-    def explains(self, consequence: '_Named') -> bool:
+    def explains(self, consequence: '_PlacedAlarm') -> bool:
         """Tell whether another alarm follows from this one."""
         if (self.kind, self.sensor) == (consequence.kind, consequence.sensor):
             # Two nodes see one trouble.
@@ -139,28 +139,28 @@ class AlertList:
             The present in the time of the data, nanoseconds; None if not known.
 
         """
-        named = [self._name(alarm) for alarm in alarms]
-        causes = {alarm.alarm.name: self._find_cause(alarm, named) for alarm in named}
-        alerts = [self._describe(cause, [alarm for alarm in named
+        placed = [self._place(alarm) for alarm in alarms]
+        causes = {alarm.alarm.name: self._find_cause(alarm, placed) for alarm in placed}
+        alerts = [self._describe(cause, [alarm for alarm in placed
                                          if causes[alarm.alarm.name] is cause], now_ns)
-                  for cause in named if causes[cause.alarm.name] is None]
+                  for cause in placed if causes[cause.alarm.name] is None]
         return tuple(sorted(alerts, key=lambda alert: (
             alert.acknowledged, not alert.active, _rank(alert.priority), alert.words)))
 
     @staticmethod
-    def _find_cause(alarm: _Named, named: Sequence[_Named]) -> _Named | None:
+    def _find_cause(alarm: _PlacedAlarm, placed: Sequence[_PlacedAlarm]) -> _PlacedAlarm | None:
         """Return the root from which an alarm follows; None if it stands by itself."""
         seen, cause = {alarm.alarm.name}, None
         while True:
             last = alarm if cause is None else cause
-            above = next((other for other in named if other.alarm.name not in seen
+            above = next((other for other in placed if other.alarm.name not in seen
                           and other.explains(last)), None)
             if above is None:
                 return cause
             seen.add(above.alarm.name)
             cause = above
 
-    def _name(self, alarm: AlarmView) -> _Named:
+    def _place(self, alarm: AlarmView) -> _PlacedAlarm:
         """Return an alarm with its sensor: `ts_frozen`, `gyro_wrong`, `gyro/compliance: jump`."""
         node, _, name = alarm.name.rpartition(': ')
         place, _, node = node.rpartition('/')
@@ -168,22 +168,22 @@ class AlertList:
             kind = name.removeprefix(f'{sensor}_')
             if kind != name and kind in _KINDS:
                 # The two of a comparison in a place of its own are that sensor and the reference.
-                return _Named(alarm, kind, place if place and sensor == 'ts' else sensor, node)
+                return _PlacedAlarm(alarm, kind, place if place and sensor == 'ts' else sensor, node)
         for role in ('ts', 'rs'):
             kind = name.removeprefix(f'{role}_')
             if place and kind != name:
-                return _Named(alarm, kind, place if role == 'ts' else self._reference, node)
+                return _PlacedAlarm(alarm, kind, place if role == 'ts' else self._reference, node)
         if name in _KINDS:
             driver = node.removesuffix('_driver')
-            return _Named(alarm, name, place or (driver if driver in self._titles else
+            return _PlacedAlarm(alarm, name, place or (driver if driver in self._titles else
                                                  self._tested(_KINDS[name])), node)
-        return _Named(alarm, name, place, node)
+        return _PlacedAlarm(alarm, name, place, node)
 
     def _tested(self, kind: _Kind) -> str:
         """Return the tested sensor of two, if an alarm is about a sensor."""
         return 'ts' if '{sensor}' in kind.words and 'ts' in self._titles else ''
 
-    def _describe(self, cause: _Named, consequences: Sequence[_Named],
+    def _describe(self, cause: _PlacedAlarm, consequences: Sequence[_PlacedAlarm],
                   now_ns: int | None) -> AlertView:
         alarm, kind = cause.alarm, _KINDS.get(cause.kind)
         family = [cause, *consequences]
@@ -201,16 +201,16 @@ class AlertList:
             consequences=tuple(dict.fromkeys(
                 said for member in consequences if (said := self._say(member)) != words)))
 
-    def _say(self, named: _Named) -> str:
+    def _say(self, placed: _PlacedAlarm) -> str:
         """Return an alarm in plain words; one of another program says its own."""
-        kind = _KINDS.get(named.kind)
+        kind = _KINDS.get(placed.kind)
         if kind is None:
-            return named.alarm.words or named.kind.replace('_', ' ')
-        title = self._titles.get(named.sensor, named.sensor or 'A sensor')
+            return placed.alarm.words or placed.kind.replace('_', ' ')
+        title = self._titles.get(placed.sensor, placed.sensor or 'A sensor')
         try:
-            return kind.words.format_map({'sensor': title, **_round(named.alarm.values)})
+            return kind.words.format_map({'sensor': title, **_round(placed.alarm.values)})
         except KeyError:
-            return named.alarm.words
+            return placed.alarm.words
 
 
 def state_of(sensor: str, alerts: Iterable[AlertView]) -> AlertView | None:
