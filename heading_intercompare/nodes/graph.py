@@ -243,8 +243,7 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
                  namespace: str = '/', page: Mapping[str, Any] | None = None,
                  progress: Callable[[int], None] = lambda n_pairs: None,
                  show: Callable[[BridgeView, str], None] | None = None,
-                 tell: Callable[[str], None] | None = None,
-                 served: Callable[[str], None] = lambda url: None) -> Verdict | SensorsVerdict:
+                 tell: Callable[[str], None] | None = None) -> Verdict | SensorsVerdict:
     """
     Run sources, synchronizer and compliance until all sources have finished, or a signal comes.
 
@@ -276,8 +275,6 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
         it does not just run.
     tell
         Called with a line for each change of an alarm, which is then not logged.
-    served
-        Called with the address of the page once it is served.
 
     Returns
     -------
@@ -301,8 +298,6 @@ def intercompare(sources: Sequence[Source], settings: Mapping[str, Any], *,
           systemd.watch(executor)):
         graph = _Graph(context, judging, executor, nodes)
         graph.start(hearing, settings, namespace)
-        for dashboard in graph.of(Dashboard):
-            served(dashboard.page.url)
         look = _Look(graph, show, tell, progress)
         # Beside another graph no bag is begun.
         while not (stop.requested or graph.is_sole()):

@@ -658,7 +658,7 @@ def test_a_trial_in_order_logs_no_warning_from_its_start_to_its_end(processes, t
         ship.stopped.set()
         ship.join()
     said = (tmp_path / 'live.log').read_text()
-    assert '[compliance]: verdict on 1 runs' in said
+    assert '[compliance]: verdict on 1 run:' in said
     assert '[WARN]' not in said and '[ERROR]' not in said
 
 

@@ -26,6 +26,7 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 from std_msgs.msg import String
 
+from heading_intercompare.bags.recording.recorder_losses import count_words
 from heading_intercompare.core.alarms.graph_watch import NOT_WRITTEN
 from heading_intercompare.core.decision.sequential import LookVerdict
 from heading_intercompare.core.pipeline import Compliance
@@ -235,7 +236,7 @@ class Reporting:
         findings = []
         if verdict.runs or early is None:
             findings.append((verdict_level(verdict.outcome, verdict.validity_effect),
-                             f'{len(verdict.runs)} runs: {verdict.headline}'))
+                             f'{count_words(len(verdict.runs), "run")}: {verdict.headline}'))
         if early is not None:
             findings.append((OUTCOME_LEVELS[early.outcome], f'the run in progress, {early}'))
         # A good run in progress does not excuse an earlier finding.
