@@ -167,8 +167,8 @@ class AlertList:
         for sensor in sorted(self._titles, key=len, reverse=True):
             kind = name.removeprefix(f'{sensor}_')
             if kind != name and kind in _KINDS:
-                # The two of a comparison in a place of its own are that sensor and the reference.
-                return _PlacedAlarm(alarm, kind, place if place and sensor == 'ts' else sensor, node)
+                return _PlacedAlarm(alarm, kind, sensor, node)
+        # The two of a comparison in a place of its own are that sensor and the reference.
         for role in ('ts', 'rs'):
             kind = name.removeprefix(f'{role}_')
             if place and kind != name:
