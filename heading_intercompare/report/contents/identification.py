@@ -64,18 +64,23 @@ def identify(verdict: Verdict) -> list[tuple[str, list[tuple[str, str]]]]:
     trial = settings.trial
     return [
         ('Trial', [
-            ('protocol number', trial.protocol_number), ('customer', trial.customer),
-            ('purpose', trial.purpose), ('laboratory', trial.laboratory),
+            ('protocol number', trial.protocol_number), ('date of issue', ''),
+            ('customer', trial.customer), ('purpose', trial.purpose),
+            ('laboratory', trial.laboratory),
             ('operator', trial.operator), ('ship', trial.ship),
             ('place or area', trial.place), ('latitudes [deg]', _latitudes(settings)),
             ('first and last pair [UTC]', span_of(verdict) or ABSENT),
-            ('sea, weather, manoeuvres', trial.conditions)]),
+            ('sea, weather, manoeuvres', trial.conditions),
+            ('temperature at the sensors [°C]', ''), ('supply of the sensors', ''),
+            ('filled in by hand by: name, date', '')]),
         ('Sensors', [
             ('tested sensor (TS): maker', trial.ts_maker), ('TS: type', trial.ts_type),
             ('TS: serial number', trial.ts_serial),
+            ('TS: last calibration or service, and its interval', ''),
             ('reference sensor (RS): maker', trial.rs_maker), ('RS: type', trial.rs_type),
             ('RS: serial number', trial.rs_serial),
             ('RS: proof of its norm', trial.rs_evidence),
+            ('RS: last calibration or service, and its interval', ''),
             ('installation angle TS - RS [deg], as set', mark_default(
                 value(settings.installation_offset_deg), settings, 'installation_offset_deg')),
             ('its standard uncertainty [deg], as set', mark_default(

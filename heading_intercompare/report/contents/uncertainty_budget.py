@@ -27,6 +27,9 @@ from .defaults import mark_default
 from .holding import is_sound, upper_bound_holds, worth_of
 from .tables import Table
 
+#: Coverage factor of the expanded uncertainty, some 95 % of a normal distribution.
+_COVERAGE = 2
+
 _HEAD = ('source', 'what is known', 'type', 'standard uncertainty of the mean [deg]',
          'effect on the variance [deg²]')
 
@@ -71,7 +74,9 @@ def budget_of(run: RunVerdict, settings: Settings) -> Table:
          mark_default(f'{number(settings.installation_offset_deg, 6)} deg', settings,
                       'installation_offset_deg', 'installation_offset_u_deg'), 'B',
          _two(u_offset), ABSENT],
-        ['together', 'root of the sum of squares', '', _two(u_mean), ABSENT]]
+        ['together', 'root of the sum of squares', '', _two(u_mean), ABSENT],
+        ['expanded uncertainty', f'{_COVERAGE} times that: k = {_COVERAGE}', '',
+         _two(None if u_mean is None else _COVERAGE * u_mean), ABSENT]]
     return Table(_HEAD, rows)
 
 

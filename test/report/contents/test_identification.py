@@ -42,6 +42,11 @@ def test_every_name_of_the_settings_is_in_the_identification(made):
 
 def test_a_name_that_is_not_given_is_left_to_be_filled_in(made):
     rows = dict(row for _, rows in identify(made(0)[0]) for row in rows)
+    for name in ('date of issue', 'temperature at the sensors [°C]', 'supply of the sensors',
+                 'filled in by hand by: name, date',
+                 'TS: last calibration or service, and its interval',
+                 'RS: last calibration or service, and its interval'):
+        assert rows[name] == ''
     assert rows['ship'] == rows['TS: serial number'] == rows['latitudes [deg]'] == ''
 
 

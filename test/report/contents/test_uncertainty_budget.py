@@ -35,6 +35,12 @@ def test_the_sources_add_up_by_squares(made):
     rows = rows_of(run, verdict.settings)
     assert [rows[name][3] for name in ('sampling', 'installation angle', 'together')] == \
         ['0.040', '0.030', '0.050']
+    assert rows['expanded uncertainty'][3] == '0.10'
+
+
+def test_without_an_uncertainty_there_is_no_expanded_one(made):
+    verdict = made(1, n=20)[0]
+    assert rows_of(verdict.runs[0], verdict.settings)['expanded uncertainty'][3] == '-'
 
 
 def test_timing_times_the_rate_of_turn_is_a_variance(made):
