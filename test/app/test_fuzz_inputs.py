@@ -142,5 +142,5 @@ def test_of_damaged_lines_no_heading_is_invented(tmp_path, capsys, kind):
         assert len(heading_deg) <= 2 * N_LINES + 20
         if kind in SENTENCES:
             assert {*heading_deg.round(2).tolist()} <= {*headings}, seed
-    # A stray quotation mark may hide half a table.
-    assert n_read > FILES_PER_KIND * N_LINES / 4
+    # A stray quotation mark may hide half a table, so such a table is refused.
+    assert n_read > FILES_PER_KIND * N_LINES / (10 if kind == 'csv with quotes' else 4)

@@ -22,6 +22,8 @@ import math
 from checksums import with_checksum
 from nodes.ros_nodes import NORMS
 
+from heading_intercompare.app.config import load_config
+from heading_intercompare.app.recorded_looks import find_looks
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.motion_topics import read_bag_motion
 from heading_intercompare.core.pipeline import Intercomparison
@@ -48,9 +50,15 @@ def count_recorded(bag, topic='/ts/heading') -> int:
     return info.count if info else 0
 
 
+def settings_for_bags(rule, *paths):
+    """Return settings with the looks by which bags were judged live, as `analyze` takes them."""
+    looks = find_looks(load_config(None), (), [str(path) for path in paths])
+    return Settings.from_mapping({**looks, **rule})
+
+
 def offline(path, **settings):
     """Return the verdict on a bag."""
-    comparison = Intercomparison(Settings.from_mapping({**NORMS, **settings}))
+    comparison = Intercomparison(settings_for_bags({**NORMS, **settings}, path))
     conventions = {'ts/heading': 'enu', 'rs/heading': 'enu'}
     comparison.take_motion(read_bag_motion(BagReader(path), MotionRule()).rows)
     for chunk in BagReader(path).headings(conventions):

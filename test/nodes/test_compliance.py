@@ -341,7 +341,7 @@ def test_a_bad_verdict_stays_in_the_diagnostics_until_it_is_acknowledged(ros, rn
     assert graph.reports()[0]['outcome'] == 'non_compliant'
     ros.spin_until(lambda: any(s.name == 'compliance: verdict' and s.level == b'\2'
                                for m in states for s in m.status))
-    assert graph.call('acknowledge').message == '1 alerts acknowledged'
+    assert graph.call('acknowledge').message == '1 alert acknowledged'
     # The newest verdict is what it was: acknowledged or not, it is not OK.
     states.clear()
     ros.spin_until(lambda: states)

@@ -23,7 +23,7 @@ import subprocess
 import sys
 
 from nodes import plain_player
-from nodes.graph_checks import assert_same
+from nodes.graph_checks import assert_same, settings_for_bags
 from nodes.launch_files import make_environment, nodes
 from nodes.processes import Processes
 from nodes.ros_nodes import NORMS
@@ -33,7 +33,7 @@ from ros_domain import DOMAIN
 from trials import write_headings
 import yaml
 
-from heading_intercompare import Headings, judge_bags, Settings
+from heading_intercompare import Headings, judge_bags
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.messages.heading_messages import IMU
 
@@ -97,8 +97,8 @@ def test_a_bag_played_into_a_running_graph_is_paired_whole_or_what_is_missing_is
     if kind == 'kept':
         # One of the two may be heard seconds after the other.
         assert pairing['paired'] == N
-        assert_same(report, judge_bags([tmp_path / 'bag'], Settings.from_mapping(
-            NORMS)).verdict.to_dict())
+        assert_same(report, judge_bags([tmp_path / 'bag'], settings_for_bags(
+            NORMS, tmp_path / 'bag')).verdict.to_dict())
 
 
 def write_with_steps(path, name):
@@ -137,7 +137,7 @@ def test_a_clock_that_is_set_back_ends_the_run_live_as_in_the_bag(
     assert [run['pairing']['paired'] for run in report['runs']] == counts
     assert [run.get('clock_segment') for run in report['runs']] == [None, 1]
     assert 'was set back by 3600.0 s' in report['headline']
-    assert_same(report, judge_bags([bag], Settings.from_mapping(norms)).verdict.to_dict())
+    assert_same(report, judge_bags([bag], settings_for_bags(norms, bag)).verdict.to_dict())
 
 
 STARTS = 8
@@ -170,7 +170,7 @@ def test_a_foreign_publisher_that_restarts_has_a_row_for_what_was_not_heard(
     processes.wait('intercompare', 'recorder')
     written, = reports.iterdir()
     live, = json.loads(written.read_text('utf-8'))['runs']
-    offline, = judge_bags([bag], Settings.from_mapping(rule)).verdict.to_dict()['runs']
+    offline, = judge_bags([bag], settings_for_bags(rule, bag)).verdict.to_dict()['runs']
     counts = BagReader(bag).metadata()['recording']
     for stream in ('ts', 'rs'):
         received, lost = count_account(live['pairing'], stream)

@@ -31,7 +31,7 @@ import time
 
 from deadlines import DEADLINE_S, Stopwatch
 from nodes import launch_files
-from nodes.graph_checks import assert_same, count_recorded, log, offline
+from nodes.graph_checks import assert_same, count_recorded, log, offline, settings_for_bags
 from nodes.launch_files import make_environment, nodes
 from nodes.lines import free_port, TurningShip
 from nodes.processes import Processes, wait_for
@@ -51,7 +51,7 @@ from heading_intercompare.core.sensors.sensors_verdict import (
     find_sensor_differences,
     SensorsVerdict,
 )
-from heading_intercompare.core.settings import MotionRule, Settings
+from heading_intercompare.core.settings import MotionRule
 from heading_intercompare.core.verdict.compare_verdicts import find_differences
 from heading_intercompare.drivers.logs import read_log
 from heading_intercompare.drivers.settings import DriverSettings
@@ -176,7 +176,7 @@ def test_real_logs_at_20_times_the_speed_give_the_offline_verdict(
     recorded = [Headings.concatenate(c[t] for c in chunks) for t in ('ts/heading', 'rs/heading')]
     assert [h.stamp_ns.tolist() for h in recorded] == [ts.stamp_ns.tolist(), rs.stamp_ns.tolist()]
     assert reader.topics['/pairs'].count == len(pair(*recorded)[0])
-    comparison = Intercomparison(Settings.from_mapping(NORMS))
+    comparison = Intercomparison(settings_for_bags(NORMS, bag))
     comparison.take_motion(read_bag_motion(reader, MotionRule()).rows)
     comparison.update(*recorded)
     comparison.finish()
@@ -320,7 +320,7 @@ def test_a_synchronizer_that_the_middleware_had_given_up_misses_nothing(
     assert (run['n'], run['pairing']['ts_received'], run['pairing']['rs_received']) == (
         1199, 1200, 1200)
     assert report['ledger_problems'] == []
-    offline = judge_bags([str(bag)], Settings.from_mapping(NORMS)).verdict.to_dict()
+    offline = judge_bags([str(bag)], settings_for_bags(NORMS, bag)).verdict.to_dict()
     pairing = offline['runs'][0]['pairing']
     for stream in ('ts', 'rs'):
         assert pairing[f'{stream}_received'] == count_recorded(bag, f'/{stream}/heading') >= 300
@@ -350,7 +350,7 @@ def test_a_recorder_that_is_killed_goes_on_and_both_bags_are_one_whole(processes
     wait_for(lambda: count_recorded(rest) >= 100)
     end_trial(processes)
     assert not BagReader(rest).incomplete
-    judged = judge_bags([str(bag), str(rest)], Settings.from_mapping(NORMS)).verdict
+    judged = judge_bags([str(bag), str(rest)], settings_for_bags(NORMS, bag, rest)).verdict
     assert [part.continues for part in judged.inputs] == [None, str(bag)]
     written, = (tmp_path / 'reports').iterdir()
     assert_same(json.loads(written.read_text('utf-8')), judged.to_dict())
@@ -459,7 +459,7 @@ def test_a_comparison_that_is_killed_goes_on_and_misses_nothing(
     written, = reports.iterdir()
     report = json.loads(written.read_text('utf-8'))
     run, = report['runs']
-    judged = judge_bags([bag], Settings.from_mapping(rule)).verdict
+    judged = judge_bags([bag], settings_for_bags(rule, bag)).verdict
     assert_same(report, json.loads(json.dumps(judged.to_dict())))
     assert report['ledger_problems'] == []
     assert (run['pairing']['ts_received'], run['pairing']['rs_received']) == (1200, 1200)
@@ -560,7 +560,7 @@ def test_several_sensors_whose_comparison_is_killed_have_the_verdict_of_the_bag(
         processes.wait(name)
     written, = reports.glob('sensors_*.json')
     found = SensorsVerdict.from_dict(json.loads(written.read_text('utf-8')))
-    whole = judge_bags([str(bag)], Settings.from_mapping(rule)).verdict
+    whole = judge_bags([str(bag)], settings_for_bags(rule, bag)).verdict
     assert [*find_sensor_differences(found, whole)] == []
     assert not [*tmp_path.rglob('*.journal*')]
 
@@ -639,8 +639,8 @@ def test_sensors_that_go_on_when_the_graph_ends_do_not_hold_it_up(processes, tmp
     live = read(report)
     assert live.runs[0].n >= 190
     assert BagReader(bag).incomplete is None
-    again = judge_bags([str(bag)], Settings.from_mapping(
-        {**NORMS, 'ts_topic': 'gyro/imu', 'rs_topic': 'compass/imu'})).verdict
+    again = judge_bags([str(bag)], settings_for_bags(
+        {**NORMS, 'ts_topic': 'gyro/imu', 'rs_topic': 'compass/imu'}, bag)).verdict
     assert list(find_differences(live, again)) == []
 
 
@@ -726,7 +726,8 @@ def test_live_that_is_killed_goes_on_in_a_new_bag_of_the_same_run(processes, tmp
     live = json.loads((tmp_path / 'verdict.json').read_text('utf-8'))
     run, = live['runs']
     assert not list(tmp_path.glob('*.journal'))
-    judged = judge_bags([tmp_path / 'trial', tmp_path / 'trial_2'], Settings.from_mapping(rule))
+    judged = judge_bags([tmp_path / 'trial', tmp_path / 'trial_2'],
+                        settings_for_bags(rule, tmp_path / 'trial', tmp_path / 'trial_2'))
     both, = judged.verdict.runs
     # A kill costs the bag up to a second, and the judge the readings on their way to it.
     assert abs(both.n - run['n']) <= 30
@@ -735,5 +736,6 @@ def test_live_that_is_killed_goes_on_in_a_new_bag_of_the_same_run(processes, tmp
     assert any('goes on with this trial' in note for note in judged.notes)
     assert any('was restarted at' in problem for problem in live['ledger_problems'])
     assert [one.continues for one in judged.verdict.inputs] == [None, str(tmp_path / 'trial')]
-    alone = judge_bags([tmp_path / 'trial_2'], Settings.from_mapping(rule)).verdict.runs[0]
+    alone = judge_bags([tmp_path / 'trial_2'], settings_for_bags(
+        rule, tmp_path / 'trial_2')).verdict.runs[0]
     assert alone.n < both.n
