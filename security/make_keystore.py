@@ -46,6 +46,8 @@ def fill_in(policy: str, namespace: str, topics: dict) -> str:
 #: What each tested sensor has of its own, apart from the topics with numbers.
 OWN = ('pairs', 'pairs/ledger', 'compliance/verdict', 'compliance/report', 'compliance/rolling',
        'compliance/run', 'compliance/intermediate_report')
+#: Of these the page and the terminal hear those of each sensor.
+SHOWN = ('compliance/run', 'pairs')
 HEADINGS = tuple(f'{role}/heading{end}' for role in ('ts', 'rs') for end in ('', '/lost'))
 ALL_SENSORS = ('sensors/figures', 'sensors/verdict', 'sensors/vote')
 #: What a node hears, or publishes, of all sensors together.
@@ -105,7 +107,8 @@ def add_sensors(policy: str, namespace: str, topics: dict, reference: str | None
                 end = '/lost' * topic.endswith('/lost')
                 return [] if shown else [text + end for text in topics.values()]
             if (topic in OWN or topic.startswith('scalar/')) and node != 'operator_note':
-                return [] if shown else [f'{name}/{topic}' for name in tested]
+                hidden = shown and topic not in SHOWN
+                return [] if hidden else [f'{name}/{topic}' for name in tested]
             return [topic]
         return [renew(deepcopy(profile), rename)]
 

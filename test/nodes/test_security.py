@@ -159,6 +159,7 @@ def test_the_nodes_of_each_sensor_do_what_the_filled_policy_allows_and_nothing_e
                       for make, more in ((partial(Synchronizer, judge), {'subscribers': 0}),
                                          (Recorder, {'output': str(tmp_path / 'bag')}),
                                          (Watcher, {})))]
+    nodes[-1].open()
     # A compliance node apart hears the pairs of its sensor, one that pairs hears none.
     exempt = EXEMPT | {f'/{name}/pairs{end}' for name in 'ab' for end in ('', '/ledger')}
 
