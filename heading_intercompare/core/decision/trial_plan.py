@@ -229,7 +229,7 @@ def plan_trial(settings: Settings, rng: np.random.Generator, *, rate_hz: float =
     --------
     >>> settings = Settings.of(sigma_max_deg=0.2, sigma_ref_max_deg=0.1, slowest_error_s=60.0)
     >>> plan_trial(settings, np.random.default_rng(1), trials=2, times=[1.0])
-    <TrialPlan: a run of 1200 s at least, 12 chances>
+    <TrialPlan: a run of 1200 s at least, 18 chances>
 
     """
     if not slowest_error_s(settings.risk):
