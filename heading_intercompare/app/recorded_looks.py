@@ -16,7 +16,6 @@
 
 from __future__ import annotations
 
-from pathlib import Path
 from typing import Any, Mapping, Sequence
 
 from heading_intercompare.bags.recording.journal import is_journal
@@ -78,14 +77,11 @@ def _read_looks(path: str) -> dict[str, Any]:
         stored: Mapping[str, Any] = {}
         if is_journal(path):
             stored = read_settings_of_journal(path)
-        elif _is_mcap(Path(path)):
+        else:
+            # What is no bag of MCAP says so by its first bytes.
             stored = {name: load_settings(value) for name, value in
                       read_settings(BagReader(path)).items() if name in (_PLAN, _LOOKS)}
     except (OSError, ValueError):
         return {}
     looks = {name: stored.get(name) for name in (_PLAN, _LOOKS)}
     return {name: None if value == 'none' else value for name, value in looks.items()}
-
-
-def _is_mcap(path: Path) -> bool:
-    return any(path.glob('*.mcap*')) if path.is_dir() else '.mcap' in path.name

@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 import json
+from pathlib import Path
 
 from journals import some_pairs, write_journal
 import numpy as np
@@ -72,6 +73,11 @@ def test_a_live_graph_takes_open_looks_unless_the_user_states_a_plan(stated, ass
     ({}, {})])
 def test_a_bag_is_judged_by_the_looks_that_it_holds(make_bag, stored, looks):
     assert find_looks(Config(), (), [make_bag(**stored)]) == looks
+
+
+def test_a_bag_that_was_renamed_keeps_its_looks(make_bag, tmp_path):
+    file, = Path(make_bag(**OPEN)).glob('*.mcap')
+    assert find_looks(Config(), (), [str(file.rename(tmp_path / 'trial.bag'))]) == OPEN
 
 
 @pytest.mark.parametrize('stated, assignments, looks', [
