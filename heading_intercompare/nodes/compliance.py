@@ -27,6 +27,7 @@ from std_srvs.srv import Trigger
 
 from heading_intercompare.bags.recording.journal_reading import Numbers
 from heading_intercompare.bags.recording.reading_batches import Batch
+from heading_intercompare.bags.recording.recorder_losses import count_words
 from heading_intercompare.bags.rosbag2.provenance import SENSORS_REPORT_TOPIC
 from heading_intercompare.core.alarms.graph_watch import estimate_judging_s
 from heading_intercompare.core.decision.coverage import least_duration_words
@@ -269,7 +270,7 @@ class Compliance(GraphNode):
         self._acknowledged.publish(encode_text(ALL))
         n = self.health.acknowledge() + sum(panel.acknowledge() for panel in self.panels)
         response.success = True
-        response.message = f'{n} alert{"" if n == 1 else "s"} acknowledged'
+        response.message = f'{count_words(n, "alert")} acknowledged'
         return response
 
     def _report(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:

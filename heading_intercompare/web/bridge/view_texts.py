@@ -102,7 +102,7 @@ def stamp_words(alert: AlertView) -> str:
         return '' if alert.since_ns is None else f'since {clock(alert.since_ns)}'
     if not alert.active:
         return f'over, raised {clock(alert.since_ns)}'
-    return f'for {age_words(float(round(alert.age_s)))}'.replace('.0 s', ' s')
+    return f'for {span_words(float(round(alert.age_s)))}'
 
 
 def coming_words(next_look_ns: int | None, ends_ns: int | None) -> str:

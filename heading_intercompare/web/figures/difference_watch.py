@@ -90,8 +90,8 @@ class DifferenceWatch:
         Where the mean is not known it is the median of the trend, which a fault of less than half
         of it does not move. While the comparison is not sound the centre stays where it was.
         """
-        due = now_s >= self._center_s + _SLOW_S or not np.isfinite(self._center_s)
-        if columns and due and not self._centred and (sound or not np.isfinite(self._center_s)):
+        due = now_s >= self._center_s + _SLOW_S
+        if columns and due and not self._centred and (sound or np.isinf(self._center_s)):
             self._center_s = now_s
             self.center_deg = float(np.median(
                 [0.5 * (column.low_deg + column.high_deg) for column in columns]))
