@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import Any, Mapping, Sequence
 
 from heading_intercompare.bags.recording.journal import is_journal
@@ -73,6 +74,9 @@ def find_looks(config: Config, assignments: Sequence[str],
 
 def _read_looks(path: str) -> dict[str, Any]:
     """Return the looks that an input holds; the judging names an input that cannot be read."""
+    if not os.path.isfile(path) and not os.path.isdir(path):
+        # A pipe can be read only once, by the judging.
+        return {}
     try:
         stored: Mapping[str, Any] = {}
         if is_journal(path):

@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 import json
+import os
 from pathlib import Path
 
 from journals import some_pairs, write_journal
@@ -78,6 +79,12 @@ def test_a_bag_is_judged_by_the_looks_that_it_holds(make_bag, stored, looks):
 def test_a_bag_that_was_renamed_keeps_its_looks(make_bag, tmp_path):
     file, = Path(make_bag(**OPEN)).glob('*.mcap')
     assert find_looks(Config(), (), [str(file.rename(tmp_path / 'trial.bag'))]) == OPEN
+
+
+def test_a_pipe_is_left_for_the_judging(tmp_path):
+    """Nobody writes into it: whoever opened it here would wait for ever."""
+    os.mkfifo(tmp_path / 'pipe.csv')
+    assert find_looks(Config(), (), [str(tmp_path / 'pipe.csv')]) == {}
 
 
 @pytest.mark.parametrize('stated, assignments, looks', [

@@ -41,6 +41,7 @@ from ros_domain import DOMAIN
 import yaml
 
 from heading_intercompare.app.analysis import judge_bags
+from heading_intercompare.app.config import LIVE
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.motion_topics import read_bag_motion
 from heading_intercompare.cli import main
@@ -475,7 +476,7 @@ def plan_apart(config, bag, reports):
     made = plan_trial(config, bag, reports)
     both = made.pop('intercompare')
     for name, own in (('synchronizer', {'subscribers': 2}), ('compliance', {
-            'report_dir': str(reports)})):
+            'report_dir': str(reports), **LIVE})):
         made[name] = replace(both, executable=name, name=name, parameters=[config, own])
     return made
 

@@ -25,6 +25,7 @@ import sys
 from checksums import with_checksum
 import pytest
 
+from heading_intercompare.app.config import LIVE
 from heading_intercompare.cli import main
 from heading_intercompare.core.verdict.compare_verdicts import find_differences
 from heading_intercompare.report.json import parse, read
@@ -118,8 +119,9 @@ def test_real_logs_played_live_give_the_verdict_of_their_import(ts, rs, n, share
                  '-o', imported]) == 0
     capfd.readouterr()
     verdicts = [read(live)]
-    for path in (bag, imported):
-        assert main(['analyze', path, '--config', str(config), '--json', '-']) == 0
+    looks = ['--set', *(f'{name}={value}' for name, value in LIVE.items())]
+    for path, judged_as in ((bag, []), (imported, looks)):
+        assert main(['analyze', path, '--config', str(config), *judged_as, '--json', '-']) == 0
         verdicts.append(parse(capfd.readouterr().out))
     assert sum(run.n for run in verdicts[0].runs) == n
     assert [run.motion.kind for run in verdicts[0].runs] == ['agrees']
