@@ -27,7 +27,7 @@ import json
 from pathlib import Path
 import re
 import textwrap
-from typing import Any, Iterator, Mapping, NamedTuple
+from typing import Any, Iterable, Iterator, Mapping, NamedTuple
 
 from heading_intercompare.ahrs.settings import Scenario, Sensor
 from heading_intercompare.bags.settings import BagSettings
@@ -64,6 +64,7 @@ ROOT = Path(__file__).resolve().parent.parent
 YAML = ROOT / 'config' / 'heading_intercompare.yaml'
 ARCHITECTURE = ROOT / 'docs' / 'ARCHITECTURE.md'
 TABLES = ROOT / 'docs' / 'settings.md'
+SCENARIOS = ROOT / 'docs' / 'scenario_settings.md'
 REFUSALS = ROOT / 'docs' / 'refusals.md'
 SCHEMA = ROOT / 'schema' / 'verdict.schema.json'
 KEYS = ROOT / 'docs' / 'verdict_json.md'
@@ -161,6 +162,9 @@ CHAPTERS = (
      'Sections of drivers, synchronizer, compliance, recorder and dashboard.', Taking),
     ('Types of headings', 'Sections `synchronizer` and `recorder`.', HeadingTypes),
     ('Sending headings', 'Sections of drivers, replayer and simulator.', Sending),
+)
+#: Those of the page for who simulates: nobody sets them who judges.
+SCENARIO_CHAPTERS = (
     ('Scenarios', 'Files of their own, for `simulate` and the node `sensor_simulator`.',
      Scenario),
     ('Sensors of a scenario', 'Under `ts` and under `rs` of a scenario.', Sensor),
@@ -246,17 +250,31 @@ def tables() -> str:
              '`010`, which ROS reads as 8, is rejected.',
              'An integer is accepted for a number, and settings are frozen during a run.',
              '`none` means that the row is absent. The parameter file with all defaults is',
-             '[config/heading_intercompare.yaml](../config/heading_intercompare.yaml).']
-    for title, comment, settings in CHAPTERS:
-        lines += ['', f'## {title}', '', f'{comment} Class `{settings.__module__}.'
-                  f'{settings.__qualname__}`.', '',
-                  '| name | default | meaning | allowed |', '|---|---|---|---|']
+             '[config/heading_intercompare.yaml](../config/heading_intercompare.yaml); the settings',
+             'of scenarios have [a page of their own](scenario_settings.md).']
+    return '\n'.join([*lines, *_tabulate(CHAPTERS)]) + '\n'
+
+
+def scenario_tables() -> str:
+    """Return the text of docs/scenario_settings.md."""
+    lines = ['# Settings of scenarios', '',
+             'Written by `docs/generate.py`, as [settings.md](settings.md). What the models are, '
+             'and which',
+             'errors each has, is in [ahrs.md](ahrs.md).']
+    return '\n'.join([*lines, *_tabulate(SCENARIO_CHAPTERS)]) + '\n'
+
+
+def _tabulate(chapters: Iterable[tuple[str, str, type]]) -> Iterator[str]:
+    """Yield the lines of a table of settings per chapter."""
+    for title, comment, settings in chapters:
+        yield from ('', f'## {title}', '', f'{comment} Class `{settings.__module__}.'
+                    f'{settings.__qualname__}`.', '',
+                    '| name | default | meaning | allowed |', '|---|---|---|---|')
         for rule in list_settings(settings):
             if settings is Scenario and rule.name.startswith(('ts.', 'rs.')):
                 continue
-            lines.append(f'| `{rule.name}` | {_default(rule.default)} '
-                         f'| {_cell(rule.help)} | {_cell(rule.allowed)} |')
-    return '\n'.join(lines) + '\n'
+            yield (f'| `{rule.name}` | {_default(rule.default)} '
+                   f'| {_cell(rule.help)} | {_cell(rule.allowed)} |')
 
 
 def schema() -> str:
@@ -346,10 +364,11 @@ def refusals(text: str) -> str:
 if __name__ == '__main__':
     YAML.write_text(parameter_file(), 'utf-8')
     TABLES.write_text(tables(), 'utf-8')
+    SCENARIOS.write_text(scenario_tables(), 'utf-8')
     SCHEMA.write_text(schema(), 'utf-8')
     ARCHITECTURE.write_text(architecture(ARCHITECTURE.read_text('utf-8')), 'utf-8')
     REFUSALS.write_text(refusals(REFUSALS.read_text('utf-8')), 'utf-8')
     KEYS.write_text(keys(KEYS.read_text('utf-8')), 'utf-8')
     RUNS.write_text(columns(RUNS.read_text('utf-8')), 'utf-8')
     print('wrote', *(str(p.relative_to(ROOT)) for p in (
-        YAML, TABLES, SCHEMA, ARCHITECTURE, REFUSALS, KEYS, RUNS)))
+        YAML, TABLES, SCENARIOS, SCHEMA, ARCHITECTURE, REFUSALS, KEYS, RUNS)))

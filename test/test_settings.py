@@ -61,6 +61,8 @@ def test_the_parameter_file_is_what_the_classes_declare():
 
 def test_the_tables_of_the_docs_are_what_the_classes_declare():
     assert GENERATED['TABLES'].read_text('utf-8') == GENERATED['tables'](), 'run: make docs'
+    scenarios = GENERATED['SCENARIOS'].read_text('utf-8')
+    assert scenarios == GENERATED['scenario_tables'](), 'run: make docs'
 
 
 @pytest.mark.slow
@@ -112,7 +114,8 @@ def test_the_norms_have_no_default():
     assert {'norms.sigma_max_deg', 'norms.sigma_ref_max_deg'}.isdisjoint(read('/**'))
 
 
-CLASSES = [chapter[-1] for chapter in GENERATED['CHAPTERS']]
+CLASSES = [chapter[-1] for name in ('CHAPTERS', 'SCENARIO_CHAPTERS')
+           for chapter in GENERATED[name]]
 
 
 @pytest.mark.parametrize('settings', CLASSES)
