@@ -24,7 +24,7 @@ The ratio to the peer is the median over the rounds, in each of which both ran u
 load. An extra first round compiles and is not counted.
 
 Promises: at most twice the CPU time of the peer for `--version`, 1.8 times for a driver, 2.6 times
-for `compliance`. docs/graph_design.md says why not less. The exit code is 1 if a promise is broken.
+for `compliance`; docs/graph_design.md says why not less. The exit code is 1 if one is broken.
 
     python benchmarks/start_up.py
     python benchmarks/start_up.py --rounds 3 --only driver

@@ -250,8 +250,8 @@ def tables() -> str:
              '`010`, which ROS reads as 8, is rejected.',
              'An integer is accepted for a number, and settings are frozen during a run.',
              '`none` means that the row is absent. The parameter file with all defaults is',
-             '[config/heading_intercompare.yaml](../config/heading_intercompare.yaml); the settings',
-             'of scenarios have [a page of their own](scenario_settings.md).']
+             '[config/heading_intercompare.yaml](../config/heading_intercompare.yaml); the',
+             'settings of scenarios have [a page of their own](scenario_settings.md).']
     return '\n'.join([*lines, *_tabulate(CHAPTERS)]) + '\n'
 
 

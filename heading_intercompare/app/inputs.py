@@ -41,7 +41,6 @@ from heading_intercompare.bags.recording.journal_reading import (
 from heading_intercompare.bags.recording.recorded_headings import find_problems, read_marks
 from heading_intercompare.bags.recording.recorder_losses import (
     BagLosses,
-    count_words,
     RECORDING,
     tell_judged,
 )
@@ -51,6 +50,7 @@ from heading_intercompare.bags.rosbag2.motion_topics import read_bag_motion, rea
 from heading_intercompare.bags.rosbag2.provenance import read_notes
 from heading_intercompare.bags.rosbag2.readable import Readable
 from heading_intercompare.bags.rosbag2.trial_parts import is_joined
+from heading_intercompare.core.count_words import count_words
 from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.kept_state import KeptState
 from heading_intercompare.core.motion.antennas import find_baseline_headings

@@ -27,9 +27,9 @@ from std_srvs.srv import Trigger
 
 from heading_intercompare.bags.recording.journal_reading import Numbers
 from heading_intercompare.bags.recording.reading_batches import Batch
-from heading_intercompare.bags.recording.recorder_losses import count_words
 from heading_intercompare.bags.rosbag2.provenance import SENSORS_REPORT_TOPIC
 from heading_intercompare.core.alarms.graph_watch import estimate_judging_s
+from heading_intercompare.core.count_words import count_words
 from heading_intercompare.core.decision.coverage import least_duration_words
 from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.records import Pairs

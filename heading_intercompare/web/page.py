@@ -24,9 +24,16 @@ from typing import Any, Sequence
 
 from nicegui import ui
 
+from heading_intercompare.core.count_words import count_words
 from heading_intercompare.core.decision.coverage import span_words
-from heading_intercompare.web.bridge.bridge_records import AlertView, JudgedRunView, Tone
+from heading_intercompare.web.bridge.bridge_records import (
+    AlertView,
+    JudgedDayView,
+    JudgedRunView,
+    Tone,
+)
 from heading_intercompare.web.bridge.bridge_view import BridgeView
+from heading_intercompare.web.bridge.judged_runs import group_by_day
 from heading_intercompare.web.bridge.sensors_panel import SensorRow
 from heading_intercompare.web.bridge.view_texts import (
     alert_words,
@@ -193,7 +200,7 @@ class _Page:
     def _build_more(self) -> None:
         with self._box('more'):
             with ui.element('details').classes('k-history'):
-                ui.html('Judged runs', sanitize=False, tag='summary')
+                ui.html('Days and runs', sanitize=False, tag='summary')
                 self._runs = ui.html('', sanitize=False)
             with ui.element('details').classes('k-details'):
                 ui.html('Details', sanitize=False, tag='summary')
@@ -266,7 +273,7 @@ class _Page:
         self._show_html('sensors', self._sensor_rows, ''.join(
             f'<p class="row {phrase.tone}">{escape(name)}: {escape(phrase.text)}</p>'
             for name, phrase in sensor_words(view)))
-        self._show_html('runs', self._runs, _list_runs(view.runs))
+        self._show_html('runs', self._runs, _list_days(view.runs))
         self._show_html('nodes', self._nodes, ''.join(
             f'<p class="row {phrase.tone}">{escape(phrase.text)}</p>'
             for phrase in node_words(view)) or '<p class="row">no node is heard</p>')
@@ -453,20 +460,27 @@ def _draw_gauges(view: BridgeView) -> str:
             + draw_gauge('mean', window.mean_deg, mean_norm_deg))
 
 
-def _list_runs(runs: Sequence[JudgedRunView]) -> str:
-    """Return the judged runs as a table, the newest first."""
+def _list_days(runs: Sequence[JudgedRunView]) -> str:
+    """Return the judged runs as a table, each day with its figures, the newest first."""
     if not runs:
         return '<p class="row">no run has been judged yet</p>'
     cells = ''.join(
-        f'<tr><td class="number">{run.number}</td><td>{clock(run.start_ns)} – '
-        f'{clock(run.end_ns)}</td><td class="number">{run.n:,}</td><td class="number">'
-        f'{_deg(run.mean_deg, "+")}</td><td class="number">{_deg(run.std_deg)}</td>'
-        f'<td class="{run.tone}">{escape(run.word)}</td><td>{escape(run.reason)}</td></tr>'
-        for run in runs)
+        f'<tr class="day"><th scope="rowgroup" colspan="2">{escape(day.date)}, '
+        f'{count_words(len(day.runs), "run")}</th>{_figures(day)}<td></td></tr>'
+        + ''.join(f'<tr><td class="number">{run.number}</td><td>{clock(run.start_ns)} – '
+                  f'{clock(run.end_ns)}</td>{_figures(run)}<td>{escape(run.reason)}</td></tr>'
+                  for run in day.runs)
+        for day in group_by_day(runs))
     return ('<div class="scrolls" tabindex="0"><table><thead><tr><th class="number">run</th>'
             '<th>time</th><th class="number">differences</th><th class="number">mean</th>'
             '<th class="number">sd</th><th>verdict</th><th>why</th></tr></thead>'
             f'<tbody>{cells}</tbody></table></div>')
+
+
+def _figures(judged: JudgedDayView | JudgedRunView) -> str:
+    return (f'<td class="number">{judged.n:,}</td><td class="number">{_deg(judged.mean_deg, "+")}'
+            f'</td><td class="number">{_deg(judged.std_deg)}</td>'
+            f'<td class="{judged.tone}">{escape(judged.word)}</td>')
 
 
 def _deg(value: float | None, sign: str = '') -> str:

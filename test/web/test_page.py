@@ -62,6 +62,6 @@ def test_the_page_of_several_sensors_has_a_row_for_each_and_the_vote():
 def test_the_page_of_two_sensors_has_their_panels():
     page = fetch(None)
     for words in ('Tested sensor', 'Reference', 'k-tile-ts', 'k-tile-rs', 'No alerts',
-                  'Scatter beside the norm', 'Judged runs'):
+                  'Scatter beside the norm', 'Days and runs'):
         assert words in page
     assert 'Vote' not in page

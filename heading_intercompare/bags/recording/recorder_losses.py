@@ -22,6 +22,7 @@ from typing import Callable, Mapping, NamedTuple, Sequence, TYPE_CHECKING
 from heading_intercompare.bags.errors import decimal
 from heading_intercompare.bags.rosbag2.provenance import read_continues
 from heading_intercompare.bags.rosbag2.readable import Readable
+from heading_intercompare.core.count_words import count_words
 from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.pairing.names import count_unknown, Span
 from heading_intercompare.core.records import Losses
@@ -218,11 +219,6 @@ def loss_record(faults: int, absent: int, topics: Mapping[str, Counts]) -> dict[
     return {'faults': faults, 'absent': absent,
             **{f'{kind}.{topic}': count for topic, counts in topics.items()
                for kind, count in counts._asdict().items()}}
-
-
-def count_words(count: int, noun: str) -> str:
-    """Return a number with its noun."""
-    return f'{count} {noun}{"" if count == 1 else "s"}'
 
 
 def _total(record: Mapping[str, object], kind: str) -> int:

@@ -26,8 +26,8 @@ from typing import Any, Sequence
 
 from heading_intercompare.app.outputs import name_file
 from heading_intercompare.app.run_table import parse_stamp
-from heading_intercompare.bags.recording.recorder_losses import count_words
 from heading_intercompare.cli.terminal.console import say, say_lines, VERDICT_MARKS
+from heading_intercompare.core.count_words import count_words
 from heading_intercompare.core.typed_reader import make_plain
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import Software

@@ -26,8 +26,8 @@ from rclpy.duration import Duration
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from heading_intercompare.bags.recording.recorder_losses import count_words
 from heading_intercompare.core.alarms.graph_watch import NOT_WRITTEN
+from heading_intercompare.core.count_words import count_words
 from heading_intercompare.core.decision.sequential import LookVerdict
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict

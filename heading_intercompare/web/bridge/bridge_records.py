@@ -162,6 +162,8 @@ class JudgedRunView:
         Its outcome in capitals, and how grave it is.
     reason
         Why, as in the verdict.
+    void
+        Whether the comparison meant nothing, so that its figures say nothing.
 
     """
 
@@ -174,6 +176,34 @@ class JudgedRunView:
     word: str
     tone: Tone
     reason: str
+    void: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class JudgedDayView:
+    """
+    The runs that ended on one day of UTC.
+
+    Attributes
+    ----------
+    date
+        '2026-03-01'.
+    runs
+        Its runs, the newest first.
+    n, mean_deg, std_deg
+        Of the differences of its runs that are not void, as of one record; degrees.
+    word, tone
+        The worst outcome of its runs, and how grave it is.
+
+    """
+
+    date: str
+    runs: tuple[JudgedRunView, ...]
+    n: int
+    mean_deg: float | None
+    std_deg: float | None
+    word: str
+    tone: Tone
 
 
 @dataclass(frozen=True, slots=True)

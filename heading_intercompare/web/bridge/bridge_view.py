@@ -44,8 +44,9 @@ from .bridge_records import (
     ValidityView,
     WindowView,
 )
+from .judged_runs import list_runs
 from .sensors_panel import SensorRow, SensorsPanel, SensorsView
-from .verdict_lamp import light_lamp, list_runs
+from .verdict_lamp import light_lamp
 from .view_texts import integer, lacking_words, real, shorten
 
 #: Names in messages of others must not fill the memory.

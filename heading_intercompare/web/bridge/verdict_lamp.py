@@ -22,14 +22,13 @@ from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.validity.condition import HOLDS, NOT_TESTABLE
 from heading_intercompare.messages.status_messages import Status
 
-from .bridge_records import JudgedRunView, LampView, Tone
-from .view_texts import coming_words, integer, real, shorten
+from .bridge_records import LampView, Tone
+from .view_texts import coming_words, integer, shorten
 
 _TONES = {Outcome.COMPLIANT: Tone.GOOD, Outcome.INDETERMINATE: Tone.DOUBT,
           Outcome.NON_COMPLIANT: Tone.BAD}
-#: The runs of a month, one a day or one a watch.
-_MOST_RUNS = 200
-_GRAVITY = (Tone.NONE, Tone.GOOD, Tone.DOUBT, Tone.BAD)
+#: From the mildest to the gravest.
+GRAVITY = (Tone.NONE, Tone.GOOD, Tone.DOUBT, Tone.BAD)
 
 
 def light_lamp(statuses: Sequence[Status], stamp_ns: int, next_look_ns: int | None = None,
@@ -58,7 +57,7 @@ def light_lamp(statuses: Sequence[Status], stamp_ns: int, next_look_ns: int | No
                                _judge_runs(named, stamp_ns)) if lamp is not None]
     if not lamps:
         return LampView(what=coming_words(next_look_ns, ends_ns) or 'at the end of the run')
-    return max(lamps, key=lambda lamp: _GRAVITY.index(lamp.tone))
+    return max(lamps, key=lambda lamp: GRAVITY.index(lamp.tone))
 
 
 def _judge_look(look: Status | None, stamp_ns: int) -> LampView | None:
@@ -80,24 +79,6 @@ def _judge_runs(named: dict[str, Status], stamp_ns: int) -> LampView | None:
     return make_lamp(whole.values.get('outcome', ''), whole.values.get('validity', ''),
                  stamp_ns if end_ns is None else end_ns,
                  'end of run 1' if n == 1 else f'end of run {n}, all {n} together', whole.message)
-
-
-def list_runs(statuses: Sequence[Status]) -> tuple[JudgedRunView, ...]:
-    """Return the judged runs of a message on `compliance/verdict`, the newest first."""
-    runs = []
-    for status in statuses:
-        number = integer(status.name.removeprefix('run '))
-        if number is None:
-            continue
-        values = status.values
-        lamp = make_lamp(values.get('outcome', ''), values.get('validity', ''), 0, '', '')
-        runs.append(JudgedRunView(
-            number=number, start_ns=integer(values.get('start_ns')),
-            end_ns=integer(values.get('end_ns')), n=integer(values.get('n')) or 0,
-            mean_deg=real(values.get('mean_deg')), std_deg=real(values.get('std_deg')),
-            word=lamp.word, tone=lamp.tone,
-            reason=shorten(values.get('headline') or status.message, 400)))
-    return tuple(sorted(runs, key=lambda run: -run.number))[:_MOST_RUNS]
 
 
 def make_lamp(outcome: str, validity: str, given_ns: int, what: str,
