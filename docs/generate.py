@@ -111,7 +111,10 @@ SECTIONS = (
                  'antennas.fore_topic': 'gps/fore', 'antennas.aft_topic': 'gps/aft',
                  'antennas.baseline_m': 12.5, 'antennas.tolerance_m': 0.1,
                  'antennas.position_sigma_m': 0.01,
+                 'trial.issue_date': '2026-03-05',
                  'trial.latitude_min_deg': 53.5, 'trial.latitude_max_deg': 54.5,
+                 'trial.ts_calibration_date': '2026-02-10', 'trial.ts_calibration_months': 12,
+                 'trial.rs_calibration_date': '2026-03-01', 'trial.rs_calibration_months': 24,
                  'exclusions': '2026-05-01T10:00Z, 2026-05-01T10:20Z, RS in dock mode',
                  'sensors': 'gyro1 sigma_max_deg=0.3; gyro2 sigma_max_deg=0.3; '
                  'gnss sigma_max_deg=0.1 rs'}),

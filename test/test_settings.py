@@ -25,6 +25,7 @@ import runpy
 import pytest
 import yaml
 
+from heading_intercompare.app.config import Config, settings_for
 from heading_intercompare.core.declared_settings import (
     from_mapping,
     list_settings,
@@ -141,11 +142,26 @@ def test_every_setting_says_what_it_means_and_in_which_unit(settings):
     ({'window_s': 'long'}, "window_s = 'long': must be a number of at least 1"),
     ({'sequential.looks': 2.5}, 'sequential.looks = 2.5: must be an integer from 2 to 20'),
     ({'window_s': True}, 'window_s = True'),
+    *(({'trial.issue_date': day}, f'trial.issue_date = {day!r}: must be a date from 1970 to 2261, '
+       'YYYY-MM-DD') for day in ('5 March', '', '2026-02-30', '2026-3-05', '2026-W10-4',
+                                 '05.03.2026', '20260305', 20260305, '1969-12-31', '2262-01-01',
+                                 '2026-03-05 ', '\u0662026-03-05')),
+    ({'trial.sea_state': 10}, 'trial.sea_state = 10: must be an integer from 0 to 9 or text'),
+    ({'trial.ts_calibration_months': 0}, 'trial.ts_calibration_months = 0: must be an integer'),
 ])
 def test_a_wrong_setting_is_refused_by_name_value_and_what_is_allowed(given, message):
     with pytest.raises(SettingsError) as error:
         Settings.from_mapping(given)
     assert message in str(error.value)
+
+
+@pytest.mark.parametrize('name, given, read', [
+    ('trial.issue_date', '2028-02-29', '2028-02-29'), ('trial.issue_date', 'none', None),
+    ('trial.sea_state', 0, 0), ('trial.sea_state', '3 to 4', '3 to 4'),
+    ('trial.temperature_c', 20, 20.0), ('trial.temperature_c', '18 to 22', '18 to 22'),
+    ('trial.ts_calibration_months', 12.0, 12), ('trial.deviations', 'none', 'none')])
+def test_a_name_of_a_trial_may_be_a_date_a_figure_or_words(name, given, read):
+    assert Settings.from_mapping({name: given}).to_mapping()[name] == read
 
 
 def test_nested_and_dotted_names_mean_the_same_and_an_integer_is_a_number():
@@ -226,3 +242,10 @@ def test_a_wrong_keyword_is_refused_in_one_line(given, words):
     with pytest.raises(SettingsError) as refused:
         Settings.of(**given)
     assert str(refused.value).startswith(words) and '\n' not in str(refused.value)
+
+
+@pytest.mark.parametrize('text, value', [
+    ('3', 3), ('3 to 4', '3 to 4'), ('', ''), ('swell: 2 m, #3', 'swell: 2 m, #3'),
+    ('3: 4', '3: 4'), ('off', 'off'), ('1_0', '1_0'), ('[3]', '[3]')])
+def test_a_figure_or_words_are_read_from_the_command_line_as_they_stand(text, value):
+    assert settings_for(Config(), [f'trial.sea_state={text}']).trial.sea_state == value

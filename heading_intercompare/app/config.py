@@ -19,10 +19,15 @@ from __future__ import annotations
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 import re
-from types import MappingProxyType
+from types import MappingProxyType, NoneType
 from typing import Any, Mapping, Sequence
 
-from heading_intercompare.core.declared_settings import flatten, list_settings, SettingsError
+from heading_intercompare.core.declared_settings import (
+    flatten,
+    list_settings,
+    Setting,
+    SettingsError,
+)
 from heading_intercompare.core.sensor_table import read_sensors
 from heading_intercompare.core.sensors.pair_settings import settings_of_pair
 from heading_intercompare.core.settings import Settings
@@ -34,6 +39,7 @@ SHARED = '/**'
 # The replayer neither pairs nor judges: what it calls the TS may be another topic of the bag.
 _NODES = re.compile(r'synchronizer|compliance|recorder|dashboard|.*_driver|\*+')
 _NOWHERE = object()
+_FIGURE = re.compile(r'\s*[-+]?[0-9.]+([eE][-+]?[0-9]+)?\s*')
 
 LIVE: Mapping[str, Any] = {'sequential.plan_s': 'open'}
 """What a graph takes that judges live, by setting, where the user states nothing."""
@@ -150,9 +156,7 @@ def _parse_assignments(assignments: Sequence[str]) -> dict[str, Any]:
         If one is not of this form, or if two give different values to a name.
 
     """
-    # The time 12:00 would be a number in YAML, and a reason may hold any sign.
-    words = {s.name for s in list_settings(Settings)
-             if s.kinds == (str,) or s.name in ('runs.cut_at_utc', 'exclusions', 'sensors')}
+    rules = {rule.name: rule for rule in list_settings(Settings)}
     values: dict[str, Any] = {}
     for assignment in assignments:
         name, equals, text = assignment.partition('=')
@@ -161,7 +165,8 @@ def _parse_assignments(assignments: Sequence[str]) -> dict[str, Any]:
             raise SettingsError(f'--set {assignment}: must be name=value, '
                                 'e.g. --set norms.sigma_max_deg=0.2')
         try:
-            value = text if name in words else load_settings(text)
+            value = text if name in rules and _is_text(rules[name], text) else (
+                load_settings(text))
         except YamlError as error:
             raise SettingsError(
                 f'--set {assignment}: the value cannot be read: {error}') from error
@@ -169,6 +174,15 @@ def _parse_assignments(assignments: Sequence[str]) -> dict[str, Any]:
             raise SettingsError(f'--set {assignment}: {name} is given twice, first as '
                                 f'{values[name]!r}')
     return values
+
+
+def _is_text(rule: Setting, text: str) -> bool:
+    """Tell whether the value of an assignment is its text as it stands, and no YAML."""
+    # The time 12:00 would be a number in YAML, and a reason may hold any sign.
+    if rule.kinds == (str,) or rule.name in ('runs.cut_at_utc', 'exclusions', 'sensors'):
+        return True
+    is_figure_or_words = str in rule.kinds and not rule.choices and NoneType not in rule.kinds
+    return is_figure_or_words and not _FIGURE.fullmatch(text)
 
 
 def unstated(defaults: Mapping[str, Any], config: Config,

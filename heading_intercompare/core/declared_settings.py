@@ -38,6 +38,8 @@ from typing import (
     Union,
 )
 
+_DATE = re.compile('[0-9]{4}-[0-9]{2}-[0-9]{2}')
+
 
 class SettingsError(ValueError):
     """A setting has an unknown name or a value that is not allowed."""
@@ -54,6 +56,7 @@ class Setting:
     lo: float | None
     hi: float | None
     choices: tuple[str, ...]
+    is_date: bool = False
 
     @property
     def allowed(self) -> str:
@@ -70,14 +73,14 @@ class Setting:
             words.append(kind)
         words += [repr(c) for c in self.choices]
         if str in self.kinds and not self.choices:
-            words.append('text')
+            words.append('a date from 1970 to 2261, YYYY-MM-DD' if self.is_date else 'text')
         if type(None) in self.kinds:
             words.append('none')
         return ' or '.join(words)
 
 
 def setting(default: Any, help: str, lo: float | None = None, hi: float | None = None, *,
-            choices: tuple[str, ...] = ()) -> Any:
+            choices: tuple[str, ...] = (), is_date: bool = False) -> Any:
     """
     Declare one setting as a dataclass field.
 
@@ -91,10 +94,12 @@ def setting(default: Any, help: str, lo: float | None = None, hi: float | None =
         Inclusive range of numbers.
     choices
         The allowed words, if the setting takes text; empty for any text.
+    is_date
+        Whether the text must be a date, YYYY-MM-DD.
 
     """
-    return field(default=default,
-                 metadata={'help': help, 'lo': lo, 'hi': hi, 'choices': tuple(choices)})
+    return field(default=default, metadata={'help': help, 'lo': lo, 'hi': hi,
+                                            'choices': tuple(choices), 'is_date': is_date})
 
 
 # Evaluating the annotations of a class takes 0.2 ms, and every settings object needs them.
@@ -121,7 +126,8 @@ def list_settings(settings_class: type, prefix: str = '') -> tuple[Setting, ...]
         default = f.default if f.default is not MISSING else None
         declared.append(Setting(name=prefix + f.name, default=default, help=f.metadata['help'],
                                 kinds=get_args(hint) if union else (hint,), lo=f.metadata['lo'],
-                                hi=f.metadata['hi'], choices=f.metadata['choices']))
+                                hi=f.metadata['hi'], choices=f.metadata['choices'],
+                                is_date=f.metadata['is_date']))
     return tuple(declared)
 
 
@@ -142,10 +148,24 @@ def _check_value(rule: Setting, value: Any) -> Any:
         good = good and (rule.hi is None or value <= rule.hi)
     else:
         good = (isinstance(value, str) and str in kinds
-                and (not rule.choices or value in rule.choices))
+                and (not rule.choices or value in rule.choices)
+                and (not rule.is_date or _is_date(value)))
     if not good:
         raise SettingsError(f'{rule.name} = {value!r}: must be {rule.allowed}')
     return value
+
+
+def _is_date(text: str) -> bool:
+    """Tell whether a text is a date of the years that stamps can hold."""
+    if not _DATE.fullmatch(text):
+        return False
+    # The Tab key needs the settings without numpy.
+    import numpy as np
+    try:
+        np.datetime64(text)
+    except ValueError:
+        return False
+    return '1970' <= text < '2262'
 
 
 def flatten(mapping: Mapping[str, Any]) -> dict[str, Any]:

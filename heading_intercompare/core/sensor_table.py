@@ -65,6 +65,11 @@ class Sensor(Checked):
     maker: str = setting('', 'maker, for the protocol')
     type: str = setting('', 'type, for the protocol')
     serial: str = setting('', 'serial number, for the protocol')
+    evidence: str = setting('', 'certificate or service log of its calibration, for the protocol')
+    calibration_date: str | None = setting(
+        None, 'date of its last calibration or service, for the protocol', is_date=True)
+    calibration_months: int | None = setting(
+        None, 'interval of its calibration, for the protocol [months]', 1, 600)
 
     def __post_init__(self) -> None:
         """Check the ranges."""

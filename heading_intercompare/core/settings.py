@@ -337,6 +337,7 @@ class Trial(Checked):
     """Whose trial it is: names for the protocol, empty if unknown; they change no figure."""
 
     protocol_number: str = setting('', 'number of the protocol or of the order')
+    issue_date: str | None = setting(None, 'date of issue of the protocol', is_date=True)
     customer: str = setting('', 'who asked for the trial')
     purpose: str = setting('', 'purpose of the trial, such as type approval or service')
     ship: str = setting('', 'name of the ship, with its IMO number')
@@ -345,17 +346,31 @@ class Trial(Checked):
         None, 'southernmost latitude of the trial, north positive [deg]', -90.0, 90.0)
     latitude_max_deg: float | None = setting(
         None, 'northernmost latitude of the trial, north positive [deg]', -90.0, 90.0)
-    conditions: str = setting('', 'sea state, weather and manoeuvres of the trial')
+    sea_state: int | str = setting(
+        '', 'sea state by the code of the WMO, or in words, such as 3 to 4', 0, 9)
+    conditions: str = setting('', 'weather and manoeuvres of the trial')
+    temperature_c: float | str = setting(
+        '', 'temperature at the sensors, also in words, such as 18 to 22 [deg C]', -90.0, 90.0)
+    supply: str = setting('', 'supply of the sensors: voltage, frequency, emergency supply')
     laboratory: str = setting('', 'who measures and evaluates: laboratory, address')
     operator: str = setting('', 'who operated the sensors and the recording')
     ts_maker: str = setting('', 'maker of the TS')
     ts_type: str = setting('', 'type of the TS')
     ts_serial: str = setting('', 'serial number of the TS')
+    ts_evidence: str = setting('', 'certificate or service log of the last calibration of the TS')
+    ts_calibration_date: str | None = setting(
+        None, 'date of the last calibration or service of the TS', is_date=True)
+    ts_calibration_months: int | None = setting(
+        None, 'interval of calibration of the TS [months]', 1, 600)
     rs_maker: str = setting('', 'maker of the RS')
     rs_type: str = setting('', 'type of the RS')
     rs_serial: str = setting('', 'serial number of the RS')
     rs_evidence: str = setting(
-        '', 'proof that the RS meets its norm: certificate or service log, with its date')
+        '', 'proof that the RS meets its norm: certificate or service log of its calibration')
+    rs_calibration_date: str | None = setting(None, 'the same date of the RS', is_date=True)
+    rs_calibration_months: int | None = setting(None, 'the same interval of the RS', 1, 600)
+    deviations: str = setting('', 'deviations from the method, and why; none if there are none')
+    filled_in_by: str = setting('', 'who stated these names: name, date')
 
     def __post_init__(self) -> None:
         """Check the ranges and the order of the latitudes."""

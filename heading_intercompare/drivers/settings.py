@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from datetime import date
 import ipaddress
 import re
 from urllib.parse import parse_qsl, urlsplit
@@ -198,16 +197,6 @@ def _check_zone(zone: str) -> None:
                             'of the tz database such as Europe/Oslo') from None
 
 
-def _check_date(text: str) -> None:
-    """Raise SettingsError for what is no date."""
-    try:
-        year = date.fromisoformat(text).year
-    except ValueError:
-        year = 0
-    if not 1970 <= year <= 2261 or len(text) != 10:
-        raise SettingsError(f'date = {text!r}: must be a date from 1970 to 2261, YYYY-MM-DD')
-
-
 @dataclass(frozen=True, slots=True)
 class DriverSettings(Checked):
     """Where headings come from, which sentences are used and how they are stamped."""
@@ -281,8 +270,6 @@ class DriverSettings(Checked):
             _check_pattern(self.stamp_pattern)
         if self.stamp_zone is not None:
             _check_zone(self.stamp_zone)
-        if self.date is not None:
-            _check_date(self.date)
         if self.own_sentence is not None:
             self._check_own_sentence()
         if self.deviation_table is not None:

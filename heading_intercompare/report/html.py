@@ -113,6 +113,7 @@ def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = (),
         guarded=rows_by_run(GUARDED, runs), uncertainty=describe_uncertainty(settings),
         budgets=[(number, budget_of(run, settings)) for number, run in runs], drawn=drawn,
         findings=describe_findings(shown.runs),
+        deviations=settings.trial.deviations,
         notes=[(f'{utc(note.stamp_ns)} UTC', note.text, recording.path)
                for recording in shown.inputs for note in recording.notes or ()],
         settings=[(name, exact(thing), 'default' if is_default(settings, name) else '')

@@ -378,11 +378,13 @@ def test_the_contents_lead_to_every_section(made):
     assert listed[0][1] == '1. Identification' and listed[-1][1].startswith('Annex E.')
 
 
-def test_the_protocol_has_a_line_for_deviations_and_ends_with_its_id(made):
-    verdict = made(1, n=100)[0]
+@pytest.mark.parametrize('stated, cell', [
+    ('', '<span class="blank"></span>'), ('drift <left in>', 'drift &lt;left in&gt;')])
+def test_the_protocol_has_a_line_for_deviations_and_ends_with_its_id(made, stated, cell):
+    verdict = made(1, n=100, trial__deviations=stated)[0]
     page = html.render(verdict)
     events = page[page.index('Events, exclusions'):]
-    assert 'deviations from the method</th><td><span class="blank">' in events
+    assert f'deviations from the method</th><td>{cell}</td>' in events
     end = f'End of the protocol of the verdict {html.verdict_id(verdict)}</p>\n</body>'
     assert page.count(end) == 1
 

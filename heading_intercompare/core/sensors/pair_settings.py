@@ -29,6 +29,9 @@ from heading_intercompare.core.settings import Risk, Settings
 from .compared_sensors import list_sensors
 from .pair_names import Names
 
+#: What the row of a sensor says for the protocol.
+_OF_TRIAL = ('maker', 'type', 'serial', 'evidence', 'calibration_date', 'calibration_months')
+
 
 def settings_of_pair(settings: Settings, ts: Sensor, rs: Sensor) -> Settings:
     """
@@ -76,7 +79,7 @@ def settings_of_pair(settings: Settings, ts: Sensor, rs: Sensor) -> Settings:
         ts_convention=ts.convention, rs_convention=rs.convention,
         trial=replace(trial, **{f'{role}_{name}': getattr(sensor, name)
                                 for role, sensor in (('ts', ts), ('rs', rs))
-                                for name in ('maker', 'type', 'serial') if getattr(sensor, name)}))
+                                for name in _OF_TRIAL if getattr(sensor, name)}))
     try:
         require_norms(of_pair.norms, of_pair.model)
     except SettingsError as error:

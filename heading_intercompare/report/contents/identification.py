@@ -16,8 +16,11 @@
 
 from __future__ import annotations
 
+from calendar import monthrange
+from datetime import date
 import hashlib
 import json
+from typing import Any
 
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.utc_text import utc
@@ -64,23 +67,28 @@ def identify(verdict: Verdict) -> list[tuple[str, list[tuple[str, str]]]]:
     trial = settings.trial
     return [
         ('Trial', [
-            ('protocol number', trial.protocol_number), ('date of issue', ''),
+            ('protocol number', trial.protocol_number),
+            ('date of issue', trial.issue_date or ''),
             ('customer', trial.customer), ('purpose', trial.purpose),
             ('laboratory', trial.laboratory),
             ('operator', trial.operator), ('ship', trial.ship),
             ('place or area', trial.place), ('latitudes [deg]', _latitudes(settings)),
             ('first and last pair [UTC]', span_of(verdict) or ABSENT),
-            ('sea, weather, manoeuvres', trial.conditions),
-            ('temperature at the sensors [°C]', ''), ('supply of the sensors', ''),
+            ('sea state', _figure(trial.sea_state)),
+            ('weather, manoeuvres', trial.conditions),
+            ('temperature at the sensors [°C]', _figure(trial.temperature_c)),
+            ('supply of the sensors', trial.supply),
+            ('these names stated by: name, date', trial.filled_in_by),
             ('filled in by hand by: name, date', '')]),
         ('Sensors', [
             ('tested sensor (TS): maker', trial.ts_maker), ('TS: type', trial.ts_type),
             ('TS: serial number', trial.ts_serial),
-            ('TS: last calibration or service, and its interval', ''),
+            ('TS: certificate or service log', trial.ts_evidence),
+            *_calibration('TS', trial.ts_calibration_date, trial.ts_calibration_months, verdict),
             ('reference sensor (RS): maker', trial.rs_maker), ('RS: type', trial.rs_type),
             ('RS: serial number', trial.rs_serial),
             ('RS: proof of its norm', trial.rs_evidence),
-            ('RS: last calibration or service, and its interval', ''),
+            *_calibration('RS', trial.rs_calibration_date, trial.rs_calibration_months, verdict),
             ('installation angle TS - RS [deg], as set', mark_default(
                 value(settings.installation_offset_deg), settings, 'installation_offset_deg')),
             ('its standard uncertainty [deg], as set', mark_default(
@@ -92,6 +100,33 @@ def identify(verdict: Verdict) -> list[tuple[str, list[tuple[str, str]]]]:
             ('schema of the verdict', f'{SCHEMA}, version {SCHEMA_VERSION}'),
             ('verdict id', verdict_id(verdict)),
             ('SHA-256 of the settings', verdict.settings_sha256)])]
+
+
+def _figure(thing: Any) -> str:
+    """Return a figure or words; what nobody stated is empty."""
+    return thing if isinstance(thing, str) else value(thing)
+
+
+def _calibration(sensor: str, day: str | None, months: int | None,
+                 verdict: Verdict) -> list[tuple[str, str]]:
+    """Return when a sensor was calibrated and for how long, and whether that holds the trial."""
+    # Dates of this form have the order of their letters.
+    last = max((utc(run.end_ns) for run in verdict.runs), default='')[:10]
+    term = '' if months is None else str(months)
+    if day and months:
+        due = _add_months(day, months)
+        term = f'{months}, due on {due}' + (', before the trial ended' if due < last else '')
+    return [(f'{sensor}: date of the last calibration or service',
+             f'{day}, after the trial' if day and last and day > last else day or ''),
+            (f'{sensor}: interval of calibration [months]', term)]
+
+
+def _add_months(day: str, months: int) -> str:
+    """Return the same day of a later month, or the last one of a month without that day."""
+    start = date.fromisoformat(day)
+    years, month = divmod(start.month - 1 + months, 12)
+    year = start.year + years
+    return date(year, month + 1, min(start.day, monthrange(year, month + 1)[1])).isoformat()
 
 
 def _latitudes(settings: Settings) -> str:

@@ -25,8 +25,10 @@ from heading_intercompare.core.settings import Settings
 
 TABLE = """
 gyro1 topic=g1/imu sigma_max_deg=0.5 sensor_class=gyrocompass installation_offset_deg=1.5
-gyro2 installation_offset_u_deg=0.3 serial="A 12" convention=ned slowest_error_s=400
-gnss  sigma_max_deg=0.1 rs installation_offset_deg=0.5 installation_offset_u_deg=0.4
+gyro2 installation_offset_u_deg=0.3 serial="A 12" convention=ned \
+slowest_error_s=400 calibration_months=12
+gnss  sigma_max_deg=0.1 rs evidence=5/26 calibration_date=2026-03-01 \
+installation_offset_deg=0.5 installation_offset_u_deg=0.4
 """
 
 
@@ -48,6 +50,8 @@ def test_a_pair_with_the_reference():
     assert (found.norms.sigma_max_deg, found.ts_convention) == (0.3, 'ned')
     assert found.installation_offset_u_deg == pytest.approx(0.5)
     assert (found.risk.slowest_error_s, found.trial.ts_serial) == (400.0, 'A 12')
+    assert (found.trial.ts_calibration_months, found.trial.ts_calibration_date) == (12, None)
+    assert (found.trial.rs_evidence, found.trial.rs_calibration_date) == ('5/26', '2026-03-01')
 
 
 def test_what_is_known_of_the_reference_does_not_hold_for_another_partner():

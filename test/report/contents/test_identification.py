@@ -33,19 +33,26 @@ def named(**trial):
 
 
 def test_every_name_of_the_settings_is_in_the_identification(made):
-    names = {f.name: f'<{f.name}>' for f in fields(Trial) if not f.name.startswith('latitude')}
-    verdict = made(0, **{f'trial__{name}': text for name, text in names.items()})[0]
+    words = {f.name: f'<{f.name}>' for f in fields(Trial)
+             if f.default == '' and f.name != 'deviations'}
+    figures = {'issue_date': '2026-03-05', 'sea_state': 0, 'temperature_c': -2.5,
+               'ts_calibration_date': '2026-02-10', 'rs_calibration_months': 24}
+    verdict = made(0, **{f'trial__{name}': thing for name, thing in {**words, **figures}.items()})
+    verdict = verdict[0]
     shown = {thing for _, rows in identify(verdict) for _, thing in rows}
-    assert {*names.values()} <= shown
+    assert {*({**words, **figures, 'temperature_c': '-2.5'}).values()} - {0, 24} <= shown
+    assert {'0', '24'} <= shown
     assert verdict.settings_sha256 in shown and verdict_id(verdict) in shown
 
 
 def test_a_name_that_is_not_given_is_left_to_be_filled_in(made):
     rows = dict(row for _, rows in identify(made(0)[0]) for row in rows)
     for name in ('date of issue', 'temperature at the sensors [°C]', 'supply of the sensors',
-                 'filled in by hand by: name, date',
-                 'TS: last calibration or service, and its interval',
-                 'RS: last calibration or service, and its interval'):
+                 'sea state', 'these names stated by: name, date',
+                 'filled in by hand by: name, date', 'TS: certificate or service log',
+                 *(f'{sensor}: {what}' for sensor in ('TS', 'RS') for what in (
+                     'date of the last calibration or service',
+                     'interval of calibration [months]'))):
         assert rows[name] == ''
     assert rows['ship'] == rows['TS: serial number'] == rows['latitudes [deg]'] == ''
 
@@ -57,6 +64,22 @@ def test_a_name_that_is_not_given_is_left_to_be_filled_in(made):
 def test_the_latitudes_are_a_range(made, given, words):
     verdict = made(0, **{f'trial__{name}': value for name, value in given.items()})[0]
     assert dict(row for _, rows in identify(verdict) for row in rows)['latitudes [deg]'] == words
+
+
+@pytest.mark.parametrize('day, months, date_cell, interval_cell', [
+    ('2023-01-31', 12, '2023-01-31', '12, due on 2024-01-31'),
+    ('2023-01-31', 13, '2023-01-31', '13, due on 2024-02-29'),
+    ('2023-02-13', 9, '2023-02-13', '9, due on 2023-11-13, before the trial ended'),
+    ('2023-02-14', 9, '2023-02-14', '9, due on 2023-11-14'),
+    ('2023-11-15', None, '2023-11-15, after the trial', ''),
+    ('2023-11-14', None, '2023-11-14', ''), (None, 12, '', '12')])
+def test_a_calibration_says_when_the_next_is_due_and_whether_it_holds_the_trial(
+        made, day, months, date_cell, interval_cell):
+    """The run ends on 2023-11-14."""
+    verdict = made(1, n=100, trial__ts_calibration_date=day, trial__ts_calibration_months=months)
+    rows = dict(row for _, rows in identify(verdict[0]) for row in rows)
+    assert rows['TS: date of the last calibration or service'] == date_cell
+    assert rows['TS: interval of calibration [months]'] == interval_cell
 
 
 def test_the_running_head_names_number_ship_and_sensor():
