@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 import logging
 
 import pytest
@@ -58,6 +59,18 @@ def test_each_page_is_a4_and_carries_the_trial_the_verdict_and_its_number(made):
         text = ' '.join(text_of(page._page_box).split())
         assert f'page {at} of {len(pages)}' in text
         assert 'MV "Exämple" \\ <1>, no. 12-3' in text and f'verdict {number}' in text
+
+
+@pytest.mark.parametrize('runs', [0, 1, 3, 12])
+def test_the_first_page_alone_can_be_signed(made, runs):
+    verdict = replace(made(runs)[0], headline='a headline of many words ' * 20)
+    pages = weasyprint.HTML(string=html.render(verdict)).render().pages
+    first, *rest = (' '.join(text_of(page._page_box).split()) for page in pages)
+    for words in ('date of issue', 'measured by: name, date', 'approved by: name, date',
+                  f'hold for all pages that name the verdict {html.verdict_id(verdict)}'):
+        assert words in first
+    assert not any('approved by' in page for page in rest)
+    assert 'at most 0.' in first and rest[-1].count('End of the protocol of the verdict') == 1
 
 
 def test_the_first_page_holds_the_verdict_its_facts_and_its_figure(made):

@@ -20,8 +20,10 @@ from dataclasses import dataclass
 from typing import Sequence
 
 from heading_intercompare.core.decision.coverage import Coverage, coverage_of, span_words
+from heading_intercompare.core.decision.norm_presets import sigma_max_deg
 from heading_intercompare.core.diagnostics.assumptions import VIOLATED
 from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.validity.condition import DOUBTFUL, VOID
 from heading_intercompare.core.verdict.conclusion import campaign_words, explain
 from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
@@ -60,7 +62,8 @@ class FirstPage:
     sign, word, means, headline
         The outcome as a sign, a word, a sentence, and in the one line of the verdict.
     facts
-        What the verdict rests on and covers, its validity, and what would decide.
+        What the verdict rests on and covers, its validity, what would decide, and the date of
+        issue; an empty value is to be filled in by hand.
     runs
         A line for each run, if there are several.
 
@@ -82,18 +85,25 @@ def compose_first_page(verdict: Verdict) -> FirstPage:
     means = _MEANS[verdict.outcome]
     if void:
         means = 'The comparison says nothing about the tested sensor.'
-    facts = [('rests on', _rest_on(verdict.runs)), ('measured', _measured(verdict)),
-             ('covers', _covered(verdict)), ('validity', _validity(verdict)),
-             ('why', _why(verdict))]
+    facts = [('norms', _norms(verdict.settings)), ('rests on', _rest_on(verdict.runs)),
+             ('measured', _measured(verdict)), ('covers', _covered(verdict)),
+             ('validity', _validity(verdict)), ('why', _why(verdict))]
     if not void:
         facts.append(('GK as printed', f'{outcome(verdict.paper_outcome)}; that rule makes no '
                       'allowance for the sampling error, and does not decide here'))
+    facts.append(('date of issue', verdict.settings.trial.issue_date or ''))
     return FirstPage(
         kind='void' if void else verdict.outcome.value.replace('_', '-'),
         sign=SIGNS[verdict.outcome],
         word=OUTCOME_WORDS[verdict.outcome] + (
             ', VOID' if void else ', DOUBTFUL' if doubtful else ''),
         means=means, headline=verdict.headline, facts=facts, runs=_list_runs(verdict))
+
+
+def _norms(settings: Settings) -> str:
+    largest_deg = number(sigma_max_deg(settings.norms, settings.model))
+    return (f'standard deviation of the TS at most {with_unit(largest_deg, "deg")}, of the RS at '
+            f'most {with_unit(number(settings.norms.sigma_ref_max_deg), "deg")}')
 
 
 def _rest_on(runs: Sequence[RunVerdict]) -> str:

@@ -68,7 +68,6 @@ def identify(verdict: Verdict) -> list[tuple[str, list[tuple[str, str]]]]:
     return [
         ('Trial', [
             ('protocol number', trial.protocol_number),
-            ('date of issue', trial.issue_date or ''),
             ('customer', trial.customer), ('purpose', trial.purpose),
             ('laboratory', trial.laboratory),
             ('operator', trial.operator), ('ship', trial.ship),

@@ -41,6 +41,14 @@ def test_a_certificate_says_what_it_covers(made):
     assert ' ± ' in told['measured'] and 'to be at most 0.09 deg²' in told['measured']
 
 
+def test_it_names_the_norms_and_when_it_was_issued(made):
+    assert facts(made(0, trial__issue_date='2026-03-05')[0])['date of issue'] == '2026-03-05'
+    shown = facts(made(0, norms__sigma_max_deg=0.25)[0])
+    assert shown['date of issue'] == ''
+    assert shown['norms'] == ('standard deviation of the TS at most 0.25 deg, of the RS at most '
+                              '0.1 deg')
+
+
 def test_a_rejection_and_an_open_verdict_differ_in_sign_kind_and_words(made):
     bad, short = (compose_first_page(made(1, **more)[0]) for more in (
         {'noise_deg': 0.6}, {}))

@@ -35,8 +35,8 @@ def named(**trial):
 def test_every_name_of_the_settings_is_in_the_identification(made):
     words = {f.name: f'<{f.name}>' for f in fields(Trial)
              if f.default == '' and f.name != 'deviations'}
-    figures = {'issue_date': '2026-03-05', 'sea_state': 0, 'temperature_c': -2.5,
-               'ts_calibration_date': '2026-02-10', 'rs_calibration_months': 24}
+    figures = {'sea_state': 0, 'temperature_c': -2.5, 'ts_calibration_date': '2026-02-10',
+               'rs_calibration_months': 24}
     verdict = made(0, **{f'trial__{name}': thing for name, thing in {**words, **figures}.items()})
     verdict = verdict[0]
     shown = {thing for _, rows in identify(verdict) for _, thing in rows}
@@ -47,7 +47,7 @@ def test_every_name_of_the_settings_is_in_the_identification(made):
 
 def test_a_name_that_is_not_given_is_left_to_be_filled_in(made):
     rows = dict(row for _, rows in identify(made(0)[0]) for row in rows)
-    for name in ('date of issue', 'temperature at the sensors [°C]', 'supply of the sensors',
+    for name in ('temperature at the sensors [°C]', 'supply of the sensors',
                  'sea state', 'these names stated by: name, date',
                  'filled in by hand by: name, date', 'TS: certificate or service log',
                  *(f'{sensor}: {what}' for sensor in ('TS', 'RS') for what in (
