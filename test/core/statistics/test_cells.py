@@ -24,7 +24,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
-from heading_intercompare.core.statistics.cells import Cells, LEAST_CELLS
+from heading_intercompare.core.statistics.cells import _coarsen, Cells, LEAST_CELLS
 
 STEP_NS = 100_000_000
 T0 = 1_400_000_000 * 10 ** 9
@@ -389,3 +389,14 @@ def test_the_state_stays_small(rng):
         cells.update(rng.standard_normal(20_011))
         assert cells._index.size <= 1024
         assert sum(x.size for _, x in cells._open) <= 1 << cells._level
+
+
+@pytest.mark.parametrize('first', [0, 6, 7])
+@pytest.mark.parametrize('cells', [1, 2, 3, 512, 1023])
+def test_cells_without_a_hole_are_joined_to_the_same_bits_as_cells_with_one(first, cells, rng):
+    index, rows = first + np.arange(cells + 1), rng.uniform(1.0, 9.0, (5, cells + 1))
+    index[-1] += 10
+    whole_index, whole_rows = _coarsen(index[:-1], rows[:, :-1])
+    holed_index, holed_rows = _coarsen(index, rows)
+    assert whole_index.tolist() == holed_index[:-1].tolist()
+    assert whole_rows.tobytes() == holed_rows[:, :-1].tobytes()
