@@ -24,15 +24,18 @@ and read from a disk without write access.
 from __future__ import annotations
 
 from contextlib import closing, contextmanager
+import json
 import os
 from pathlib import Path
 import sqlite3
-from typing import Any, get_args, get_type_hints, Iterator, Sequence
+from typing import Any, get_args, get_origin, get_type_hints, Iterator, Sequence
+
+from heading_intercompare.core.typed_reader import read_plain, VerdictError
 
 from .run_row import RunRow
 
-VERSION = 1
-"""Version of the table (PRAGMA user_version)."""
+VERSION = 2
+"""Version of the table (PRAGMA user_version); version 1 lacks the last four columns."""
 #: 'HILB', which `file` and SQLite show (PRAGMA application_id).
 _APPLICATION = 0x48494C42
 
@@ -48,26 +51,53 @@ class LogbookBusy(LogbookError):
     """Another process is writing; try again later."""
 
 
-def _declare_columns() -> str:
-    """Return the columns of the table with their types."""
-    lines = ['id INTEGER PRIMARY KEY']
-    for name, hint in get_type_hints(RunRow).items():
-        kinds = get_args(hint) or (hint,)
-        need = '' if type(None) in kinds else ' NOT NULL'
-        lines.append(f'{name} {_TYPES[kinds[0]]}{need}')
-    return ', '.join([*lines, f'UNIQUE ({", ".join(_KEY)})'])
-
-
 _COLUMNS = RunRow.columns()
-_CREATE = f'CREATE TABLE runs ({_declare_columns()})'
-# A row that knows its recording does not lose it to one that does not.
-_KEEP = {'bag': 'coalesce(excluded.bag, runs.bag)'}
+_HINTS = get_type_hints(RunRow)
+#: Columns of several figures, which hold JSON.
+_LISTS = {name: hint for name, hint in _HINTS.items()
+          if any(get_origin(kind) is tuple for kind in get_args(hint))}
+
+
+def _declare_column(name: str) -> str:
+    """Return a column of the table with its type."""
+    kinds = get_args(_HINTS[name]) or (_HINTS[name],)
+    kind = 'TEXT' if name in _LISTS else _TYPES[kinds[0]]
+    return f'{name} {kind}{"" if type(None) in kinds else " NOT NULL"}'
+
+
+#: Columns of version 2, with which the table of version 1 is extended.
+_ADDED = ('installation_offset_deg', 'deviation_coefficients_deg', 'deviation_covariance_deg2',
+          'empty_arc_deg')
+_CREATE = (f'CREATE TABLE runs (id INTEGER PRIMARY KEY, '
+           f'{", ".join(map(_declare_column, _COLUMNS))}, UNIQUE ({", ".join(_KEY)}))')
+# A row that knows its recording, or the columns of version 2, does not lose them to one that
+# does not.
+_KEEP = {'bag': 'coalesce(excluded.bag, runs.bag)',
+         **{name: f'iif(excluded.installation_offset_deg IS NULL, runs.{name}, excluded.{name})'
+            for name in _ADDED}}
 _WRITE = (f'INSERT INTO runs ({", ".join(_COLUMNS)}) '
           f'VALUES ({", ".join("?" * len(_COLUMNS))}) '
           f'ON CONFLICT ({", ".join(_KEY)}) DO UPDATE SET '
           + ', '.join(f'{name} = {_KEEP.get(name, f"excluded.{name}")}'
                       for name in _COLUMNS if name not in _KEY))
-_READ = f'SELECT {", ".join(_COLUMNS)} FROM runs'
+
+
+def to_cells(row: RunRow) -> list[Any]:
+    """Return the cells of a row in the order of its columns; several figures are JSON."""
+    return [json.dumps(value, allow_nan=False) if isinstance(value, tuple) else value
+            for value in (getattr(row, name) for name in _COLUMNS)]
+
+
+def _to_row(cells: dict[str, Any]) -> RunRow:
+    """Return the row of cells by their column; a column that is missing is unknown."""
+    lists = {}
+    for name in _LISTS.keys() & cells.keys():
+        try:
+            lists[name] = read_plain(_LISTS[name], json.loads(cells[name] or 'null'), name)
+        except (json.JSONDecodeError, TypeError, VerdictError):
+            raise LogbookError(f'row {cells["id"]}, column {name} ({cells[name]!r:.40}): must be '
+                               'a JSON list of numbers') from None
+    return RunRow(**{name: lists.get(name, cell) for name, cell in cells.items() if name != 'id'})
 
 
 class Logbook:
@@ -100,8 +130,7 @@ class Logbook:
 
         """
         with self._open(write=True) as connection:
-            connection.executemany(_WRITE, [[getattr(row, name) for name in _COLUMNS]
-                                            for row in rows])
+            connection.executemany(_WRITE, map(to_cells, rows))
 
     def check(self) -> None:
         """Raise LogbookError unless rows can be written; create the logbook if it is not there."""
@@ -132,9 +161,15 @@ class Logbook:
                 where.append(condition)
                 values.append(value)
         with self._open(write=False) as connection:
+            columns = ['id', *(name for name in _COLUMNS
+                               if name not in self._list_missing(connection))]
             rows = connection.execute(
-                f'{_READ} WHERE {" AND ".join(where)} ORDER BY start_ns, end_ns, ship, id', values)
-            return [RunRow(*row) for row in rows]
+                f'SELECT {", ".join(columns)} FROM runs WHERE {" AND ".join(where)} '
+                'ORDER BY start_ns, end_ns, ship, id', values)
+            try:
+                return [_to_row(dict(zip(columns, row))) for row in rows]
+            except LogbookError as error:
+                raise LogbookError(f'{self.path}: {error}') from None
 
     @contextmanager
     def _open(self, *, write: bool) -> Iterator[sqlite3.Connection]:
@@ -174,6 +209,16 @@ class Logbook:
             raise LogbookError(f'{self.path}: is a logbook of version {version}, this program '
                                f'knows version {VERSION}: a newer heading_intercompare wrote it; '
                                'install that')
+        elif write and version < VERSION:
+            for name in self._list_missing(connection):
+                connection.execute(f'ALTER TABLE runs ADD COLUMN {_declare_column(name)}')
+            connection.execute(f'PRAGMA user_version = {VERSION}')
+
+    @staticmethod
+    def _list_missing(connection: sqlite3.Connection) -> list[str]:
+        """Return the columns of version 2 that the table lacks."""
+        there = {row[1] for row in connection.execute('PRAGMA table_info(runs)')}
+        return [name for name in _ADDED if name not in there]
 
     def _explain(self, error: sqlite3.Error, write: bool) -> LogbookError:
         words = ' '.join(str(error).split())

@@ -18,10 +18,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field, fields
 import math
-from typing import Callable, Iterable, NamedTuple
+from typing import Callable, get_type_hints, Iterable, NamedTuple
 
+from heading_intercompare.core.angles import wrap180
 from heading_intercompare.core.declared_figures import find_figure
-from heading_intercompare.core.typed_reader import make_plain
+from heading_intercompare.core.typed_reader import make_plain, read_plain
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 
 
@@ -75,6 +76,13 @@ class RunRow:
         Version of the decision rule.
     software_version
         Version of the program.
+    installation_offset_deg
+        The installation offset, which is removed from `mean_deg` and the coefficients, degrees.
+        None, like all that follows, in a row of a logbook that lacks the column.
+    deviation_coefficients_deg, deviation_covariance_deg2
+        A to E of the dependence on the RS heading, and their covariance; None without a fit.
+    empty_arc_deg
+        Largest arc without a heading of the RS, degrees.
 
     """
 
@@ -108,6 +116,20 @@ class RunRow:
     settings_sha256: str
     rule_version: int
     software_version: str
+    installation_offset_deg: float | None = None
+    deviation_coefficients_deg: tuple[float, ...] | None = field(
+        default=None, metadata={'key': 'heading_dependence.coefficients_deg'})
+    deviation_covariance_deg2: tuple[tuple[float, ...], ...] | None = field(
+        default=None, metadata={'key': 'heading_dependence.covariance_deg2'})
+    empty_arc_deg: float | None = field(
+        default=None, metadata={'key': 'heading_dependence.empty_arc_deg'})
+
+    @property
+    def measured_mean_deg(self) -> float | None:
+        """Return the mean TS - RS as measured, with the installation offset; None if unknown."""
+        if self.mean_deg is None or self.installation_offset_deg is None:
+            return None
+        return float(wrap180(self.mean_deg + self.installation_offset_deg))
 
     @property
     def key(self) -> RunKey:
@@ -139,17 +161,19 @@ def make_rows(verdict: Verdict, *, ship: str = '', earlier: Iterable[RunVerdict]
     """
     if verdict.intermediate:
         return []
-    rows, digest = [], verdict.settings_sha256
+    rows, digest, hints = [], verdict.settings_sha256, get_type_hints(RunRow)
     for run in (*earlier, *verdict.runs):
         n_effective, u_deg = run.correlation.n_effective_mean, None
         if run.variance_deg2 is not None and n_effective > 0.0:
             u_deg = math.sqrt(run.variance_deg2 / n_effective)
         rejected = run.pairing.rejected
         rows.append(RunRow(
-            **{column.name: make_plain(find_figure(run, column.metadata['key']))
+            **{column.name: read_plain(hints[column.name], make_plain(
+                find_figure(run, column.metadata['key'])))
                for column in fields(RunRow) if 'key' in column.metadata},
             ship=ship, mean_u_deg=make_plain(u_deg), ts_rejected=sum(rejected.ts.values()),
             rs_rejected=sum(rejected.rs.values()), bag=find_bag(run.source),
             settings_sha256=digest, rule_version=verdict.rule_version,
-            software_version=verdict.software.version))
+            software_version=verdict.software.version,
+            installation_offset_deg=verdict.settings.installation_offset_deg))
     return sorted(rows, key=lambda row: (row.start_ns, row.end_ns))

@@ -80,10 +80,60 @@ def test_the_file_names_its_version_and_a_newer_one_is_refused(book):
         assert connection.execute('PRAGMA user_version').fetchone() == (VERSION,)
         connection.execute(f'PRAGMA user_version = {VERSION + 1}')
     for act in (book.read, lambda: book.write([make_row()])):
-        with pytest.raises(LogbookError, match=r'l.sqlite: is a logbook of version 2, .*; '
+        with pytest.raises(LogbookError, match=r'l.sqlite: is a logbook of version 3, .*; '
                            'install that') as found:
             act()
         assert '\n' not in str(found.value)
+
+
+ADDED = {'installation_offset_deg': 1.5, 'deviation_coefficients_deg': (0.1, 0.2, 1 / 3, 0, -1.0),
+         'deviation_covariance_deg2': ((1e-4, 0.0), (0.0, 1e-4)), 'empty_arc_deg': 12.5}
+
+
+def make_old(path, *rows):
+    """Write a logbook of version 1, which lacks the columns of version 2."""
+    Logbook(path).write(rows)
+    with sqlite3.connect(path) as connection:
+        for name in ADDED:
+            connection.execute(f'ALTER TABLE runs DROP COLUMN {name}')
+        connection.execute('PRAGMA user_version = 1')
+    connection.close()
+
+
+def test_a_column_that_an_old_logbook_lacks_is_unknown_and_not_zero(book):
+    make_old(book.path, make_row(0, **ADDED))
+    before = Path(book.path).read_bytes()
+    assert book.read() == [make_row(0)]
+    assert all(getattr(book.read()[0], name) is None for name in ADDED)
+    assert Path(book.path).read_bytes() == before
+
+
+def test_an_old_logbook_is_extended_when_a_row_is_written(book):
+    make_old(book.path, make_row(0))
+    book.write([make_row(1, **ADDED)])
+    assert book.read() == [make_row(0), make_row(1, **ADDED)]
+    with sqlite3.connect(book.path) as connection:
+        assert connection.execute('PRAGMA user_version').fetchone() == (VERSION,)
+
+
+def test_an_old_row_about_a_run_does_not_erase_what_a_new_one_knows(book, tmp_path):
+    book.write([make_row(0, **ADDED)])
+    make_old(tmp_path / 'old', make_row(0, paired=7))
+    merge_logbooks(book, [Logbook(tmp_path / 'old')])
+    assert book.read() == [make_row(0, paired=7, **ADDED)]
+    # A later judgement without a fit replaces the fit: it knows the offset.
+    book.write([make_row(0, installation_offset_deg=1.5)])
+    assert book.read() == [make_row(0, installation_offset_deg=1.5)]
+
+
+@pytest.mark.parametrize('cell', ['0.1 0.2', '{"a": 1}', '["x"]', 3.5, '[[1]'])
+def test_a_cell_that_is_no_list_of_numbers_is_named(book, cell):
+    book.write([make_row(0, **ADDED)])
+    with sqlite3.connect(book.path) as connection:
+        connection.execute('UPDATE runs SET deviation_coefficients_deg = ?', (cell,))
+    with pytest.raises(LogbookError, match='l.sqlite: row 1, column deviation_coefficients_deg '
+                       r'\(.*\): must be a JSON list of numbers'):
+        book.read()
 
 
 def test_another_file_is_refused_and_left_as_it_is(book):

@@ -18,7 +18,9 @@ from __future__ import annotations
 
 import math
 
+from logbook.made_up_rows import make_row
 import numpy as np
+import pytest
 from trials import judge_headings
 
 from heading_intercompare.logbook.logbook_file import Logbook
@@ -65,3 +67,37 @@ def test_earlier_runs_come_first(rng):
     rows = make_rows(verdict, earlier=judge(rng, n=300).runs)
     assert [row.start_ns for row in rows] == sorted(row.start_ns for row in rows)
     assert len(rows) == len(verdict.runs) + 1
+
+
+def turn(rng, offset_deg, n=4000):
+    """Return the row of a run around the compass: TS - RS is offset + 0.4 + 0.2 sin(psi)."""
+    rs_deg = (0.9 * np.arange(n)) % 360.0
+    ts_deg = rs_deg + offset_deg + 0.4 + 0.2 * np.sin(np.radians(rs_deg))
+    row, = make_rows(judge_headings(
+        (ts_deg + 0.05 * rng.standard_normal(n)) % 360.0, rs_deg,
+        (1_700_000_000 + np.arange(n)) * S,
+        norms={'sigma_max_deg': 1.0, 'sigma_ref_max_deg': 0.3},
+        installation_offset_deg=offset_deg))
+    return row
+
+
+@pytest.mark.parametrize('offset_deg', [0.0, 3.0, -179.8])
+def test_the_mean_as_measured_has_the_installation_offset_in_it(rng, offset_deg):
+    row = turn(rng, offset_deg)
+    assert row.installation_offset_deg == offset_deg
+    assert row.mean_deg == pytest.approx(0.4, abs=0.01)
+    assert row.measured_mean_deg == pytest.approx(
+        (offset_deg + 0.4 + 180.0) % 360.0 - 180.0, abs=0.01)
+
+
+def test_the_dependence_on_the_heading_comes_back_to_the_bit(rng, tmp_path):
+    row = turn(rng, 1.0)
+    assert row.deviation_coefficients_deg == pytest.approx((0.4, 0.2, 0.0, 0.0, 0.0), abs=0.01)
+    assert np.shape(row.deviation_covariance_deg2) == (5, 5) and row.empty_arc_deg < 1.0
+    Logbook(tmp_path / 'l').write([row])
+    assert Logbook(tmp_path / 'l').read() == [row]
+
+
+def test_a_mean_as_measured_is_unknown_without_the_offset():
+    assert make_row().measured_mean_deg is None
+    assert make_row(mean_deg=None, installation_offset_deg=1.0).measured_mean_deg is None

@@ -33,7 +33,7 @@ from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import Software
 from heading_intercompare.logbook.control_chart import LEAST_BASELINE
 from heading_intercompare.logbook.history import History, Point, tell_histories
-from heading_intercompare.logbook.logbook_file import Logbook, merge_logbooks
+from heading_intercompare.logbook.logbook_file import Logbook, merge_logbooks, to_cells
 from heading_intercompare.logbook.run_row import RunRow
 from heading_intercompare.logbook.service_change import compare_service, ServiceChange
 from heading_intercompare.report import check_form
@@ -184,11 +184,9 @@ def _render(histories: Sequence[History], changes: Sequence[Sequence[ServiceChan
 
 def _write_csv(histories: Sequence[History], file: Any, since_ns: int | None) -> None:
     """Write a row per run with its limits."""
-    columns = RunRow.columns()
     table = csv.writer(file, lineterminator='\n')
-    table.writerow([*columns, *_LIMITS, 'outside'])
+    table.writerow([*RunRow.columns(), *_LIMITS, 'outside'])
     for history in histories:
         for point in history.list_since(since_ns):
-            table.writerow([*(getattr(point.row, name) for name in columns),
-                            *(getattr(point, name) for name in _LIMITS),
+            table.writerow([*to_cells(point.row), *(getattr(point, name) for name in _LIMITS),
                             ' '.join(point.outside)])

@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 import csv
+from dataclasses import replace
 import json
 from pathlib import Path
 import sqlite3
@@ -99,6 +100,16 @@ def test_json_and_csv_hold_runs_and_limits(books, tmp_path, capsys):
         assert float(row['mean_deg']) == point['row']['mean_deg']
         assert float(row['mean_high_deg']) == point['mean_high_deg']
         assert row['outside'] == ' '.join(point['outside'])
+
+
+def test_a_csv_holds_several_figures_of_a_run_as_json(tmp_path, capsys):
+    row, = rows_of('MV A', 1, 9)
+    row = replace(row, deviation_coefficients_deg=(0.1, 0.2, 0.3, 0.0, 1 / 3))
+    Logbook(tmp_path / 'l').write([row])
+    assert main(['history', str(tmp_path / 'l'), '--csv', '-']) == 0
+    cells, = csv.DictReader(capsys.readouterr().out.splitlines())
+    assert json.loads(cells['deviation_coefficients_deg']) == [0.1, 0.2, 0.3, 0.0, 1 / 3]
+    assert cells['installation_offset_deg'] == ''
 
 
 def test_a_page_shows_both_charts(books, tmp_path, capsys):
