@@ -397,7 +397,7 @@ def test_what_an_extra_brings_is_imported_only_where_it_is_used():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize('name', ['cli.commands.analyze', 'cli.commands.report', 'report',
+@pytest.mark.parametrize('name', ['cli.commands.analyze', 'report',
                                   'cli.commands.graph.demo', 'app.analysis', 'nodes.compliance'])
 def test_who_may_write_a_protocol_loads_what_it_needs_only_then(name):
     if name.startswith('nodes.'):

@@ -47,8 +47,8 @@ class Outputs:
         One row per pair.
     ensembles
         One row per ensemble of `ensemble_s` seconds.
-    report
-        The protocol.
+    reports
+        The protocols and verdicts, each in the form of its suffix.
     runs_csv
         One row per run.
     json
@@ -58,7 +58,7 @@ class Outputs:
 
     csv: str | None = None
     ensembles: str | None = None
-    report: str | None = None
+    reports: tuple[str, ...] = ()
     json: str | None = None
     ensemble_s: float = 120.0
     runs_csv: str | None = None
@@ -93,7 +93,8 @@ def check_outputs(outputs: Outputs, inputs: Sequence[str], *, config: str | None
                          for file in input_path.glob(pattern)}
     beside = None if outputs.csv in (None, '', '-') else str(account_path(outputs.csv))
     for option, path in (('csv', outputs.csv), ('csv', beside), ('ensembles', outputs.ensembles),
-                         ('runs-csv', outputs.runs_csv), ('report', outputs.report),
+                         ('runs-csv', outputs.runs_csv),
+                         *(('output', report) for report in outputs.reports),
                          ('json', outputs.json)):
         if path is None or (option, path) == ('json', '-'):
             continue

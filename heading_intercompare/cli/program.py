@@ -40,8 +40,9 @@ COMMANDS = {
              'analyze the bag, and say whether the three verdicts agree', 'demo --out demo_out'),
     'live': ('graph.live', 'run the graph in one process, from drivers or topics, and record it',
              'live --config heading_intercompare.yaml'),
-    'analyze': ('analyze', 'judge recorded runs', 'analyze trial_bag '
-                '--set norms.sigma_max_deg=0.2 --set norms.sigma_ref_max_deg=0.1'),
+    'analyze': ('analyze', 'judge recorded runs, and write the protocol, with plots',
+                'analyze trial_bag -o protocol.html --set norms.sigma_max_deg=0.2 '
+                '--set norms.sigma_ref_max_deg=0.1'),
     'observe': ('observe', 'judge the systematic error of a sensor by observations: a quay, a '
                 'survey, a leading line, the sun', 'observe gyro.log quay.csv --bearing 73.42 '
                 '--common-u-deg 0.05 --set norms.systematic_max_deg=0.75'),
@@ -56,8 +57,6 @@ COMMANDS = {
     'record': ('graph.record', 'record topics to a bag', 'record -o trial_bag'),
     'note': ('note', "add an operator's note to the bag that is being recorded",
              "note 'course change to 270'"),
-    'report': ('report', 'write the protocol of recorded runs, with plots',
-               'report trial_bag -o protocol.html --config heading_intercompare.yaml'),
     'plan': ('plan', 'say before a trial how long to measure, with the chances of a '
              'decision', 'plan --set norms.sigma_max_deg=0.2 --set norms.sigma_ref_max_deg=0.1 '
              '--set risk.sensor_class=gnss_compass'),
@@ -71,7 +70,7 @@ COMMANDS = {
 }
 
 #: Second names, by the name in `COMMANDS`.
-_ALIASES = {'import': ('import-nmea',)}
+_ALIASES = {'analyze': ('report',), 'import': ('import-nmea',)}
 _NAMES = {name: command for command, aliases in _ALIASES.items() for name in aliases}
 
 

@@ -277,6 +277,14 @@ def find_written(path: str | os.PathLike[str]) -> WrittenFile | None:
     return find_written_file(place.name, _head(place))
 
 
+def is_verdict(path: str | os.PathLike[str]) -> bool:
+    """Tell whether a file can only be a verdict in JSON: no log, table or other file is."""
+    written = find_written(path)
+    if written is not None:
+        return written.contents == 'verdict'
+    return Path(path).suffix.lower() == '.json' and find_format(path) is None
+
+
 def refuse_unreadable(path: str | os.PathLike[str]) -> None:
     """
     Raise ReaderError for a file that cannot be read: what it is, or how it begins; what to do.

@@ -62,7 +62,7 @@ def folder(tmp_path):
 
 
 @pytest.mark.parametrize('line, expected', [
-    ('', {*COMMANDS, 'import-nmea', '--help', '--version'}),
+    ('', {*COMMANDS, 'report', 'import-nmea', '--help', '--version'}),
     ('re', {'record', 'recover', 'rejudge', 'replay', 'report'}), ('analyze --se', {'--set'}),
     ('replay --lo', {'--loop'}), ('norms --', {'--help', '--quiet'}),
     ('analyze tri', {'trial_bag/', 'trial.mcap', 'trial.csv', 'trial.json', 'trial.journal'}),

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The command ``analyze``: the verdict on recorded runs."""
+"""The command ``analyze``, in short ``report``: the verdict on recorded runs, the protocol."""
 
 from __future__ import annotations
 
@@ -21,7 +21,6 @@ from concurrent.futures import Executor
 from contextlib import ExitStack, nullcontext
 from dataclasses import replace
 import os
-from pathlib import Path
 import sys
 from typing import ContextManager, Mapping, Sequence
 
@@ -52,8 +51,8 @@ from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.logbook.run_row import make_rows
-from heading_intercompare.readers.registry import has_one_sensor, has_streams
-from heading_intercompare.report import check_form, json, SeriesSketch, WRITERS
+from heading_intercompare.readers.registry import has_one_sensor, has_streams, is_verdict
+from heading_intercompare.report import check_form, json, SeriesSketch
 from heading_intercompare.report.runs_csv import write_runs
 from heading_intercompare.report.sensors_report import sensor_path, write_protocols
 
@@ -69,32 +68,32 @@ _CHECK_CODES = {Outcome.COMPLIANT: 0, Outcome.NON_COMPLIANT: 1, Outcome.INDETERM
 _DOUBTFUL_CODE = 4
 _OF_TESTED = ('csv', 'ensembles', 'runs_csv')
 _OF_TWO = 'is for two sensors; choose them with --ts NAME --rs NAME'
+#: Options of a verdict in JSON as the INPUT; the others need readings, which it lacks.
+_OF_VERDICT = ('command', 'inputs', 'reports', 'json', 'check', 'quiet', 'runs_csv', 'ensemble_s')
 
 
-def add_settings_arguments(parser: argparse.ArgumentParser) -> None:
+def add_settings_arguments(parser: argparse._ActionsContainer) -> None:
     """Add the options that give settings to any command."""
     parser.add_argument('--config', metavar='F', help='ROS parameter file with the settings')
     parser.add_argument('--set', metavar='name=value', action='append', default=[],
                         help='one setting, e.g. norms.sigma_max_deg=0.2; may be repeated')
 
 
-def add_motion_argument(parser: argparse.ArgumentParser) -> None:
+def add_motion_argument(parser: argparse._ActionsContainer) -> None:
     """Add the option that names the log of the motion of the ship."""
     parser.add_argument('--motion', metavar='LOG', help='log with the motion of the ship (VTG, '
                         'RMC, GNS, GGA, GLL, ROT), to check the headings against (default: that '
                         'of the reference sensor, or of the tested one, if it has any)')
 
 
-def add_antenna_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of an RS that is two antennas."""
+def add_antenna_arguments(parser: argparse._ActionsContainer) -> None:
+    """Add the options of an RS that is two antennas; those of its settings are not shown."""
     parser.add_argument('--rs-antennas', metavar=('FORE', 'AFT'), nargs=2,
                         help='logs with the positions of two antennas, whose baseline is the '
-                        'reference sensor, in place of its log')
-    parser.add_argument('--baseline-m', metavar='M', type=float,
-                        help='their distance in metres (antennas.baseline_m; default: the median)')
-    parser.add_argument('--baseline-angle', metavar='DEG', type=float,
-                        help='angle from the direction aft to fore antenna to the bow, clockwise '
-                        '(antennas.baseline_angle_deg; default: 0)')
+                        'reference sensor, in place of its log; the settings '
+                        'antennas.baseline_m and antennas.baseline_angle_deg say how they lie')
+    for option in ('--baseline-m', '--baseline-angle'):
+        parser.add_argument(option, type=float, help=argparse.SUPPRESS)
 
 
 def add_verdict_arguments(parser: argparse.ArgumentParser) -> None:
@@ -106,54 +105,68 @@ def add_verdict_arguments(parser: argparse.ArgumentParser) -> None:
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options of the command."""
+    """Add the options of the command: first those that most trials need."""
+    parser.usage = '%(prog)s [OPTION ...] INPUT [INPUT ...]'
     parser.add_argument('inputs', nargs='+', metavar='INPUT',
                         help='.mcap file, rosbag2 directory, .csv of pairs, or .journal of a live '
                         'run, which brings its settings; or two logs of NMEA sentences, first '
                         'that of the tested, then that of the reference sensor: files, folders, '
                         'or patterns in quotes; with the setting sensors recordings, or NAME=LOG '
-                        'for each sensor')
-    add_analysis_arguments(parser)
-    parser.add_argument('--report', metavar='F',
-                        help='write the protocol, with plots: F.html or F.pdf')
-    add_verdict_arguments(parser)
-
-
-def add_analysis_arguments(parser: argparse.ArgumentParser) -> None:
-    """Add the options for judging inputs and for the tables of their pairs."""
+                        'for each sensor; or one verdict in JSON, which is not judged again')
+    add_settings_arguments(parser)
+    parser.add_argument('-o', '--output', '--report', dest='reports', metavar='F',
+                        action='append', default=[],
+                        help='write the protocol, with plots: F.html, or F.pdf with the extra '
+                        'pdf; F.json: the verdict; may be repeated; the short name report needs '
+                        'it')
     parser.add_argument('--ts', metavar='TOPIC', help='topic of the tested sensor, or its name '
                         'in the setting sensors')
     parser.add_argument('--rs', metavar='TOPIC', help='topic of the reference sensor, or its name')
-    add_unit_arguments(parser)
-    add_log_arguments(parser)
     add_motion_argument(parser)
-    add_antenna_arguments(parser)
-    add_settings_arguments(parser)
-    parser.add_argument('--runs', metavar='F.csv', help='table of runs: start,stop[,source]')
-    parser.add_argument('--runs-csv', metavar='F', help='write one row per run: recording, start, '
-                        'end, n, mean, sd, bounds, outcome, validity')
     parser.add_argument('--exclude', metavar='F.csv', help='table of stretches to take out: '
                         'start,end,reason; the verdict with nothing taken out stands beside')
-    parser.add_argument('--csv', metavar='F', help='write one row per pair')
-    parser.add_argument('--ensembles', metavar='F', help='write one row per ensemble, with '
-                        'the columns of UHDAS: dday,mean_hdg,last_hdg,mean_dh,std_dh,num,badflag; '
-                        'dh is TS - RS')
-    parser.add_argument('--ensemble-s', metavar='S', type=float, default=120.0,
-                        help='length of an ensemble in seconds (default: 120)')
-    parser.add_argument('--jobs', metavar='N', type=_parse_count,
-                        help='number of processes to judge several large INPUTs, or to read one '
-                        '(default: one per core)')
-    parser.add_argument('--logbook', metavar='F', help='write a row per run into a logbook '
-                        '(SQLite); see the command history')
-    parser.add_argument('--ship', metavar='NAME', help='name of the ship or station in the '
-                        'logbook (default: that of the section compliance of --config)')
-    parser.add_argument('--dask', metavar='ADDRESS', help='judge the INPUTs on the workers of a '
-                        'Dask scheduler, tcp://HOST:8786 or its .json file; the workers must see '
-                        'the same paths')
+    add_verdict_arguments(parser)
+    logs = parser.add_argument_group('how logs and tables are read')
+    add_unit_arguments(logs)
+    add_log_arguments(logs)
+    add_antenna_arguments(logs)
+    _add_run_arguments(parser.add_argument_group('several runs and recordings'))
+    _add_table_arguments(parser.add_argument_group('tables to write'))
+
+
+def _add_run_arguments(group: argparse._ActionsContainer) -> None:
+    """Add the options of several runs, recordings and computers."""
+    group.add_argument('--runs', metavar='F.csv', help='table of runs: start,stop[,source]')
+    group.add_argument('--jobs', metavar='N', type=_parse_count,
+                       help='number of processes to judge several large INPUTs, or to read one '
+                       '(default: one per core)')
+    group.add_argument('--dask', metavar='ADDRESS', help='judge the INPUTs on the workers of a '
+                       'Dask scheduler, tcp://HOST:8786 or its .json file; the workers must see '
+                       'the same paths')
+    group.add_argument('--logbook', metavar='F', help='write a row per run into a logbook '
+                       '(SQLite); see the command history')
+    group.add_argument('--ship', metavar='NAME', help='name of the ship or station in the '
+                       'logbook (default: that of the section compliance of --config)')
+
+
+def _add_table_arguments(group: argparse._ActionsContainer) -> None:
+    """Add the options of the tables of pairs and runs."""
+    group.add_argument('--runs-csv', metavar='F', help='write one row per run: recording, start, '
+                       'end, n, mean, sd, bounds, outcome, validity')
+    group.add_argument('--csv', metavar='F', help='write one row per pair')
+    group.add_argument('--ensembles', metavar='F', help='write one row per ensemble, with '
+                       'the columns of UHDAS: dday,mean_hdg,last_hdg,mean_dh,std_dh,num,badflag; '
+                       'dh is TS - RS')
+    group.add_argument('--ensemble-s', metavar='S', type=float, default=120.0,
+                       help='length of an ensemble in seconds (default: 120)')
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Judge the inputs; print and write the verdict."""
+    """Judge the inputs, or read the verdict; print and write it."""
+    if arguments.command == 'report' and not arguments.reports:
+        raise ValueError('report: -o is missing, the protocol to write, such as -o protocol.html')
+    if len(arguments.inputs) == 1 and is_verdict(arguments.inputs[0]):
+        return _show_again(arguments)
     config = load_config_or_journal(arguments.config, arguments.inputs)
     settings = settings_for(
         config, arguments.set, find_looks(config, arguments.set, arguments.inputs),
@@ -184,10 +197,10 @@ def run(arguments: argparse.Namespace) -> int:
             judged = judge_logs(
                 logs, settings, drivers, runs=arguments.runs or None,
                 motion=arguments.motion, aft=(arguments.rs_antennas or (None, None))[1],
-                takers=takers, sketched=bool(arguments.report), progress=progress.show)
+                takers=takers, sketched=bool(arguments.reports), progress=progress.show)
         else:
             judged = judge_bags(arguments.inputs, settings, runs=arguments.runs or None,
-                                takers=takers, sketched=bool(arguments.report),
+                                takers=takers, sketched=bool(arguments.reports),
                                 jobs=arguments.jobs, executor=executor, driver=drivers['ts'],
                                 progress=progress.show)
         for name, writers in tables.items():
@@ -198,6 +211,20 @@ def run(arguments: argparse.Namespace) -> int:
     if book is not None:
         _write_rows(book, judged, _find_ship(arguments.ship, config))
     return deliver(judged.verdict, arguments, judged.sketches)
+
+
+def _show_again(arguments: argparse.Namespace) -> int:
+    """Print the verdict that is the INPUT, and write its protocol; nothing is judged again."""
+    path, = arguments.inputs
+    for option, value in vars(arguments).items():
+        if option not in _OF_VERDICT and value:
+            shown = value[0] if isinstance(value, list) else value
+            raise ValueError(f'--{option.replace("_", "-")} {shown}: {path} is a verdict, which '
+                             'is not judged again; leave it out')
+    _check_forms(arguments.reports)
+    check_outputs(Outputs(reports=tuple(arguments.reports), json=arguments.json,
+                          runs_csv=arguments.runs_csv), arguments.inputs)
+    return deliver(json.read_any(path), arguments)
 
 
 def choose_logs(arguments: argparse.Namespace, settings: Settings,
@@ -223,7 +250,7 @@ def choose_logs(arguments: argparse.Namespace, settings: Settings,
 
 def _plan_outputs(arguments: argparse.Namespace, settings: Settings) -> dict[str, Outputs]:
     """Return the files of the tested sensor, or those of each beside those of all."""
-    whole = Outputs(arguments.csv, arguments.ensembles, arguments.report, arguments.json,
+    whole = Outputs(arguments.csv, arguments.ensembles, tuple(arguments.reports), arguments.json,
                     arguments.ensemble_s, arguments.runs_csv)
     if settings.sensors is None:
         return {'ts': whole}
@@ -233,7 +260,8 @@ def _plan_outputs(arguments: argparse.Namespace, settings: Settings) -> dict[str
     return {'': replace(whole, csv=None, ensembles=None), **{
         sensor.name: replace(whole, csv=of(whole.csv, sensor.name),
                              ensembles=of(whole.ensembles, sensor.name),
-                             report=of(whole.report, sensor.name))
+                             reports=tuple(os.fspath(sensor_path(path, sensor.name))
+                                           for path in whole.reports))
         for sensor, _ in pair_with_reference(settings)}}
 
 
@@ -272,10 +300,10 @@ def deliver(verdict: Verdict | SensorsVerdict, arguments: argparse.Namespace,
                              'the verdict has no run of a sensor; leave it out')
         with name_file(arguments.runs_csv):
             write_runs(verdict, arguments.runs_csv)
-    if arguments.report:
-        with name_file(arguments.report), Progress(arguments.report, arguments.quiet) as progress:
+    for path in arguments.reports:
+        with name_file(path), Progress(path, arguments.quiet) as progress:
             progress.show('drawing the protocol')
-            files = write_protocols(verdict, arguments.report, sketches, progress.show)
+            files = write_protocols(verdict, path, sketches, progress.show)
         if isinstance(verdict, SensorsVerdict) and arguments.json != '-':
             say_lines(['protocols: ' + ', '.join(map(str, files))])
     return code
@@ -313,7 +341,7 @@ def _check_options(arguments: argparse.Namespace, settings: Settings, of_logs: b
     if arguments.dask is not None and arguments.jobs is not None:
         raise ValueError(f'--jobs {arguments.jobs}: with --dask the scheduler decides; '
                          'leave out one of them')
-    check_report(arguments)
+    _check_forms(arguments.reports)
     for option in _OF_TESTED:
         path = getattr(arguments, option)
         if path is None:
@@ -351,13 +379,10 @@ def check_input_options(arguments: argparse.Namespace, settings: Settings, of_lo
             raise ValueError(f'--{option.replace("_", "-")} {shown}: {why}')
 
 
-def check_report(arguments: argparse.Namespace) -> None:
+def _check_forms(paths: Sequence[str]) -> None:
     """Reject a protocol in an unknown form, or one whose libraries are not installed."""
-    if not arguments.report:
-        return
-    if Path(arguments.report).suffix not in WRITERS:
-        raise ValueError(f'--report {arguments.report}: must end with {" or ".join(WRITERS)}')
-    check_form(arguments.report)
+    for path in paths:
+        check_form(path)
 
 
 def conclude(verdict: Verdict | SensorsVerdict, arguments: argparse.Namespace) -> int:

@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 import argparse
-from typing import Sequence
+from typing import Any, Sequence
 
 from heading_intercompare.core.declared_settings import from_mapping
 from heading_intercompare.core.units.full_turns import ANGLE_UNITS
@@ -64,13 +64,11 @@ OF_TABLES = ('stamp_format', 'stamp_pattern', 'stamp_zone', 'time_column', 'date
 """Those of them that hold for a table of several sensors, too."""
 
 
-def add_log_arguments(parser: argparse.ArgumentParser,
+def add_log_arguments(parser: argparse._ActionsContainer,
                       roles: Sequence[str] = _ROLES) -> None:
     """Add the options that say how the logs of some sensors are read; see `drivers_for`."""
     for name, words in _ROLE_OPTIONS.items():
-        for role in roles:
-            parser.add_argument(f'--{role}-{name.replace("_", "-")}', metavar=name[0].upper(),
-                                help=words.format(role.upper()))
+        _add_role_options(parser, name.replace('_', '-'), words, roles, metavar=name[0].upper())
     for name, (words, choices) in SHARED_OPTIONS.items():
         option, value_type = name.replace('_', '-'), float if name.endswith('_deg') else str
         parser.add_argument(f'--{option}', metavar=None if choices else name[0].upper(),
@@ -82,12 +80,20 @@ def add_log_arguments(parser: argparse.ArgumentParser,
                                 help=argparse.SUPPRESS)
 
 
-def add_unit_arguments(parser: argparse.ArgumentParser) -> None:
+def add_unit_arguments(parser: argparse._ActionsContainer) -> None:
     """Add the options that state the units of headings, `ts_unit` and `rs_unit`."""
-    for role, sensor in zip(_ROLES, ('tested', 'reference')):
-        parser.add_argument(f'--{role}-unit', choices=('auto', *ANGLE_UNITS), help='unit of the '
-                            f'headings of the {sensor} sensor, in files of numbers and in fields '
-                            'of messages')
+    _add_role_options(parser, 'unit', 'unit of the headings of the {}, in files of numbers and in '
+                      'fields of messages', _ROLES, choices=('auto', *ANGLE_UNITS))
+
+
+def _add_role_options(parser: argparse._ActionsContainer, option: str, words: str,
+                      roles: Sequence[str], **form: Any) -> None:
+    """Add an option for each role; the help shows the first, and names the other beside it."""
+    for role in roles:
+        others = ''.join(f'; --{other}-{option}: of the {other.upper()}' for other in roles[1:])
+        parser.add_argument(f'--{role}-{option}', **form,
+                            help=words.format(role.upper()) + others if role == roles[0]
+                            else argparse.SUPPRESS)
 
 
 def drivers_for(arguments: argparse.Namespace,

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The command `report`: it accepts the inputs of `analyze`, or a verdict written earlier."""
+"""The protocol of `analyze`, in short `report`: of its inputs, or of a verdict in JSON."""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare.cli import main
+from heading_intercompare.readers.registry import is_verdict
 
 S = 1_000_000_000
 
@@ -63,27 +64,48 @@ def test_a_report_takes_what_analyze_takes(pairs, tmp_path, capsys):
         300, 200]
 
 
-def test_a_verdict_becomes_the_protocol_without_the_readings(verdict, pairs, tmp_path, capsys):
+@pytest.mark.parametrize('command', ['analyze', 'report'])
+def test_a_verdict_becomes_the_protocol_without_the_readings(verdict, pairs, tmp_path, capsys,
+                                                             command):
     file, printed = verdict
     for path in pairs:
         path.unlink()
-    page = tmp_path / 'r.html'
-    assert main(['report', str(file), '-o', str(page), '--check']) in (0, 3)
+    page, again = tmp_path / 'r.html', tmp_path / 'again.json'
+    assert main([command, str(file), '-o', str(page), '-o', str(again), '--check']) in (0, 3)
     assert capsys.readouterr().out == printed
     text = page.read_text('utf-8')
     assert 'None: the protocol was made from the verdict alone.' in text
-    assert main(['report', str(file), '-o', str(page), '--json', '-']) == 0
+    assert again.read_bytes() == file.read_bytes()
+    assert main([command, str(file), '-o', str(page), '--json', '-']) == 0
     assert capsys.readouterr().out == file.read_text('utf-8')
+
+
+def test_the_short_name_needs_a_protocol_and_analyze_needs_none(verdict, capsys):
+    file, printed = verdict
+    assert '-o is missing' in refusal(capsys, 'report', file)
+    assert main(['analyze', str(file)]) == 0
+    assert capsys.readouterr().out == printed
+
+
+def test_a_log_in_json_is_no_verdict_whatever_its_name(tmp_path, capsys):
+    path = tmp_path / 'gpsd.json'
+    path.write_text(''.join(
+        f'{{"class":"ATT","device":"/dev/gps0","time":"2026-03-01T09:00:0{i}.000Z",'
+        f'"heading":10.{i}}}\n' for i in range(9)))
+    assert not is_verdict(path)
+    assert 'choose with --ts and --rs' in refusal(capsys, 'analyze', path, *NORMS)
 
 
 @pytest.mark.parametrize('options, words', [
     (['--set', 'window_s=60'], '--set window_s=60: {file} is a verdict, which is not judged'),
     (['--config', 'x.yaml'], '--config x.yaml: '), (['--runs', 'x.csv'], '--runs x.csv: '),
     (['--csv', 'x.csv'], '--csv x.csv: '), (['--jobs', '2'], '--jobs 2: '),
-    (['{file}'], '{file}: a verdict must be the only INPUT, 2 are given'),
+    (['--logbook', 'x.sqlite'], '--logbook x.sqlite: '), (['--ts-unit', 'rad'], '--ts-unit rad: '),
+    ([*NORMS, '{file}'], '{file}: is a verdict: heading-intercompare report {file} -o'),
     (['--json', '{file}'], '--json {file}: that is an INPUT'),
-    (['-o', '{file}'], '--report {file}: that is an INPUT'),
-    (['-o', 'x.txt'], '--report x.txt: must end with .html or .json or .pdf')])
+    (['-o', '{file}'], '--output {file}: that is an INPUT'),
+    (['-o', 'r.html'], '--output r.html: that is the file of --output'),
+    (['-o', 'x.txt'], 'x.txt: a report must end in .html or .json or .pdf')])
 def test_what_a_verdict_cannot_be_asked_for_is_one_line(verdict, tmp_path, capsys, monkeypatch,
                                                         options, words):
     file, _ = verdict
