@@ -37,6 +37,7 @@ from .contents.defaults import is_default
 from .contents.file_names import hide_paths, name_files
 from .contents.findings import describe_findings, rows_of_block
 from .contents.first_page import compose_first_page
+from .contents.heading_sectors import tabulate_sectors
 from .contents.holding import find_worst
 from .contents.identification import identify, name_trial, span_of, verdict_id
 from .contents.tables import (
@@ -51,6 +52,7 @@ from .contents.tables import (
     WORST,
 )
 from .contents.uncertainty_budget import budget_of
+from .figures.drawing import Subject
 from .figures.gallery import draw_figures, Drawn, NAMES
 from .formatting import exact, flatten, value
 from .series_sketch import SeriesSketch
@@ -108,6 +110,8 @@ def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = (),
         identification=identify(verdict), norms=describe_norms(settings),
         statement=state_conformity(shown), ledger=rows_by_run(LEDGER, runs),
         summary=rows_by_run(SUMMARY, runs), results=rows_by_run(RESULTS, runs),
+        sectors=[(about.title('differences by heading'), tabulate_sectors(about)) for about in (
+            Subject.of(sketch, verdict) for sketch in sketches) if about is not None],
         worst=rows_of(WORST, campaign), homogeneity=_compare_runs(shown),
         shared=rows_of(SENSOR, campaign.sensor) if campaign.sensor and by_sensor else [],
         guarded=rows_by_run(GUARDED, runs), uncertainty=describe_uncertainty(settings),

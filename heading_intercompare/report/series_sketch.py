@@ -30,7 +30,7 @@ from .sketching.spectra import Spectra
 from .sketching.track import Track
 from .sketching.turning import Turning
 
-HEADING_BINS = 36
+HEADING_BINS = 144
 
 
 class SeriesSketch:
@@ -53,7 +53,7 @@ class SeriesSketch:
         hold what is taken out by hand.
     histogram : Histogram
     heading : Bins
-        36 bins of 10 degrees of the RS heading, from 0.
+        144 bins of 2.5 degrees of the RS heading, from 0.
     turning : Turning
         The differences against the rate of turn.
     track : Track

@@ -28,6 +28,8 @@ from .drawing import add_remark, Drawing, fit_axis, LeftOut, SERIES, SIGMA, STAR
 
 _NORM: dict[str, Any] = {'color': '#000000', 'linewidth': 1.2, 'linestyle': (0, (16.0, 4.0))}
 _LEAST_IN_BIN = 5
+#: Bins of the heading that a bar of the figure joins: 10 degrees.
+_JOINED = 4
 _LEAST_BINS = 4
 #: The means between these shares are on the axis.
 _MIDDLE = (0.05, 0.95)
@@ -46,7 +48,8 @@ def _harmonics(coefficients: tuple[float, ...], heading_deg: Reals) -> Reals:
 
 def draw_against_heading(about: Subject) -> Iterator[Drawing | LeftOut]:
     """Yield the figure of mean and standard deviation against the RS heading, with harmonics."""
-    bins, width = about.sketch.heading, 360.0 / HEADING_BINS
+    width = 360.0 / HEADING_BINS * _JOINED
+    bins = about.sketch.heading.join(_JOINED)
     at = np.flatnonzero(bins.n)
     x, mean = (at + 0.5) * width, bins.mean_deg[at]
     std = np.nan_to_num(bins.std_deg[at], nan=0.0)

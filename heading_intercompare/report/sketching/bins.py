@@ -74,7 +74,7 @@ class Bins:
 
     def halve(self) -> 'Bins':
         """Return as many bins of twice the width; the upper half is empty."""
-        pairs = self._every_other(0) + self._every_other(1)
+        pairs = self.join(2)
         rest = Bins.of(len(self.n) // 2, np.zeros(0, np.int64), np.zeros(0))
         return Bins(n=np.concatenate((pairs.n, rest.n)),
                     mean_deg=np.concatenate((pairs.mean_deg, rest.mean_deg)),
@@ -82,9 +82,18 @@ class Bins:
                     low_deg=np.concatenate((pairs.low_deg, rest.low_deg)),
                     up_deg=np.concatenate((pairs.up_deg, rest.up_deg)))
 
-    def _every_other(self, first: int) -> 'Bins':
-        return Bins(self.n[first::2], self.mean_deg[first::2], self.m2_deg2[first::2],
-                    self.low_deg[first::2], self.up_deg[first::2])
+    def join(self, size: int, first: int = 0) -> 'Bins':
+        """Return bins of `size` neighbours each, round the circle from the bin `first` on."""
+        starts = np.arange(first, first + len(self.n), size)
+        joined = self._pick(starts)
+        for at in range(1, size):
+            joined = joined + self._pick(starts + at)
+        return joined
+
+    def _pick(self, places: Integers) -> 'Bins':
+        at = places % len(self.n)
+        return Bins(self.n[at], self.mean_deg[at], self.m2_deg2[at], self.low_deg[at],
+                    self.up_deg[at])
 
     @property
     def std_deg(self) -> Reals:
