@@ -33,7 +33,7 @@ import os
 from pathlib import Path
 import signal
 from threading import Thread
-from typing import Callable, Iterator, Mapping, Sequence
+from typing import Callable, Iterator, Mapping, Sequence, TypeVar
 
 from heading_intercompare.bags.rosbag2.trial_parts import find_parts
 from heading_intercompare.core.settings import Settings
@@ -53,6 +53,8 @@ MOST_READERS = 4
 #: The last bits of sums in a linear algebra library depend on its number of threads; and when all
 #: cores are busy, these threads only wait for each other.
 _ONE_THREAD = ('OPENBLAS_NUM_THREADS', 'OMP_NUM_THREADS', 'MKL_NUM_THREADS')
+
+_Result = TypeVar('_Result')
 
 _DIED = 'the process that judged it died (out of memory?)'
 _GIVEN_UP = 'the executor dropped it'
@@ -174,8 +176,9 @@ def _judge_in_turn(job: Job, paths: Sequence[str],
 
 def _judge_in_processes(job: Job, paths: Sequence[str], jobs: int,
                         progress: Callable[[str], None]) -> list[JudgedInput]:
-    with _pool(jobs) as pool:
-        futures = _complete(pool, [partial(job.survive, path) for path in paths], paths, progress)
+    with open_pool(jobs) as pool:
+        futures = complete_tasks(pool, [partial(job.survive, path) for path in paths], paths,
+                                 progress)
     return [_result(job, path, future) for path, future in zip(paths, futures)]
 
 
@@ -184,12 +187,12 @@ def _judge_elsewhere(job: Job, paths: Sequence[str], executor: Executor,
     libraries = describe_libraries()
     # Another process may have another working directory.
     tasks = [partial(judge_there, job, path, os.path.abspath(path), libraries) for path in paths]
-    futures = _complete(executor, tasks, paths, progress)
+    futures = complete_tasks(executor, tasks, paths, progress)
     return [_result(job, path, future) for path, future in zip(paths, futures)]
 
 
 @contextmanager
-def _pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
+def open_pool(jobs: int) -> Iterator[ProcessPoolExecutor]:
     """Yield processes with one linear algebra thread each; none outlives the context."""
     unset = [name for name in _ONE_THREAD if name not in os.environ]
     os.environ.update(dict.fromkeys(unset, '1'))
@@ -215,16 +218,17 @@ def _begin(ended: Connection) -> None:
     Thread(target=watch, daemon=True).start()
 
 
-def _complete(executor: Executor, tasks: Sequence[Callable[[], JudgedInput]], paths: Sequence[str],
-              progress: Callable[[str], None]) -> list[Future[JudgedInput]]:
+def complete_tasks(executor: Executor, tasks: Sequence[Callable[[], _Result]],
+                   names: Sequence[str], progress: Callable[[str], None],
+                   ) -> list[Future[_Result]]:
     """Run tasks, those of the largest inputs first, so that no large one is left to the end."""
-    futures: dict[Future[JudgedInput], int] = {}
-    progress(f'0 of {len(paths)} done')
+    futures: dict[Future[_Result], int] = {}
+    progress(f'0 of {len(names)} done')
     try:
-        for at in sorted(range(len(paths)), key=lambda at: -_size(paths[at])):
+        for at in sorted(range(len(names)), key=lambda at: -_size(names[at])):
             futures[executor.submit(tasks[at])] = at
         for done, future in enumerate(as_completed(futures), 1):
-            progress(f'{done} of {len(paths)} done, {paths[futures[future]]}')
+            progress(f'{done} of {len(names)} done, {names[futures[future]]}')
     finally:
         for future in futures:
             future.cancel()
@@ -242,7 +246,7 @@ def _result(job: Job, path: str, future: Future[JudgedInput]) -> JudgedInput:
     except CancelledError:
         return job.unread(path, _GIVEN_UP)
     try:
-        with _pool(1) as pool:
+        with open_pool(1) as pool:
             return pool.submit(job.survive, path).result()
     except BrokenProcessPool:
         return job.unread(path, _DIED)

@@ -17,21 +17,29 @@
 from __future__ import annotations
 
 from collections import Counter
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import dataclass, replace
+from functools import partial
 import math
-from typing import Callable, Iterator, Sequence
+from typing import Callable, Iterator, Sequence, TypeVar
 
 import numpy as np
 
 from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.ship.track_course import Track
 from heading_intercompare.ahrs.simulator import Simulation
-from heading_intercompare.app.analysis import analyze
-from heading_intercompare.core.angles import wrap180
-from heading_intercompare.core.records import Headings, Motion, Reals
+from heading_intercompare.app.campaign import complete_tasks, count_cores, open_pool
+from heading_intercompare.core.records import Reals
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.statistics.confidence_bounds import share_interval
+
+from .simulated_record import simulate_record
+
+_Result = TypeVar('_Result')
 
 _TWO_SIGMA = 2.0
+#: Shorter trials in all are simulated here: starting processes would take longer.
+_WORTH_S = 36_000.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -89,7 +97,7 @@ class Repeated:
                        f'deg, {values.min():+.4f} to {values.max():+.4f} deg')
         within, judged = self.coverage
         if judged:
-            low, high = _wilson(within, judged)
+            low, high = share_interval(within, judged)
             yield (f'the 95 % interval of the mean difference holds the mean of the other seeds '
                    f'in {within} of {judged} seeds: {within / judged:.0%} '
                    f'({low:.0%} to {high:.0%})')
@@ -137,16 +145,8 @@ def _spread(values: Reals) -> float:
     return float(np.std(values, ddof=1)) if values.size > 1 else 0.0
 
 
-def _wilson(within: int, n: int) -> tuple[float, float]:
-    """Return the 95 % interval of a share (Wilson 1927)."""
-    share, z2 = within / n, 1.96**2
-    middle = (share + z2 / (2.0 * n)) / (1.0 + z2 / n)
-    half = math.sqrt(share * (1.0 - share) / n + z2 / (4.0 * n * n)) * 1.96 / (1.0 + z2 / n)
-    return middle - half, middle + half
-
-
 def repeat_trial(scenario: Scenario, seeds: Sequence[int], settings: Settings, *,
-                 track: Track | None = None,
+                 track: Track | None = None, jobs: int | None = None,
                  progress: Callable[[str], None] = lambda text: None) -> Repeated:
     """
     Simulate and judge a trial with many seeds.
@@ -161,6 +161,8 @@ def repeat_trial(scenario: Scenario, seeds: Sequence[int], settings: Settings, *
         With the norms.
     track
         The voyage that the ship repeats.
+    jobs
+        As for `run_seeds`.
     progress
         Called with the progress in words.
 
@@ -170,28 +172,59 @@ def repeat_trial(scenario: Scenario, seeds: Sequence[int], settings: Settings, *
         If a norm is missing.
 
     """
-    results = []
-    for k, seed in enumerate(seeds):
-        progress(f'seed {k + 1} of {len(seeds)}')
-        results.append(_simulate(Simulation(replace(scenario, seed=seed), track=track), settings))
-    return Repeated(tuple(results))
+    judge_seed = partial(_judge_seed, scenario, settings, track)
+    return Repeated(tuple(run_seeds(judge_seed, seeds, scenario.duration_s, jobs, progress)))
 
 
-def _simulate(simulation: Simulation, settings: Settings) -> SeedResult:
-    """Simulate and judge one trial."""
-    ts, rs, moved = [], [], []
-    errors, claims = [], []
-    ship = simulation.truth()
-    for chunk in simulation.chunks():
-        readings = chunk.ts_readings
-        ts.append(chunk.ts)
-        rs.append(chunk.rs)
-        moved.append(chunk.motion)
-        errors.append(wrap180(readings.headings.heading_deg - ship.heading_deg(readings.t_s)))
-        claims.append(readings.sigma_deg)
-    verdict = analyze(Headings.concatenate(ts), Headings.concatenate(rs), settings,
-                      motion=Motion.concatenate(moved))
-    error_deg, claim_deg = np.concatenate(errors), np.concatenate(claims)
+def run_seeds(task: Callable[[int], _Result], seeds: Sequence[int], duration_s: float,
+              jobs: int | None, progress: Callable[[str], None]) -> list[_Result]:
+    """
+    Return the result of each seed of a trial, in their order.
+
+    Parameters
+    ----------
+    task
+        Simulates the trial with a seed; a function of a module, or a partial one.
+    seeds
+        The seeds.
+    duration_s
+        Length of the trial, seconds.
+    jobs
+        Processes; by default one per core, or none if the trials are short.
+    progress
+        Called with the progress in words.
+
+    Raises
+    ------
+    ValueError
+        If a process died.
+
+    """
+    if jobs is None:
+        jobs = count_cores() if len(seeds) * duration_s >= _WORTH_S else 1
+    jobs = min(jobs, len(seeds))
+    if jobs < 2:
+        results = []
+        for done, seed in enumerate(seeds):
+            progress(f'{done} of {len(seeds)} done')
+            results.append(task(seed))
+        return results
+    with open_pool(jobs) as pool:
+        futures = complete_tasks(pool, [partial(task, seed) for seed in seeds],
+                                 [f'seed {seed}' for seed in seeds], progress)
+    try:
+        return [future.result() for future in futures]
+    except BrokenProcessPool as error:
+        raise ValueError(f'--jobs {jobs}: a process that simulated died (out of memory?); use '
+                         'fewer') from error
+
+
+def _judge_seed(scenario: Scenario, settings: Settings, track: Track | None,
+                seed: int) -> SeedResult:
+    """Simulate and judge the trial with a seed."""
+    record = simulate_record(Simulation(replace(scenario, seed=seed), track=track))
+    verdict = record.judge(settings)
+    error_deg, claim_deg = record.error_deg['ts'], record.readings['ts'].sigma_deg
     valid = np.isfinite(error_deg)
     error_deg, claim_deg = error_deg[valid], claim_deg[valid]
     claimed = np.isfinite(claim_deg) & (claim_deg > 0.0)
@@ -200,9 +233,9 @@ def _simulate(simulation: Simulation, settings: Settings) -> SeedResult:
     std_deg = math.nan if run is None or run.std_deg is None else run.std_deg
     interval = None if run is None else run.guarded.bias_interval_deg
     return SeedResult(
-        seed=simulation.scenario.seed, outcome=verdict.outcome.value, mean_deg=mean_deg,
+        seed=seed, outcome=verdict.outcome.value, mean_deg=mean_deg,
         std_deg=std_deg, interval_deg=interval or (math.nan, math.nan),
         true_mean_deg=float(error_deg.mean()) if error_deg.size else math.nan,
-        true_std_deg=float(error_deg.std()) if error_deg.size else math.nan,
+        true_std_deg=record.true_std_deg('ts'),
         covered=float(np.mean(np.abs(error_deg[claimed]) <= _TWO_SIGMA * claim_deg[claimed]))
         if claimed.any() else math.nan)

@@ -137,7 +137,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def _add_run_arguments(group: argparse._ActionsContainer) -> None:
     """Add the options of several runs, recordings and computers."""
     group.add_argument('--runs', metavar='F.csv', help='table of runs: start,stop[,source]')
-    group.add_argument('--jobs', metavar='N', type=_parse_count,
+    group.add_argument('--jobs', metavar='N', type=parse_count,
                        help='number of processes to judge several large INPUTs, or to read one '
                        '(default: one per core)')
     group.add_argument('--dask', metavar='ADDRESS', help='judge the INPUTs on the workers of a '
@@ -309,7 +309,7 @@ def deliver(verdict: Verdict | SensorsVerdict, arguments: argparse.Namespace,
     return code
 
 
-def _parse_count(text: str) -> int:
+def parse_count(text: str) -> int:
     """Return a number of processes from the command line."""
     if not text.isascii() or not text.isdigit() or not int(text):
         raise argparse.ArgumentTypeError(f'{text!r} is not a whole number above 0')

@@ -63,7 +63,7 @@ from heading_intercompare.messages.status_messages import (
 from heading_intercompare.report import check_form, write_trial_page
 from heading_intercompare.report.sketching.track import Trace
 
-from .analyze import add_settings_arguments
+from .analyze import add_settings_arguments, parse_count
 from .note import add_note_argument, read_notes
 
 DIAGNOSTICS = '/diagnostics'
@@ -83,6 +83,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--seeds', metavar='N', type=int,
                         help='simulate and judge the trial with N seeds from the first on, '
                         'without a bag: mean, spread and coverage of the analysis')
+    parser.add_argument('--jobs', metavar='N', type=parse_count,
+                        help='number of processes for --seeds (default: one per core)')
     parser.add_argument('--seed', metavar='N', type=int,
                         help='seed of the random numbers (default: that of the scenario)')
     parser.add_argument('--track', metavar='F',
@@ -128,7 +130,8 @@ def run(arguments: argparse.Namespace) -> int:
                 traces.take(chunk)
             progress.show(f'{min(chunk.end_s, scenario.duration_s):,.0f} of '
                           f'{scenario.duration_s:,.0f} s simulated')
-    lines = [*_name(source, f'seed {scenario.seed}'), *(() if voyage is None else voyage.words)]
+    lines = [*name_trial(source, f'seed {scenario.seed}'),
+             *(() if voyage is None else voyage.words)]
     for role in scenario.sensors:
         shown = role.upper() if role in ('ts', 'rs') else role
         lines.append(f'{shown} {counts[role]} headings on {topics[role]}, '
@@ -151,14 +154,21 @@ def _check(arguments: argparse.Namespace) -> None:
         raise ValueError(f'-o {arguments.output}: no bag is written with --seeds; leave one out')
     if arguments.seeds is not None and not 2 <= arguments.seeds <= _MOST_SEEDS:
         raise ValueError(f'--seeds {arguments.seeds}: must be between 2 and {_MOST_SEEDS}')
-    if arguments.page and not arguments.page.endswith('.html'):
-        raise ValueError(f'--page {arguments.page}: must end with .html')
-    if arguments.page:
+    if arguments.jobs is not None and arguments.seeds is None:
+        raise ValueError(f'--jobs {arguments.jobs}: is for --seeds N; leave it out')
+    check_page(arguments.page)
+
+
+def check_page(path: str | None) -> None:
+    """Raise ValueError for a page that cannot be written, before anything is simulated."""
+    if path and not path.endswith('.html'):
+        raise ValueError(f'--page {path}: must end with .html')
+    if path:
         # The libraries of a page may not be installed, and a trial may take long.
-        check_form(arguments.page)
+        check_form(path)
 
 
-def _name(source: ScenarioFile, seed: str) -> list[str]:
+def name_trial(source: ScenarioFile, seed: str) -> list[str]:
     """Return the line that says which trial it is."""
     scenario = source.scenario
     return [f'{source.name}: {scenario.duration_s:g} s, {seed}'
@@ -172,8 +182,8 @@ def _repeat(arguments: argparse.Namespace, source: ScenarioFile, settings: Setti
     with Progress(source.name, arguments.quiet) as progress:
         repeated = repeat_trial(source.scenario, range(first, first + arguments.seeds), settings,
                                 track=None if voyage is None else voyage.track,
-                                progress=progress.show)
-    lines = [*_name(source, f'seeds {first} to {first + arguments.seeds - 1}'),
+                                jobs=arguments.jobs, progress=progress.show)
+    lines = [*name_trial(source, f'seeds {first} to {first + arguments.seeds - 1}'),
              *(() if voyage is None else voyage.words), *repeated.words]
     say_lines(lines)
     if arguments.page:

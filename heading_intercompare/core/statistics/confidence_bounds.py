@@ -32,6 +32,7 @@ LEAST_RISK = 1e-6
 """Confidences are clipped to the range from this to one minus this."""
 
 _LONGEST = 1e12
+_TAIL = 0.025
 
 
 def confidence(spread: Spread, limit_deg2: float) -> float:
@@ -184,6 +185,23 @@ def rate_lower(k: float, trials: float, alpha: float) -> float:
 def rate_upper(k: float, trials: float, alpha: float) -> float:
     """Return the upper confidence bound of a rate, S.14; see `rate_lower`."""
     return float(scipy.special.betaincinv(k + 1.0, trials - k, 1.0 - alpha)) if k < trials else 1.0
+
+
+def share_interval(k: int, trials: int) -> tuple[float, float]:
+    """
+    Return the 95 % interval of a probability, from k events in independent trials.
+
+    References
+    ----------
+    Clopper & Pearson 1934.
+
+    Examples
+    --------
+    >>> [round(bound, 3) for bound in share_interval(16, 20)]
+    [0.563, 0.943]
+
+    """
+    return rate_lower(k, trials, _TAIL), rate_upper(k, trials, _TAIL)
 
 
 def interval_factors(dof: ArrayLike, probability: float = 0.95) -> tuple[Reals, Reals]:
