@@ -33,21 +33,21 @@ _PICTURES = ('.png', '.pdf', '.svg')
 
 
 def _write_html(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch],
-                progress: Callable[[str], None]) -> None:
+                progress: Callable[[str], None], verbose: bool) -> None:
     # Its libraries load slowly, and may not be installed.
     from . import html
-    html.write(verdict, path, sketches, progress)
+    html.write(verdict, path, sketches, progress, verbose)
 
 
 def _write_json(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch],
-                progress: Callable[[str], None]) -> None:
+                progress: Callable[[str], None], verbose: bool) -> None:
     json.write(verdict, path)
 
 
 def _write_pdf(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch],
-               progress: Callable[[str], None]) -> None:
+               progress: Callable[[str], None], verbose: bool) -> None:
     from . import pdf
-    pdf.write(verdict, path, sketches, progress)
+    pdf.write(verdict, path, sketches, progress, verbose)
 
 
 WRITERS = {'.html': _write_html, '.json': _write_json, '.pdf': _write_pdf}
@@ -92,7 +92,7 @@ def check_form(path: str | Path) -> None:
 
 def write(verdict: Verdict, path: str | Path,
           sketches: Sequence[SeriesSketch] = (),
-          progress: Callable[[str], None] = lambda text: None) -> None:
+          progress: Callable[[str], None] = lambda text: None, verbose: bool = False) -> None:
     """
     Write a verdict in the form that the suffix names.
 
@@ -106,6 +106,8 @@ def write(verdict: Verdict, path: str | Path,
         For the figures, in the forms that have figures.
     progress
         Called with the progress in words.
+    verbose
+        Show the criteria of GK even if no setting asks for them.
 
     Raises
     ------
@@ -116,7 +118,7 @@ def write(verdict: Verdict, path: str | Path,
 
     """
     check_form(path)
-    WRITERS[Path(path).suffix.lower()](verdict, path, sketches, progress)
+    WRITERS[Path(path).suffix.lower()](verdict, path, sketches, progress, verbose)
 
 
 def check_picture(path: str | Path) -> None:

@@ -30,6 +30,7 @@ from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.validity.condition import VOID
 from heading_intercompare.core.verdict.validity import CONDITION_WORDS
 from heading_intercompare.core.verdict.verdict_document import Verdict
+from heading_intercompare.core.verdict.verdict_table import asks_for_gk
 from heading_intercompare.core.verdict.vocabulary import EFFECT_WORDS, NO_RUN, STATE_WORDS
 
 from .contents.decision_rule import describe_norms, describe_uncertainty, state_conformity
@@ -41,6 +42,8 @@ from .contents.heading_sectors import tabulate_sectors
 from .contents.holding import find_worst
 from .contents.identification import identify, name_trial, span_of, verdict_id
 from .contents.tables import (
+    GK_RESULTS,
+    GK_SUMMARY,
     GUARDED,
     LEDGER,
     RESULTS,
@@ -65,7 +68,7 @@ _LONGEST_HEAD = 80
 
 
 def write(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch] = (),
-          progress: Callable[[str], None] = lambda text: None) -> None:
+          progress: Callable[[str], None] = lambda text: None, verbose: bool = False) -> None:
     """
     Write the protocol; see `render`.
 
@@ -75,11 +78,11 @@ def write(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch] =
         If the file cannot be written.
 
     """
-    Path(path).write_text(render(verdict, sketches, progress), encoding='utf-8')
+    Path(path).write_text(render(verdict, sketches, progress, verbose), encoding='utf-8')
 
 
 def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = (),
-           progress: Callable[[str], None] = lambda text: None) -> str:
+           progress: Callable[[str], None] = lambda text: None, verbose: bool = False) -> str:
     """
     Return the protocol as an HTML page.
 
@@ -91,6 +94,8 @@ def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = (),
         One sketch per input, for the figures; without sketches there are no figures.
     progress
         Called with the progress in words.
+    verbose
+        Show the criteria of GK even if no setting asks for them.
 
     """
     names = name_files(verdict.inputs, [
@@ -103,13 +108,15 @@ def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = (),
     campaign, settings = shown.campaign, shown.settings
     by_sensor = campaign.rule == 'sensor' and shown.validity_effect != VOID
     running = name_trial(settings)
+    gk = verbose or asks_for_gk(settings)
     return load_template('protocol.html').render(
-        verdict=shown, no_run=NO_RUN, id=verdict_id(verdict), span=span_of(shown),
+        verdict=shown, gk=gk, no_run=NO_RUN, id=verdict_id(verdict), span=span_of(shown),
         running=running if len(running) <= _LONGEST_HEAD else f'{running[:_LONGEST_HEAD]}...',
-        first=compose_first_page(shown), shows=_pick_figure(verdict, sketches, drawn),
+        first=compose_first_page(shown, gk), shows=_pick_figure(verdict, sketches, drawn),
         identification=identify(verdict), norms=describe_norms(settings),
-        statement=state_conformity(shown), ledger=rows_by_run(LEDGER, runs),
-        summary=rows_by_run(SUMMARY, runs), results=rows_by_run(RESULTS, runs),
+        statement=state_conformity(shown, gk), ledger=rows_by_run(LEDGER, runs),
+        summary=rows_by_run((*SUMMARY, *GK_SUMMARY) if gk else SUMMARY, runs),
+        results=rows_by_run((*RESULTS, *GK_RESULTS) if gk else RESULTS, runs),
         sectors=[(about.title('differences by heading'), tabulate_sectors(about)) for about in (
             Subject.of(sketch, verdict) for sketch in sketches) if about is not None],
         worst=rows_of(WORST, campaign), homogeneity=_compare_runs(shown),

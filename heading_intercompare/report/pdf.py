@@ -36,7 +36,7 @@ _PAGES, _PER_PAGE = 5, 0.018
 
 
 def write(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch] = (),
-          progress: Callable[[str], None] = lambda text: None) -> None:
+          progress: Callable[[str], None] = lambda text: None, verbose: bool = False) -> None:
     """
     Write the protocol on pages of A4.
 
@@ -50,6 +50,8 @@ def write(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch] =
         One per input, for the figures; without any there are no figures.
     progress
         Called with the progress in words.
+    verbose
+        Show the criteria of GK even if no setting asks for them.
 
     Raises
     ------
@@ -57,7 +59,7 @@ def write(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch] =
         If the file cannot be written.
 
     """
-    print_page(html.render(verdict, sketches, progress), path, progress)
+    print_page(html.render(verdict, sketches, progress, verbose), path, progress)
 
 
 def print_page(text: str, path: str | Path,

@@ -43,7 +43,8 @@ def sensor_path(path: str | Path, name: str) -> Path:
 
 def write_protocols(verdict: Verdict | SensorsVerdict, path: str | Path,
                     sketches: Mapping[str, Sequence[SeriesSketch]] | None = None,
-                    progress: Callable[[str], None] = lambda text: None) -> list[Path]:
+                    progress: Callable[[str], None] = lambda text: None,
+                    verbose: bool = False) -> list[Path]:
     """
     Write the protocol of two sensors; or an overview, and beside it that of each tested sensor.
 
@@ -57,6 +58,8 @@ def write_protocols(verdict: Verdict | SensorsVerdict, path: str | Path,
         Data for the figures, by sensor; `ts` of two.
     progress
         Called with the progress in words.
+    verbose
+        Show the criteria of GK even if no setting asks for them.
 
     Returns
     -------
@@ -74,7 +77,7 @@ def write_protocols(verdict: Verdict | SensorsVerdict, path: str | Path,
     check_form(path)
     files = [Path(path)]
     if isinstance(verdict, Verdict):
-        write(verdict, path, (sketches or {}).get('ts', ()), progress)
+        write(verdict, path, (sketches or {}).get('ts', ()), progress, verbose)
         return files
     if files[0].suffix.lower() == '.json':
         json.write(verdict, path)
@@ -82,7 +85,8 @@ def write_protocols(verdict: Verdict | SensorsVerdict, path: str | Path,
     for name, sensor_verdict in verdict.verdicts.items():
         place = sensor_path(path, name)
         write(sensor_verdict, place, (sketches or {}).get(name, ()),
-              lambda text, name=name: progress(f'{name}: {text}'))  # type: ignore[misc]
+              lambda text, name=name: progress(f'{name}: {text}'),  # type: ignore[misc]
+              verbose)
         files.append(place)
     _write_overview(verdict, files[0], progress)
     return files

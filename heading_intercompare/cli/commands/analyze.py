@@ -48,6 +48,7 @@ from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.validity.condition import is_doubtful
 from heading_intercompare.core.verdict.verdict_document import Verdict
+from heading_intercompare.core.verdict.verdict_table import verdict_text
 from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.logbook.run_row import make_rows
@@ -69,7 +70,8 @@ _DOUBTFUL_CODE = 4
 _OF_TESTED = ('csv', 'ensembles', 'runs_csv')
 _OF_TWO = 'is for two sensors; choose them with --ts NAME --rs NAME'
 #: Options of a verdict in JSON as the INPUT; the others need readings, which it lacks.
-_OF_VERDICT = ('command', 'inputs', 'reports', 'json', 'check', 'quiet', 'runs_csv', 'ensemble_s')
+_OF_VERDICT = ('command', 'inputs', 'reports', 'json', 'check', 'verbose', 'quiet',
+               'runs_csv', 'ensemble_s')
 
 
 def add_settings_arguments(parser: argparse._ActionsContainer) -> None:
@@ -102,6 +104,9 @@ def add_verdict_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--check', action='store_true',
                         help='exit code 1 if non-compliant, 3 if indeterminate, 4 if the '
                         'outcome is doubtful')
+    parser.add_argument('--verbose', action='store_true',
+                        help='show the criteria of Granovskii & Kudryavtsev and the abbreviations '
+                        'too, also where no setting asks for them')
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -219,8 +224,8 @@ def _show_again(arguments: argparse.Namespace) -> int:
     for option, value in vars(arguments).items():
         if option not in _OF_VERDICT and value:
             shown = value[0] if isinstance(value, list) else value
-            raise ValueError(f'--{option.replace("_", "-")} {shown}: {path} is a verdict, which '
-                             'is not judged again; leave it out')
+            raise ValueError(f'{path}: is a verdict, which is not judged again; leave out '
+                             f'--{option.replace("_", "-")} {shown}')
     _check_forms(arguments.reports)
     check_outputs(Outputs(reports=tuple(arguments.reports), json=arguments.json,
                           runs_csv=arguments.runs_csv), arguments.inputs)
@@ -303,7 +308,8 @@ def deliver(verdict: Verdict | SensorsVerdict, arguments: argparse.Namespace,
     for path in arguments.reports:
         with name_file(path), Progress(path, arguments.quiet) as progress:
             progress.show('drawing the protocol')
-            files = write_protocols(verdict, path, sketches, progress.show)
+            files = write_protocols(verdict, path, sketches, progress.show,
+                                    arguments.verbose)
         if isinstance(verdict, SensorsVerdict) and arguments.json != '-':
             say_lines(['protocols: ' + ', '.join(map(str, files))])
     return code
@@ -394,13 +400,13 @@ def conclude(verdict: Verdict | SensorsVerdict, arguments: argparse.Namespace) -
     verdict
         On one sensor or on several.
     arguments
-        With `json` and `check`.
+        With `json`, `check` and `verbose`.
 
     """
     if arguments.json == '-':
         sys.stdout.write(json.render(verdict))
     else:
-        _show(verdict)
+        _show(verdict, arguments.verbose)
         if arguments.json:
             with name_file(arguments.json):
                 json.write(verdict, arguments.json)
@@ -414,9 +420,10 @@ def code_of(outcome: Outcome, validity_effect: str) -> int:
     return _CHECK_CODES[outcome]
 
 
-def _show(verdict: Verdict | SensorsVerdict) -> None:
+def _show(verdict: Verdict | SensorsVerdict, verbose: bool) -> None:
     """Print a verdict: the figures of each run, or of a campaign a line per recording."""
     if isinstance(verdict, Verdict) and is_campaign(verdict):
-        say('\n'.join(campaign_lines(verdict, find_width(sys.stdout))), VERDICT_MARKS)
+        say('\n'.join(campaign_lines(verdict, find_width(sys.stdout), verbose)), VERDICT_MARKS)
     else:
-        say(str(verdict), VERDICT_MARKS)
+        text = verdict_text(verdict, verbose) if isinstance(verdict, Verdict) else str(verdict)
+        say(text, VERDICT_MARKS)

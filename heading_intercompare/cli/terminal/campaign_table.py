@@ -55,7 +55,8 @@ def is_campaign(verdict: Verdict) -> bool:
         recording.not_taken is None for recording in verdict.inputs)
 
 
-def campaign_lines(verdict: Verdict, columns: int | None = None) -> list[str]:
+def campaign_lines(verdict: Verdict, columns: int | None = None,
+                   verbose: bool = False) -> list[str]:
     """
     Return the verdict on a campaign as lines, one per recording, the worst first.
 
@@ -65,6 +66,8 @@ def campaign_lines(verdict: Verdict, columns: int | None = None) -> list[str]:
         The verdict on several recordings.
     columns
         Width of the terminal; a longer line of the table ends with an ellipsis.
+    verbose
+        See `head_lines`.
 
     Notes
     -----
@@ -84,7 +87,7 @@ def campaign_lines(verdict: Verdict, columns: int | None = None) -> list[str]:
     if columns is not None:
         table = [line if len(line) <= columns else f'{line[:columns - 1]}…' for line in table]
     together = describe_together(verdict)
-    return [*head_lines(verdict), '', *table, *([''] * bool(together)), *together]
+    return [*head_lines(verdict, verbose), '', *table, *([''] * bool(together)), *together]
 
 
 def _describe(name: str, recording: Input, runs: Sequence[RunVerdict]) -> _Line:

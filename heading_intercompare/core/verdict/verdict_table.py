@@ -24,6 +24,7 @@ from xml.etree.ElementTree import Element, SubElement, tostring
 from heading_intercompare.core.decision.campaign import CAMPAIGN_REASONS
 from heading_intercompare.core.declared_figures import Figure, find_figure, list_figures
 from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.validity.condition import DOUBTFUL, VOID
 
@@ -35,6 +36,10 @@ from .vocabulary import EFFECT_WORDS, law_words, NO_RUN
 Row = tuple[str, Callable[[RunVerdict], str]]
 
 _COLUMNS = 5
+
+#: Settings in the terms of GK; who states one has a norm, or a contract, of GK.
+_GK_TERMS = ('model', 'variant', 'norms.probability', 'norms.k_rule', 'norms.k_total_rule',
+             'norms.total_error_max_deg')
 
 #: What is known of the mean of the TS, GK Table I.
 _VARIANTS = {'A': 'the mean of the TS is known to be 0',
@@ -93,11 +98,13 @@ def _cell(key: str, figure: Figure, run: RunVerdict) -> str:
 
 
 @cache
-def _list_rows() -> tuple[Row, ...]:
+def _list_rows(gk: bool) -> tuple[Row, ...]:
     """Return the rows of the table; a program that prints none does not wait for them."""
+    counts = [('n+ / n++ / allowed', _counts)]
     return (
+        *_declare('outcome paper_outcome' if gk else 'outcome'),
         *_declare("""
-            outcome paper_outcome start_ns duration_s pairing.paired pairing.ts_received
+            start_ns duration_s pairing.paired pairing.ts_received
             pairing.ts_paired pairing.ts_used pairing.ts_unpaired pairing.ts_unbridged
             pairing.ts_held pairing.rs_received pairing.rs_used pairing.rs_unused
             pairing.rs_unbridged pairing.rs_held"""),
@@ -108,20 +115,26 @@ def _list_rows() -> tuple[Row, ...]:
         *_declare('std_deg variance_deg2'),
         ('  with its bounds [deg2]',
          lambda r: _range(r.guarded.lower_bound_deg2, r.guarded.upper_bound_deg2, 6)),
-        *_declare("""
-            guarded.acceptance_limit_deg2 guarded.rejection_limit_deg2
-            variance_criterion.outcome"""),
-        ('n+ / n++ / allowed', _counts),
-        *_declare('count_criterion.outcome guarded.sigma_ts_lower_deg total_error.low_deg'),
+        *_declare('guarded.acceptance_limit_deg2 guarded.rejection_limit_deg2'),
+        *([*_declare('variance_criterion.outcome'), *counts,
+           *_declare('count_criterion.outcome')] if gk else []),
+        *_declare('guarded.sigma_ts_lower_deg total_error.low_deg'),
     )
 
 
-def _describe_norms(verdict: Verdict) -> str:
-    """Describe norms, model and risks in one line."""
+def asks_for_gk(settings: Settings) -> bool:
+    """Tell whether a setting states a term of GK, so that a contract may ask for its criteria."""
+    stated, usual = settings.to_mapping(), Settings().to_mapping()
+    return any(stated[name] != usual[name] for name in _GK_TERMS)
+
+
+def _describe_norms(verdict: Verdict, gk: bool) -> str:
+    """Describe norms and risks in one line, and what only GK needs."""
     settings, norms = verdict.settings, verdict.settings.norms
     sigma = f'by {norms.preset}' if norms.preset is not None else f'{norms.sigma_max_deg:g} deg'
-    return (f'norms: sigma_max {sigma}, sigma_ref_max {norms.sigma_ref_max_deg:g} deg, '
-            f'P {norms.probability:g}; model {settings.model}, variant {settings.variant}; '
+    terms = (f', P {norms.probability:g}; model {settings.model}, variant {settings.variant}'
+             if gk else '')
+    return (f'norms: sigma_max {sigma}, sigma_ref_max {norms.sigma_ref_max_deg:g} deg{terms}; '
             f'risks: consumer {settings.risk.alpha_consumer:g}, '
             f'producer {settings.risk.alpha_producer:g}')
 
@@ -136,12 +149,12 @@ def _explain_letters(verdict: Verdict) -> str:
             f'{_VARIANTS[verdict.settings.variant]}')
 
 
-def _tables(verdict: Verdict) -> Iterator[list[tuple[str, ...]]]:
+def _tables(verdict: Verdict, gk: bool) -> Iterator[list[tuple[str, ...]]]:
     """Yield one table per group of runs, as rows; the first row is the head."""
     for first in range(0, len(verdict.runs), _COLUMNS):
         runs = verdict.runs[first:first + _COLUMNS]
         yield [('', *(f'run {r.run}' for r in runs)),
-               *((name, *(text(r) for r in runs)) for name, text in _list_rows())]
+               *((name, *(text(r) for r in runs)) for name, text in _list_rows(gk))]
 
 
 def _reasons(verdict: Verdict) -> Iterator[tuple[str, list[str]]]:
@@ -178,17 +191,23 @@ def describe_together(verdict: Verdict) -> list[str]:
     return [f'together ({verdict.campaign.rule}): {CAMPAIGN_REASONS.get(reason, reason)}']
 
 
-def head_lines(verdict: Verdict) -> list[str]:
-    """Return the first lines: headline, outcome of GK as printed, norms, abbreviations."""
-    return [f'VERDICT: {verdict.headline}',
-            f'GK as printed: {OUTCOME_WORDS[verdict.paper_outcome]}', _describe_norms(verdict),
-            _explain_letters(verdict)]
+def head_lines(verdict: Verdict, verbose: bool = False) -> list[str]:
+    """
+    Return the first lines: the headline and the norms.
+
+    The outcome of GK as printed and the abbreviations stand with them if a setting asks for GK,
+    or if the lines are to be verbose.
+    """
+    gk = verbose or asks_for_gk(verdict.settings)
+    outcome = [f'GK as printed: {OUTCOME_WORDS[verdict.paper_outcome]}'] if gk else []
+    return [f'VERDICT: {verdict.headline}', *outcome, _describe_norms(verdict, gk),
+            *([_explain_letters(verdict)] if gk else [])]
 
 
-def verdict_text(verdict: Verdict) -> str:
-    """Return a verdict as text in columns, without a final newline."""
-    lines = head_lines(verdict)
-    for rows in _tables(verdict):
+def verdict_text(verdict: Verdict, verbose: bool = False) -> str:
+    """Return a verdict as text in columns, without a final newline; see `head_lines`."""
+    lines = head_lines(verdict, verbose)
+    for rows in _tables(verdict, verbose or asks_for_gk(verdict.settings)):
         lines += ['', *_align(rows)]
     lines.append('')
     for line, findings in _reasons(verdict):
@@ -219,10 +238,9 @@ def verdict_html(verdict: Verdict) -> str:
     """Return the table as a piece of HTML for notebooks; the protocol is in `report`."""
     whole = Element('div')
     SubElement(SubElement(whole, 'p'), 'strong').text = verdict.headline
-    SubElement(whole, 'p').text = f'GK as printed: {OUTCOME_WORDS[verdict.paper_outcome]}'
-    SubElement(whole, 'p').text = _describe_norms(verdict)
-    SubElement(whole, 'p').text = _explain_letters(verdict)
-    for rows in _tables(verdict):
+    for text in head_lines(verdict)[1:]:
+        SubElement(whole, 'p').text = text
+    for rows in _tables(verdict, asks_for_gk(verdict.settings)):
         table = SubElement(whole, 'table')
         for row in rows:
             line = SubElement(table, 'tr')

@@ -86,12 +86,12 @@ def _pairing(rule: Pairing) -> str:
     return f'{words}, {kernel}; readings {gap}'
 
 
-def state_conformity(verdict: Verdict) -> Rows:
+def state_conformity(verdict: Verdict, gk: bool = False) -> Rows:
     """
     Return the statement of conformity as pairs of name and value.
 
     It has what ISO/IEC 17025:2017, 7.8.6, asks for: the decision rule, the results covered, and
-    whether the specification is met.
+    whether the specification is met; with `gk` also the outcome by GK as printed.
     """
     settings, runs = verdict.settings, verdict.runs
     consumer, producer = (
@@ -123,7 +123,7 @@ def state_conformity(verdict: Verdict) -> Rows:
         ('results covered', _covered(runs)),
         ('specification', 'sigma_max of the TS: ' + _MET[verdict.outcome] + _doubts(verdict)),
         ('in one line', verdict.headline),
-        *([] if verdict.validity_effect == VOID else [
+        *([] if not gk or verdict.validity_effect == VOID else [
             ('outcome by GK as printed',
              f'{outcome(verdict.paper_outcome)} (no allowance for the sampling error)')])]
 

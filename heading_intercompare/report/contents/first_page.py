@@ -78,8 +78,8 @@ class FirstPage:
     runs: Sequence[str]
 
 
-def compose_first_page(verdict: Verdict) -> FirstPage:
-    """Return what the first page says."""
+def compose_first_page(verdict: Verdict, gk: bool = False) -> FirstPage:
+    """Return what the first page says, with the outcome by GK as printed if `gk`."""
     void = verdict.validity_effect == VOID and verdict.outcome is Outcome.INDETERMINATE
     doubtful = verdict.validity_effect == DOUBTFUL
     means = _MEANS[verdict.outcome]
@@ -88,7 +88,7 @@ def compose_first_page(verdict: Verdict) -> FirstPage:
     facts = [('norms', _norms(verdict.settings)), ('rests on', _rest_on(verdict.runs)),
              ('measured', _measured(verdict)), ('covers', _covered(verdict)),
              ('validity', _validity(verdict)), ('why', _why(verdict))]
-    if not void:
+    if gk and not void:
         facts.append(('GK as printed', f'{outcome(verdict.paper_outcome)}; that rule makes no '
                       'allowance for the sampling error, and does not decide here'))
     facts.append(('date of issue', verdict.settings.trial.issue_date or ''))

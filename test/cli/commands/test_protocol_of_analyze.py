@@ -80,6 +80,20 @@ def test_a_verdict_becomes_the_protocol_without_the_readings(verdict, pairs, tmp
     assert capsys.readouterr().out == file.read_text('utf-8')
 
 
+@pytest.mark.parametrize('asked, shown', [
+    ([], False), (['--verbose'], True), (['--set', 'norms.k_rule=three'], True)])
+def test_the_protocol_and_the_table_show_gk_if_a_contract_asks_or_in_verbose(
+        pairs, tmp_path, capsys, asked, shown):
+    page, file = tmp_path / 'r.html', tmp_path / 'v.json'
+    assert main(['analyze', str(pairs[0]), *NORMS, *asked, '-o', str(page), '-o', str(file)]) == 0
+    printed, text = capsys.readouterr().out, page.read_text('utf-8')
+    assert ('GK as printed: ' in printed) is ('n+ / n++' in printed) is shown
+    for words in ('GK as printed', 'Criteria of GK', 'by GK as printed',
+                  'differences beyond the limit, and allowed', 'GK (6): n+'):
+        assert (words in text) is shown, words
+    assert 'count_criterion' in json.loads(file.read_text())['runs'][0]
+
+
 def test_the_short_name_needs_a_protocol_and_analyze_needs_none(verdict, capsys):
     file, printed = verdict
     assert '-o is missing' in refusal(capsys, 'report', file)
@@ -97,10 +111,10 @@ def test_a_log_in_json_is_no_verdict_whatever_its_name(tmp_path, capsys):
 
 
 @pytest.mark.parametrize('options, words', [
-    (['--set', 'window_s=60'], '--set window_s=60: {file} is a verdict, which is not judged'),
-    (['--config', 'x.yaml'], '--config x.yaml: '), (['--runs', 'x.csv'], '--runs x.csv: '),
-    (['--csv', 'x.csv'], '--csv x.csv: '), (['--jobs', '2'], '--jobs 2: '),
-    (['--logbook', 'x.sqlite'], '--logbook x.sqlite: '), (['--ts-unit', 'rad'], '--ts-unit rad: '),
+    *((option, f'{{file}}: is a verdict, which is not judged again; leave out {" ".join(option)}')
+      for option in (['--set', 'window_s=60'], ['--config', 'x.yaml'], ['--runs', 'x.csv'],
+                     ['--csv', 'x.csv'], ['--jobs', '2'], ['--logbook', 'x.sqlite'],
+                     ['--ts-unit', 'rad'])),
     ([*NORMS, '{file}'], '{file}: is a verdict: heading-intercompare report {file} -o'),
     (['--json', '{file}'], '--json {file}: that is an INPUT'),
     (['-o', '{file}'], '--output {file}: that is an INPUT'),

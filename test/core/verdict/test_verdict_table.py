@@ -29,6 +29,7 @@ from trials import judge_turning_ship
 from heading_intercompare import analyze, Headings, Settings
 from heading_intercompare.core.runs.pairing_figures import RejectedReadings
 from heading_intercompare.core.verdict.verdict_document import Input
+from heading_intercompare.core.verdict.verdict_table import verdict_text
 
 judge_ship = partial(judge_turning_ship, risk__min_duration_s=0.0)
 
@@ -37,6 +38,26 @@ def test_a_verdict_is_printed_as_a_table():
     verdict = judge_ship(1)
     run = verdict.runs[0]
     lines = str(verdict).splitlines()
+    assert lines[:3] == [
+        f'VERDICT: {verdict.headline}',
+        'norms: sigma_max 0.3 deg, sigma_ref_max 0.1 deg; risks: consumer 0.05, producer 0.05', '']
+    cells = dict(line.rsplit('  ', 1) for line in lines if '  ' in line.strip())
+    cells = {name.strip(): cell for name, cell in cells.items()}
+    assert cells['outcome'] == 'COMPLIANT'
+    assert cells['first pair, UTC'] == '2023-11-14 22:13:20.000'
+    assert cells['standard deviation [deg]'] == f'{run.std_deg:.4f}'
+    assert cells['rejected'] == '0'
+    reasons = lines[lines.index('', 3) + 1:]
+    assert reasons[0] == 'run 1: the variance is within the acceptance limit, at the stated risk'
+    assert all(line.startswith('  ') for line in reasons[1:])
+
+
+GK_LINES = {'GK as printed', 'GK (5) variance', 'n+ / n++ / allowed', 'GK (6) counts'}
+
+
+def test_a_verbose_table_has_the_criteria_of_gk_and_the_abbreviations():
+    verdict = judge_ship(1)
+    lines = verdict_text(verdict, verbose=True).splitlines()
     assert lines[:5] == [
         f'VERDICT: {verdict.headline}', 'GK as printed: COMPLIANT',
         'norms: sigma_max 0.3 deg, sigma_ref_max 0.1 deg, P 0.997; model NN, variant B; '
@@ -44,15 +65,21 @@ def test_a_verdict_is_printed_as_a_table():
         'TS: tested sensor; RS: reference sensor; GK: Granovskii and Kudryavtsev 2016; '
         'NN: errors of TS and RS normal; '
         'B: the mean of the TS is not known, and the same in all runs', '']
-    cells = dict(line.rsplit('  ', 1) for line in lines if '  ' in line.strip())
-    cells = {name.strip(): cell for name, cell in cells.items()}
-    assert cells['outcome'] == 'COMPLIANT'
-    assert cells['first pair, UTC'] == '2023-11-14 22:13:20.000'
-    assert cells['standard deviation [deg]'] == f'{run.std_deg:.4f}'
-    assert cells['rejected'] == '0'
-    reasons = lines[lines.index('', 5) + 1:]
-    assert reasons[0] == 'run 1: the variance is within the acceptance limit, at the stated risk'
-    assert all(line.startswith('  ') for line in reasons[1:])
+    assert GK_LINES <= {line.rpartition('  ')[0].strip() for line in lines}
+    assert not {*str(verdict).splitlines()} - {*lines} - {str(verdict).splitlines()[1]}
+
+
+@pytest.mark.parametrize('stated, shown', [
+    ({}, False), ({'norms__sigma_max_deg': 0.2, 'window_s': 60.0, 'norms__m_low': 0.5}, False),
+    ({'norms__total_error_max_deg': 0.9}, True), ({'norms__probability': 0.95}, True),
+    ({'norms__k_rule': 'three'}, True), ({'norms__k_total_rule': 'composition'}, True),
+    ({'model': 'UN'}, True), ({'variant': 'A'}, True)])
+def test_a_setting_in_the_terms_of_gk_shows_its_criteria(stated, shown):
+    verdict = judge_ship(1, **stated)
+    lines = {line.rpartition('  ')[0].strip() for line in str(verdict).splitlines()}
+    assert (GK_LINES & lines == GK_LINES) is shown and bool(GK_LINES & lines) is shown
+    assert ('GK as printed: ' in str(verdict)) is ('TS: tested sensor' in str(verdict)) is shown
+    assert ('GK as printed: ' in verdict._repr_html_()) is shown
 
 
 def test_runs_stand_side_by_side_five_in_a_table():
@@ -103,7 +130,7 @@ def test_a_notebook_shows_the_same_table():
     rows = [[cell.text or '' for cell in row] for row in root.iter('tr')]
     words = {' '.join(' '.join(row).split()) for row in rows}
     printed = {' '.join(line.split()) for line in str(verdict).splitlines()}
-    assert len(words) == 2 * 33 and words <= printed
+    assert len(words) == 2 * 29 and words <= printed
     items = [item.text for item in root.iter('li')]
     assert {item.text for item in root.iter('p') if item.text} <= printed
     assert set(items) <= printed and len(items) >= 7
