@@ -29,7 +29,7 @@ _FILES = {'bag': ('mcap',), 'bags': ('mcap',), 'input': ('mcap', 'csv', 'log'),
           'ensembles': ('csv',),
           'reports': ('html', 'json', 'pdf'), 'json': ('json',), 'dask': ('json',),
           'logbook': ('sqlite',), 'logbooks': ('sqlite',), 'merge_into': ('sqlite',),
-          'html': ('html',)}
+          'html': ('html',), 'correction': ('csv', 'ang')}
 
 
 def complete(parser: argparse.ArgumentParser) -> None:

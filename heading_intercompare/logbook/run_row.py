@@ -22,6 +22,7 @@ from typing import Callable, get_type_hints, Iterable, NamedTuple
 
 from heading_intercompare.core.angles import wrap180
 from heading_intercompare.core.declared_figures import find_figure
+from heading_intercompare.core.diagnostics.deviation import HeadingDependence, holds_all_round
 from heading_intercompare.core.typed_reader import make_plain, read_plain
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 
@@ -130,6 +131,15 @@ class RunRow:
         if self.mean_deg is None or self.installation_offset_deg is None:
             return None
         return float(wrap180(self.mean_deg + self.installation_offset_deg))
+
+    @property
+    def heading_dependence(self) -> HeadingDependence | None:
+        """Return the dependence on the heading; None unless a fit holds on every heading."""
+        fit = HeadingDependence(
+            n=self.n, reason='', condition=None, empty_arc_deg=self.empty_arc_deg,
+            coefficients_deg=self.deviation_coefficients_deg,
+            covariance_deg2=self.deviation_covariance_deg2)
+        return fit if holds_all_round(fit) else None
 
     @property
     def key(self) -> RunKey:

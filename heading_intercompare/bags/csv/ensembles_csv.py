@@ -32,10 +32,10 @@ from heading_intercompare.core.records import Pairs
 COLUMNS = ('dday', 'mean_hdg', 'last_hdg', 'mean_dh', 'std_dh', 'num', 'badflag')
 
 _SECOND_NS = 1_000_000_000
-_DAY_NS = 86400 * _SECOND_NS
+DAY_NS = 86400 * _SECOND_NS
 
 
-def _year_ns(stamp_ns: int) -> int:
+def find_year(stamp_ns: int) -> int:
     """Return the beginning of the UTC year of a stamp; that of 1970 if no calendar reaches it."""
     try:
         year = datetime.fromtimestamp(stamp_ns // _SECOND_NS, timezone.utc).year
@@ -103,7 +103,7 @@ class EnsemblesCsvWriter:
     def write(self, pairs: Pairs) -> None:
         """Take pairs; append a row for each completed ensemble."""
         if self._year_ns is None and len(pairs):
-            self._year_ns = _year_ns(int(pairs.stamp_ns[0]))
+            self._year_ns = find_year(int(pairs.stamp_ns[0]))
         self._append(self._ensembling.update(pairs))
 
     def _append(self, ensembles: Ensembles) -> None:
@@ -111,7 +111,7 @@ class EnsemblesCsvWriter:
         columns = (ensembles.stamp_ns, ensembles.mean_ts_deg, ensembles.last_ts_deg,
                    ensembles.mean_deg, ensembles.std_deg, ensembles.num, ~good)
         for ns, mean_ts, last_ts, mean, std, num, bad in zip(*(c.tolist() for c in columns)):
-            self._file.write(f'{(ns - self._year_ns) / _DAY_NS:.7f},{_heading(mean_ts)},'
+            self._file.write(f'{(ns - self._year_ns) / DAY_NS:.7f},{_heading(mean_ts)},'
                              f'{_heading(last_ts)},{mean:.4f},{std:.4f},{num},{bad:d}\n')
 
     def close(self) -> None:

@@ -24,14 +24,16 @@ from pathlib import Path
 import sys
 from typing import Any, Sequence
 
+from heading_intercompare.app.correction_files import SUFFIXES, write_corrections
 from heading_intercompare.app.outputs import name_file
 from heading_intercompare.app.run_table import parse_stamp
-from heading_intercompare.cli.terminal.console import say, say_lines, VERDICT_MARKS
+from heading_intercompare.cli.terminal.console import say, say_lines, tell, VERDICT_MARKS
 from heading_intercompare.core.count_words import count_words
 from heading_intercompare.core.typed_reader import make_plain
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import Software
 from heading_intercompare.logbook.control_chart import LEAST_BASELINE
+from heading_intercompare.logbook.correction import list_corrections
 from heading_intercompare.logbook.history import History, Point, tell_histories
 from heading_intercompare.logbook.logbook_file import Logbook, merge_logbooks, to_cells
 from heading_intercompare.logbook.run_row import RunRow
@@ -60,6 +62,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--json', metavar='F', help="write runs and charts; '-' for stdout")
     parser.add_argument('--csv', metavar='F', help="write a row per run; '-' for stdout")
     parser.add_argument('--html', metavar='F.html', help='write a page with the charts')
+    parser.add_argument('--correction', metavar='F', help='write what to add to the heading of '
+                        'the tested sensor, a row per run that is not void: F.csv with its '
+                        'interval and by heading, or F.ang as UHDAS has it')
     parser.add_argument('--merge-into', metavar='FLEET', help='write all runs of the LOGBOOKs '
                         'into this one, and do no more')
     parser.add_argument('--check', action='store_true',
@@ -83,13 +88,13 @@ def run(arguments: argparse.Namespace) -> int:
         baseline=arguments.baseline, runs_between=arguments.one_in)
     changes = [() if service_ns is None else compare_service(
         [point.row for point in history.points], service_ns) for history in histories]
+    _write_files(histories, changes, arguments, since_ns)
     if arguments.json == '-':
         sys.stdout.write(_render(histories, changes, arguments, since_ns))
     elif arguments.csv == '-':
         _write_csv(histories, sys.stdout, since_ns)
     else:
         say('\n'.join(_list(histories, changes, since_ns)) or 'no runs', VERDICT_MARKS)
-    _write_files(histories, changes, arguments, since_ns)
     differs = (any(change.differs for service_changes in changes for change in service_changes)
                if service_ns is not None
                else any(h.differs for h in histories))
@@ -111,6 +116,20 @@ def _write_files(histories: Sequence[History], changes: Sequence[Sequence[Servic
 
         with name_file(arguments.html):
             write_page(histories, arguments.html, since_ns)
+    if arguments.correction is not None:
+        _write_corrections(histories, arguments.correction, since_ns)
+
+
+def _write_corrections(histories: Sequence[History], path: str, since_ns: int | None) -> None:
+    """Write the corrections of the heading, and say how many runs give none."""
+    corrections, left_out = list_corrections(
+        point.row for history in histories for point in history.list_since(since_ns))
+    with name_file(path):
+        write_corrections(corrections, path)
+    why = ', '.join(f'{n} {reason}' for reason, n in left_out.items())
+    tell(f'--correction {path}: {count_words(len(corrections), "run")}'
+         + (f'; no correction from {count_words(sum(left_out.values()), "run")}: {why}' if why
+            else ''))
 
 
 def _check_options(arguments: argparse.Namespace) -> None:
@@ -121,10 +140,13 @@ def _check_options(arguments: argparse.Namespace) -> None:
     if arguments.json == arguments.csv == '-':
         raise ValueError('--json - and --csv -: only one can be on standard output')
     logbooks = {Path(os.path.realpath(path)) for path in arguments.logbooks}
-    for option in ('json', 'csv', 'html'):
+    for option in ('json', 'csv', 'html', 'correction'):
         path = getattr(arguments, option)
         if path is not None and path != '-' and Path(os.path.realpath(path)) in logbooks:
             raise ValueError(f'--{option} {path}: that is a LOGBOOK; name another file')
+    if arguments.correction is not None and not arguments.correction.endswith(SUFFIXES):
+        raise ValueError(f'--correction {arguments.correction}: must end with '
+                         f'{" or ".join(SUFFIXES)}')
     if arguments.html is not None:
         if Path(arguments.html).suffix != '.html':
             raise ValueError(f'--html {arguments.html}: must end with .html')

@@ -33,6 +33,9 @@ from heading_intercompare.core.statistics.blocking import block_means, block_siz
 _WORST_CONDITION = 1e4
 """Largest condition number with coefficients; headings all round the compass give 2."""
 
+_WIDEST_ARC_DEG = 120.0
+"""Widest arc without a heading that a fit bridges."""
+
 _TERMS = 5
 #: Samples processed at once. They fit into the cache, and BLAS computes their products in one
 #: thread: on a busy machine, several threads would wait for each other.
@@ -240,6 +243,12 @@ def fit_deviation(x_deg: ArrayLike, rs_deg: ArrayLike, *, averaged: int = 1,
         covariance_deg2=tuple(tuple(row) for row in covariance.tolist()),
         amplitude_deg=float(np.abs(around).max()), f=f, p=p,
         residual_std_deg=math.sqrt(rss / (averaged * n - _TERMS)))
+
+
+def holds_all_round(dependence: HeadingDependence) -> bool:
+    """Tell whether the fit holds on every heading: at most 120 deg of the compass are empty."""
+    return (dependence.coefficients_deg is not None
+            and (dependence.empty_arc_deg or 0.0) <= _WIDEST_ARC_DEG)
 
 
 def deviation_at(dependence: HeadingDependence, heading_deg: ArrayLike) -> tuple[Reals, Reals]:

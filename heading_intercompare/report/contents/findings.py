@@ -24,7 +24,11 @@ from typing import Any, Mapping, Sequence
 import numpy as np
 
 from heading_intercompare.core.declared_figures import Figure, list_figures
-from heading_intercompare.core.diagnostics.deviation import deviation_at, HeadingDependence
+from heading_intercompare.core.diagnostics.deviation import (
+    deviation_at,
+    HeadingDependence,
+    holds_all_round,
+)
 from heading_intercompare.core.statistics.normality import Shape
 from heading_intercompare.core.verdict.verdict_document import RunVerdict
 from heading_intercompare.core.verdict.vocabulary import STATE_WORDS
@@ -38,8 +42,8 @@ from heading_intercompare.report.formatting import (
 
 from .tables import Table
 
-#: Rows of the deviation card, and the widest arc without a heading that it bridges.
-_STEP_DEG, _WIDEST_ARC_DEG = 45.0, 120.0
+#: From row to row of the deviation card.
+_STEP_DEG = 45.0
 
 Figures = Mapping[str, Figure]
 
@@ -286,7 +290,7 @@ def make_deviation_card(fit: HeadingDependence) -> Table | None:
         the fit would be a guess.
 
     """
-    if fit.coefficients_deg is None or (fit.empty_arc_deg or 0.0) > _WIDEST_ARC_DEG:
+    if fit.coefficients_deg is None or not holds_all_round(fit):
         return None
     headings = np.arange(0.0, 360.0, _STEP_DEG)
     x_deg, u_deg = deviation_at(fit, headings)

@@ -102,6 +102,50 @@ def test_json_and_csv_hold_runs_and_limits(books, tmp_path, capsys):
         assert row['outside'] == ' '.join(point['outside'])
 
 
+def write_offsets(path, *rows):
+    """Write a run a day with a mean of 0.1 and an installation offset of 1.5."""
+    Logbook(path).write([replace(
+        row, mean_deg=0.1, mean_u_deg=0.01, nu=10.0, **{'installation_offset_deg': 1.5, **more})
+        for row, more in zip(rows_of('MV A', len(rows), 99), rows)])
+
+
+def test_a_correction_is_what_to_add_to_the_tested_heading(tmp_path, capsys):
+    """TS - RS is 1.6 as measured, so the TS needs -1.6; UHDAS writes TS - RS and subtracts it."""
+    book, table, angles = (str(tmp_path / name) for name in ('l', 'c.csv', 'hcorr.ang'))
+    write_offsets(book, {}, {'validity_effect': 'void'}, {},
+                  {'installation_offset_deg': None})
+    assert main(['history', book, '--correction', table]) == 0
+    assert capsys.readouterr().err == (
+        f'note: --correction {table}: 2 runs; no correction from 2 runs: 1 void, '
+        '1 without the installation offset, from an old logbook\n')
+    with open(table, newline='', encoding='utf-8') as file:
+        rows = list(csv.DictReader(file))
+    assert [row['start_utc'][:10] for row in rows] == ['2024-10-04', '2024-10-06']
+    assert {(row['add_to_ts_deg'], row['add_to_ts_low_deg'], row['add_to_ts_high_deg'], row['n'],
+             row['add_to_ts_a_deg']) for row in rows} == {
+        ('-1.6000', '-1.6223', '-1.5777', '86400', '')}
+    assert main(['history', book, '--correction', angles]) == 0
+    assert Path(angles).read_text('ascii').splitlines() == [
+        '277.0000000 1.6000', '278.0000000 1.6000', '279.0000000 1.6000', '280.0000000 1.6000']
+
+
+def test_a_correction_follows_ship_and_since(books, tmp_path, capsys):
+    book, table = str(tmp_path / 'l'), tmp_path / 'c.csv'
+    write_offsets(book, *[{}] * 5)
+    assert main(['history', book, '--since', '2024-10-07', '--correction', str(table)]) == 0
+    assert len(table.read_text('utf-8').splitlines()) == 3
+    assert main(['history', book, '--ship', 'MV B', '--correction', str(table)]) == 0
+    assert len(table.read_text('utf-8').splitlines()) == 1
+
+
+def test_angles_of_several_sensors_are_refused(tmp_path, capsys):
+    book = str(tmp_path / 'l')
+    write_offsets(book, {}, {'ship': 'MV B'})
+    assert 'choose the sensor with --ship' in refusal(
+        capsys, 'history', book, '--correction', tmp_path / 'c.ang')
+    assert not (tmp_path / 'c.ang').exists()
+
+
 def test_a_csv_holds_several_figures_of_a_run_as_json(tmp_path, capsys):
     row, = rows_of('MV A', 1, 9)
     row = replace(row, deviation_coefficients_deg=(0.1, 0.2, 0.3, 0.0, 1 / 3))
@@ -163,6 +207,7 @@ def test_a_fleet_is_merged_and_merging_again_changes_nothing(books, tmp_path, ca
     (['--one-in', 'nan'], '--one-in nan: must be from 2'),
     (['--since', 'yesterday'], '--since yesterday: must be a time, UTC'),
     (['--json', '-', '--csv', '-'], 'only one can be on standard output'),
+    (['--correction', 'c.txt'], '--correction c.txt: must end with .csv or .ang'),
     (['--html', 'h.pdf'], '--html h.pdf: must end with .html')])
 def test_a_wrong_option_is_refused_in_one_line(books, capsys, options, why):
     assert why in refusal(capsys, 'history', books[0], *options)

@@ -161,12 +161,13 @@ def written(tmp_path_factory):
     source = str(table(folder / 'survey.csv'))
     made = {name: str(folder / name) for name in (
         'verdict.json', 'pairs.csv', 'ens.csv', 'runs.csv', 'book.sqlite', 'history.json',
-        'history.csv', 'history.html', 'plan.json', 'bag', 'rejudge.json', 'observed.json')}
+        'history.csv', 'correction.csv', 'history.html', 'plan.json', 'bag', 'rejudge.json',
+        'observed.json')}
     assert main(['analyze', source, *names, *NORMS, '--json', made['verdict.json'], '--csv',
                  made['pairs.csv'], '--ensembles', made['ens.csv'], '--runs-csv',
                  made['runs.csv'], '--logbook', made['book.sqlite']]) == 0
     assert main(['history', made['book.sqlite'], '--json', made['history.json'], '--csv',
-                 made['history.csv']]) == 0
+                 made['history.csv'], '--correction', made['correction.csv']]) == 0
     assert main(['plan', *NORMS, '--set', 'risk.slowest_error_s=10', '--json',
                  made['plan.json'], '--quiet']) == 0
     assert main(['import', source, *names, *NORMS, '-o', made['bag']]) == 0
@@ -189,6 +190,7 @@ def written(tmp_path_factory):
     ('runs.csv', 'a table of the runs of a verdict', 'rows: 1'),
     ('book.sqlite', 'a logbook', 'runs: 1'), ('history.json', 'the result of history', ''),
     ('history.csv', 'a table of the runs of logbooks', 'rows: 1'),
+    ('correction.csv', 'a table of corrections of the heading', 'rows: 1'),
     ('plan.json', 'the result of plan', ''), ('rejudge.json', 'the result of rejudge', ''),
     ('observed.json', 'the result of observe', ''), ('table.csv', 'a table of runs', 'rows: 1'),
     ('out.csv', 'a table of stretches to take out', 'rows: 1'),
