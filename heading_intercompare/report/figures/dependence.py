@@ -56,13 +56,16 @@ def draw_against_heading(about: Subject) -> Iterator[Drawing | LeftOut]:
     norm_deg = about.settings.norms.total_error_max_deg
     lines = [(norm_deg * sign, _NORM, 'norm of the total error' if sign > 0 else None)
              for sign in (1.0, -1.0)] if norm_deg is not None else []
-    if about.bands:
-        low = min(band.center_deg - band.sigma_deg for band in about.bands)
-        up = max(band.center_deg + band.sigma_deg for band in about.bands)
+    runs = about.counted_runs
+    counted = {run.run for run in runs}
+    bands = [band for band in about.bands if band.run.run in counted]
+    if bands:
+        low = min(band.center_deg - band.sigma_deg for band in bands)
+        up = max(band.center_deg + band.sigma_deg for band in bands)
         lines += [(up, SIGMA, 'mean +/- root of the limit of GK (5)'), (low, SIGMA, None)]
-    fits = [fit for run in about.runs
+    fits = [fit for run in runs
             if (fit := run.heading_dependence.coefficients_deg) is not None]
-    why_not = sorted({run.heading_dependence.reason.replace('_', ' ') for run in about.runs
+    why_not = sorted({run.heading_dependence.reason.replace('_', ' ') for run in runs
                       if run.heading_dependence.coefficients_deg is None})
     levels = [*(mean - std).tolist(), *(mean + std).tolist(), *(level for level, _, _ in lines)]
     axis_low, axis_up, beyond = fit_axis(min(levels), max(levels), about.scale(
@@ -88,7 +91,8 @@ def draw_against_heading(about: Subject) -> Iterator[Drawing | LeftOut]:
         name='heading', title=about.title('difference against heading'),
         caption=add_remark(
             'A wave of the means about their average is a deviation: one wave a turn is an error '
-            'that turns with the ship, two waves a quadrantal one.' + more, beyond),
+            'that turns with the ship, two waves a quadrantal one.' + more + about.void_words,
+            beyond),
         x_label='RS heading [deg]', y_label=_Y_LABEL, fill=fill)
 
 
@@ -108,7 +112,7 @@ def draw_against_rate(about: Subject) -> Iterator[Drawing | LeftOut]:
     axis_low, axis_up, beyond = fit_axis(
         float((mean - std).min()), float((mean + std).max()),
         about.scale(np.quantile(mean, _MIDDLE).tolist()))
-    slopes = [(skew_s, run.mean_deg or 0.0) for run in about.runs
+    slopes = [(skew_s, run.mean_deg or 0.0) for run in about.counted_runs
               if (skew_s := run.skew.estimate.skew_s) is not None]
 
     def fill(axes: Any) -> None:
@@ -127,7 +131,8 @@ def draw_against_rate(about: Subject) -> Iterator[Drawing | LeftOut]:
         caption=add_remark('A line that falls or rises through the points is a latency: '
             'its slope in degrees for each degree per second is minus the age of the TS '
             'data in seconds.' + (' The rate of turn is that of a sensor of its own, which '
-                                  'may be late itself.' if turning.measured else ''), beyond),
+                                  'may be late itself.' if turning.measured else '')
+            + about.void_words, beyond),
         x_label='rate of turn as reported [deg/s]' if turning.measured else
             'rate of turn of the RS, over 2 s [deg/s]', y_label=_Y_LABEL, fill=fill)
 

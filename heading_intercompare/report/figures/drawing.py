@@ -26,6 +26,7 @@ from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.error_models import density, tail
 from heading_intercompare.core.records import Integers, Reals
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.validity.condition import VOID
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 from heading_intercompare.report.series_sketch import SeriesSketch
 
@@ -237,6 +238,18 @@ class Subject:
         if len(runs) > 1:
             who = f'Runs {runs[0].run} {"and" if len(runs) == 2 else "to"} {runs[-1].run}'
         return f'{who}: {what}, n = {self.sketch.n if n is None else n}'
+
+    @property
+    def counted_runs(self) -> Sequence[RunVerdict]:
+        """Return the runs that are not void; all of them if every run is."""
+        return [run for run in self.runs if run.validity_effect != VOID] or self.runs
+
+    @property
+    def void_words(self) -> str:
+        """Return a sentence on the void runs beside others; empty without any."""
+        n = len(self.runs) - len(self.counted_runs)
+        words = 'The void run has' if n == 1 else f'The {n} void runs have'
+        return f' {words} no line here, but the points hold all differences.' if n else ''
 
     @property
     def step_s(self) -> float | None:

@@ -83,6 +83,27 @@ def test_wild_values_do_not_flatten_a_figure_and_it_says_how_far_they_go(
     assert 'eyond the axis: as far as ' in drawing.caption + legend
 
 
+@pytest.mark.parametrize('name, words, n_lines', [
+    ('heading', 'harmonics A to E of each run', 3),
+    ('rate', 'latency or clock offset of each run', 3)])
+@pytest.mark.parametrize('void, remark', [
+    (1, 'The void run has no line here'), (2, 'The 2 void runs have no line here')])
+def test_a_void_run_beside_others_has_no_line(name, words, n_lines, void, remark, rng):
+    drawing, axes = draw(*record([good()] * 3 + [good() + 90.0] * void, rng), name)
+    first = [str(line.get_label()) for line in axes.lines].index(words)
+    curves = axes.lines[first:first + n_lines + 1]
+    assert len([line for line in curves if line.get_color() == curves[0].get_color()]) == n_lines
+    assert max(np.abs(line.get_ydata()).max() for line in curves) < 1.0
+    assert remark in drawing.caption
+
+
+@pytest.mark.parametrize('name', ['heading', 'rate'])
+def test_void_runs_alone_keep_their_lines(name, rng):
+    drawing, axes = draw(*record([good() + 90.0] * 2, rng), name)
+    assert len([line for line in axes.lines if line.get_linestyle() == '--']) >= 2
+    assert 'void' not in drawing.caption
+
+
 def test_the_mark_stands_at_the_time_and_side_of_what_is_beyond_the_axis(rng):
     verdict, sketch = record([wild()], rng)
     _, axes = draw(verdict, sketch, 'differences')
