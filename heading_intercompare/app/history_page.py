@@ -20,23 +20,37 @@ from html import escape
 from pathlib import Path
 from typing import Any, Sequence
 
+import numpy as np
+
+from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.utc_text import utc
+from heading_intercompare.core.validity.condition import HOLDS, VOID
+from heading_intercompare.logbook.days import Day, DayMean, list_days, SECTORS
 from heading_intercompare.logbook.history import History, Point
+from heading_intercompare.report.formatting import number, with_uncertainty
 
 _DAY_NS = 86_400_000_000_000
 _MARKERS, _DASHES = 'osv^D', ('-', '--', ':', '-.')
 _NAMES = {'mean': 'mean difference', 'sd': 'standard deviation'}
+#: The rows of the strip of days, from the bottom.
+_LEVELS = (Outcome.COMPLIANT.value, Outcome.INDETERMINATE.value, VOID, Outcome.NON_COMPLIANT.value)
+_DAYS_WORDS = (
+    '<p>A void run is in no figure of its day. Mean and correction are means over the other runs '
+    'of the day, with their standard uncertainties. Corrected heading = TS heading + correction. '
+    'The headings N to NW are those of the RS.</p>\n')
 _HEAD = """<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>Heading sensors over time</title>
 <style>body { font: 16px/1.5 Helvetica, Arial, sans-serif; max-width: 60em; margin: 2em auto;
-padding: 0 1em } svg { width: 100%; height: auto }</style></head><body>
+padding: 0 1em } svg { width: 100%; height: auto } .days { overflow-x: auto; font-size: 80% }
+table { border-collapse: collapse } th, td { border: 1px solid #c8ccd2; padding: .2em .5em;
+text-align: left; white-space: nowrap }</style></head><body>
 <h1>Heading sensors over time</h1>
 """
 
 
 def write_page(histories: Sequence[History], path: str, since_ns: int | None = None) -> None:
     """
-    Write the charts of mean and standard deviation, with their limits.
+    Write the charts of mean and standard deviation, with their limits, and the days with runs.
 
     A ship with several sensors also has a picture of all of them.
 
@@ -58,19 +72,66 @@ def write_page(histories: Sequence[History], path: str, since_ns: int | None = N
 
     """
     parts = [_HEAD]
-    for number, (ship, sensors) in enumerate(_group(histories).items()):
+    for at, (ship, sensors) in enumerate(_group(histories).items()):
         parts.append(f'<h2>{escape(ship)}: {len(sensors)} sensors</h2>\n')
-        parts += [_draw_together(sensors, figure, f's{number}{figure}', since_ns) + '\n'
+        parts += [_draw_together(sensors, figure, f's{at}{figure}', since_ns) + '\n'
                   for figure in _NAMES]
-    for number, history in enumerate(histories):
+    for at, history in enumerate(histories):
         parts.append(f'<h2>{escape(history.ship or "(no ship)")}, settings '
                      f'{history.settings_sha256[:8]}</h2>\n')
         sentences = [trend.words for trend in history.trends] or [
             f'No charts: {history.why_no_chart}']
         parts += [f'<p>{escape(words[0].upper() + words[1:])}.</p>\n' for words in sentences]
         points = history.list_since(since_ns)
-        parts += [_draw(points, figure, f'h{number}{figure}') + '\n' for figure in _NAMES]
+        days = list_days(point.row for point in points)
+        parts.append(_draw_days(days, f'h{at}days') + '\n')
+        parts += [_draw(points, figure, f'h{at}{figure}') + '\n' for figure in _NAMES]
+        parts.append(_tabulate_days(days))
     Path(path).write_text(''.join(parts) + '</body></html>\n', 'utf-8')
+
+
+def _draw_days(days: Sequence[Day], name: str) -> str:
+    """Return the strip of days as SVG: the worst verdict of each."""
+    from heading_intercompare.report.figures.style import draw, INK
+
+    first = np.datetime64(days[0].date, 'D') if days else np.datetime64(0, 'D')
+
+    def fill(axes: Any) -> None:
+        axes.plot([(np.datetime64(day.date, 'D') - first).astype(int) for day in days],
+                  [_LEVELS.index(_level(day)) for day in days], color=INK, linestyle='none',
+                  marker='s', markersize=4.0)
+        axes.set_yticks(range(len(_LEVELS)), _LEVELS)
+        axes.set_ylim(-0.5, len(_LEVELS) - 0.5)
+
+    return draw(fill, name=name, title=f'Worst verdict of each day, {len(days)} days',
+                x_label=f'days since {first} UTC', y_label='', height_mm=40.0)
+
+
+def _level(day: Day) -> str:
+    """Return where a day stands on the strip; a rejected sensor stands above a void run."""
+    return VOID if day.effect == VOID and day.outcome is not Outcome.NON_COMPLIANT \
+        else day.outcome.value
+
+
+def _tabulate_days(days: Sequence[Day]) -> str:
+    """Return the days as a table of HTML."""
+    heads = ['day, UTC', 'runs', 'not void', 'worst verdict', 'n', 'mean TS - RS [deg]',
+             'largest sd [deg]', 'add to TS [deg]', *(f'on {sector}' for sector in SECTORS)]
+    rows = [[day.date, str(day.runs), str(day.counted), _say_verdict(day), str(day.n),
+             _show(day.mean), number(day.sd_deg), _show(day.add_to_ts),
+             *(_show(day.add_to_ts_on.get(sector)) for sector in SECTORS)] for day in days]
+    lines = [f'<tr>{"".join(f"<th>{escape(head)}</th>" for head in heads)}</tr>',
+             *(f'<tr>{"".join(f"<td>{escape(cell)}</td>" for cell in row)}</tr>' for row in rows)]
+    return _DAYS_WORDS + '<div class="days"><table>\n' + '\n'.join(lines) + '\n</table></div>\n'
+
+
+def _say_verdict(day: Day) -> str:
+    effect = '' if day.effect == HOLDS else f', {day.effect.upper()}'
+    return f'{day.outcome.value.upper()}{effect}'
+
+
+def _show(estimate: DayMean | None) -> str:
+    return '-' if estimate is None else with_uncertainty(estimate.mean_deg, estimate.u_deg)
 
 
 def _group(histories: Sequence[History]) -> dict[str, list[History]]:

@@ -159,7 +159,7 @@ def _compare(figure: str, columns: Sequence[tuple[Reals, Reals]], counts: tuple[
         correlation = estimate_correlation(np.concatenate(
             [(x - x.mean()) / max(float(np.std(x, ddof=1)), 1e-12) for x, _ in columns]))
     factor = 1.0 if correlation is None else (1.0 + correlation) / (1.0 - correlation)
-    parts = [(factor * _variance(x, u), float(x.size - 1)) for x, u in columns]
+    parts = [(factor * mean_variance(x, u), float(x.size - 1)) for x, u in columns]
     change = float(columns[1][0].mean() - columns[0][0].mean())
     variance = math.fsum(part for part, _ in parts)
     rest = math.fsum(part ** 2 / nu for part, nu in parts if nu)
@@ -177,7 +177,7 @@ def _compare(figure: str, columns: Sequence[tuple[Reals, Reals]], counts: tuple[
         one_run=min(counts) == 1)
 
 
-def _variance(x: Reals, u: Reals) -> float:
+def mean_variance(x: Reals, u: Reals) -> float:
     """Return the variance of the mean: from the scatter, or as stated if that is larger."""
     stated = float((u ** 2).sum()) / x.size ** 2
     return stated if x.size < 2 else max(stated, float(np.var(x, ddof=1)) / x.size)

@@ -20,6 +20,7 @@ import csv
 from dataclasses import replace
 import json
 from pathlib import Path
+import re
 import sqlite3
 
 from command_line import refusal
@@ -162,9 +163,29 @@ def test_a_page_shows_both_charts(books, tmp_path, capsys):
     page = tmp_path / 'h.html'
     assert main(['history', *books, '--html', str(page)]) == 0
     text = page.read_text('utf-8')
-    assert text.count('<svg') == 4 and 'Mean difference, 40 runs' in text
+    assert text.count('<svg') == 6 and 'Mean difference, 40 runs' in text
     assert 'mean difference [deg]' in text and 'outside the limits' in text
     assert 'It' not in text.partition('<p>')[2][:3]
+
+
+def test_a_page_has_a_row_per_day_with_the_correction(tmp_path, capsys):
+    pytest.importorskip('matplotlib')
+    pytest.importorskip('jinja2')
+    book, page = str(tmp_path / 'l'), tmp_path / 'h.html'
+    write_offsets(book, {}, {'validity_effect': 'void', 'outcome': 'indeterminate'},
+                  {'installation_offset_deg': None}, {'validity_effect': 'doubtful'})
+    assert main(['history', book, '--html', str(page)]) == 0
+    text = page.read_text('utf-8')
+    assert 'Worst verdict of each day, 4 days' in text
+    rows = [re.findall('<td>(.*?)</td>', line)[:8] for line in text.splitlines()
+            if line.startswith('<tr><td>')]
+    assert [(row[0], *row[3:6], row[7]) for row in rows] == [
+        ('2024-10-04', 'COMPLIANT', '86400', '0.100 ± 0.010', '-1.600 ± 0.010'),
+        ('2024-10-05', 'INDETERMINATE, VOID', '0', '-', '-'),
+        ('2024-10-06', 'COMPLIANT', '86400', '0.100 ± 0.010', '-'),
+        ('2024-10-07', 'COMPLIANT, DOUBTFUL', '86400', '0.100 ± 0.010', '-1.600 ± 0.010')]
+    assert main(['history', book, '--html', str(page), '--since', '2024-10-07']) == 0
+    assert page.read_text('utf-8').count('<tr><td>') == 1
 
 
 def test_the_sensors_of_a_ship_are_listed_and_shown_together(tmp_path, capsys):
@@ -182,8 +203,8 @@ def test_the_sensors_of_a_ship_are_listed_and_shown_together(tmp_path, capsys):
     page = tmp_path / 'h.html'
     assert main(['history', book, '--html', str(page)]) == 0
     text = page.read_text('utf-8')
-    # Two charts of each sensor, and two of the ship with two of them.
-    assert text.count('<svg') == 3 * 2 + 2
+    # Two charts of each sensor with its days, and two of the ship with two of them.
+    assert text.count('<svg') == 3 * 3 + 2
     assert text.count('<h2>MV A: 2 sensors</h2>') == 1 and 'MV AB: ' not in text
     assert 'Mean difference of each sensor, 80 runs' in text
     assert 'gyro2, settings abababab' in text
