@@ -27,6 +27,7 @@ from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.validity.condition import HOLDS, VOID
 from heading_intercompare.logbook.days import Day, DayMean, list_days, SECTORS
 from heading_intercompare.logbook.history import History, Point
+from heading_intercompare.report.figures.drawing import SVG_STYLE
 from heading_intercompare.report.formatting import number, with_uncertainty
 
 _DAY_NS = 86_400_000_000_000
@@ -38,12 +39,14 @@ _DAYS_WORDS = (
     '<p>A void run is in no figure of its day. Mean and correction are means over the other runs '
     'of the day, with their standard uncertainties. Corrected heading = TS heading + correction. '
     'The headings N to NW are those of the RS.</p>\n')
-_HEAD = """<!DOCTYPE html>
+_HEAD = f"""<!DOCTYPE html>
 <html lang="en"><head><meta charset="utf-8"><title>Heading sensors over time</title>
-<style>body { font: 16px/1.5 Helvetica, Arial, sans-serif; max-width: 60em; margin: 2em auto;
-padding: 0 1em } svg { width: 100%; height: auto } .days { overflow-x: auto; font-size: 80% }
-table { border-collapse: collapse } th, td { border: 1px solid #c8ccd2; padding: .2em .5em;
-text-align: left; white-space: nowrap }</style></head><body>
+<style>body {{ font: 16px/1.5 Helvetica, Arial, sans-serif; max-width: 60em; margin: 2em auto;
+padding: 0 1em }}
+{SVG_STYLE}
+.days {{ overflow-x: auto; font-size: 80% }}
+table {{ border-collapse: collapse }} th, td {{ border: 1px solid #c8ccd2; padding: .2em .5em;
+text-align: left; white-space: nowrap }}</style></head><body>
 <h1>Heading sensors over time</h1>
 """
 

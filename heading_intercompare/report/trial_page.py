@@ -21,12 +21,13 @@ from typing import Iterable, Mapping, Sequence
 
 from heading_intercompare.core.records import Reals
 
+from .figures.drawing import SVG_STYLE
 from .figures.trial_figures import draw_seeds, draw_trace
 from .sketching.track import Trace
 
-_STYLE = """
-body { font-family: Helvetica, Arial, sans-serif; margin: 2em auto; max-width: 190mm; }
-svg { width: 100%; height: auto; }
+_STYLE = f"""
+body {{ font-family: Helvetica, Arial, sans-serif; margin: 2em auto; max-width: 190mm; }}
+{SVG_STYLE}
 """
 
 

@@ -41,6 +41,16 @@ document.title = JSON.stringify({
 });
 </script>"""
 
+#: Gives a figure the focus, as a click does, and takes it away.
+FOCUS = """<script>
+const figure = document.querySelector('svg'), widths = [];
+const measure = () => widths.push(figure.getBoundingClientRect().width);
+measure(); figure.focus(); measure();
+const overflow = document.documentElement.scrollWidth - document.documentElement.clientWidth;
+figure.blur(); measure();
+document.title = JSON.stringify([...widths, overflow]);
+</script>"""
+
 
 @pytest.fixture(scope='module')
 def browser():
@@ -81,6 +91,16 @@ def test_the_protocol_fits_its_window_and_asks_nobody_for_anything(browser, page
     assert all(w > 250 and h > 80 for w, h in found['figures'])
     assert found['overflow'] <= 0 and found['requests'] == []
     assert found['sections'] >= 10
+
+
+def test_a_figure_with_the_focus_is_enlarged_and_the_page_still_fits(browser, page, tmp_path):
+    probed = tmp_path / 'probed.html'
+    probed.write_text(page.read_text('utf-8').replace('</body>', f'{FOCUS}</body>'), 'utf-8')
+    shown = run(browser, tmp_path, '--window-size=1280,1000', '--dump-dom', probed.as_uri())
+    title = re.search(r'<title>(.*?)</title>', shown, re.DOTALL).group(1)
+    before, enlarged, after, overflow = json.loads(title)
+    assert enlarged == pytest.approx(2.5 * before, rel=0.05)
+    assert after == before and overflow <= 0
 
 
 def test_the_browser_has_nothing_to_complain_about(browser, page, tmp_path):

@@ -30,6 +30,10 @@ from heading_intercompare.core.validity.condition import VOID
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 from heading_intercompare.report.series_sketch import SeriesSketch
 
+SVG_STYLE = """svg { width: 100%; height: auto; cursor: zoom-in }
+@media screen { svg:focus { width: 250%; cursor: zoom-out } }"""
+"""Style sheet of a page with figures: the figure with the focus is enlarged."""
+
 _DAY_NS = 86_400 * 10 ** 9
 
 #: Looks of lines. Each kind also has a dash or a width of its own, so that it needs no colour.

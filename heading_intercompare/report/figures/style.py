@@ -200,6 +200,8 @@ def _tidy(written: bytes, name: str, title: str) -> str:
     root.insert(0, titled)
     root.attrib |= {'xmlns': _SVG, 'xmlns:xlink': _XLINK, 'role': 'img',
                     'aria-labelledby': f'{name}-title',
+                    # A click, or the Tab key, gives it the focus: `SVG_STYLE` then enlarges it.
+                    'tabindex': '0',
                     # Replaces the removed style sheet, which would apply to the whole page.
                     'style': 'stroke-linejoin: round; stroke-linecap: butt'}
     return ElementTree.tostring(root, 'unicode')

@@ -30,6 +30,7 @@ import pytest
 from heading_intercompare.cli import main
 from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.logbook.run_row import RunRow
+from heading_intercompare.report.figures.drawing import SVG_STYLE
 
 DAY_NS = 86_400_000_000_000
 T0_NS = 20_000 * DAY_NS
@@ -163,7 +164,7 @@ def test_a_page_shows_both_charts(books, tmp_path, capsys):
     page = tmp_path / 'h.html'
     assert main(['history', *books, '--html', str(page)]) == 0
     text = page.read_text('utf-8')
-    assert text.count('<svg') == 6 and 'Mean difference, 40 runs' in text
+    assert text.count('<svg') == 6 and SVG_STYLE in text and 'Mean difference, 40 runs' in text
     assert 'mean difference [deg]' in text and 'outside the limits' in text
     assert 'It' not in text.partition('<p>')[2][:3]
 

@@ -62,6 +62,7 @@ def test_a_screen_reader_finds_the_title_of_a_graph():
     first = next(iter(root))
     assert (first.tag, first.text) == (f'{SVG}title', 'Run 1: x < y, n = 2')
     assert root.get('role') == 'img' and root.get('aria-labelledby') == first.get('id')
+    assert root.get('tabindex') == '0'
 
 
 def ids(svg):
