@@ -33,8 +33,11 @@ from heading_intercompare.report.formatting import number, with_uncertainty
 _DAY_NS = 86_400_000_000_000
 _MARKERS, _DASHES = 'osv^D', ('-', '--', ':', '-.')
 _NAMES = {'mean': 'mean difference', 'sd': 'standard deviation'}
-#: The rows of the strip of days, from the bottom.
-_LEVELS = (Outcome.COMPLIANT.value, Outcome.INDETERMINATE.value, VOID, Outcome.NON_COMPLIANT.value)
+#: The rows of the strip of days from the bottom, with their marks.
+_LEVELS: dict[str, dict[str, Any]] = {
+    Outcome.COMPLIANT.value: {'marker': 's'},
+    Outcome.INDETERMINATE.value: {'marker': 's', 'markerfacecolor': 'none'},
+    VOID: {'marker': 'x'}, Outcome.NON_COMPLIANT.value: {'marker': 'D'}}
 _DAYS_WORDS = (
     '<p>A void run is in no figure of its day. Mean and correction are means over the other runs '
     'of the day, with their standard uncertainties. Corrected heading = TS heading + correction. '
@@ -100,10 +103,12 @@ def _draw_days(days: Sequence[Day], name: str) -> str:
     first = np.datetime64(days[0].date, 'D') if days else np.datetime64(0, 'D')
 
     def fill(axes: Any) -> None:
-        axes.plot([(np.datetime64(day.date, 'D') - first).astype(int) for day in days],
-                  [_LEVELS.index(_level(day)) for day in days], color=INK, linestyle='none',
-                  marker='s', markersize=4.0)
-        axes.set_yticks(range(len(_LEVELS)), _LEVELS)
+        for height, (level, mark) in enumerate(_LEVELS.items()):
+            at = [(np.datetime64(day.date, 'D') - first).astype(int) for day in days
+                  if _level(day) == level]
+            axes.plot(at, [height] * len(at), color=INK, linestyle='none', markersize=4.0,
+                      label=f'{_say(level)}: {len(at)}', **mark)
+        axes.set_yticks([])
         axes.set_ylim(-0.5, len(_LEVELS) - 0.5)
 
     return draw(fill, name=name, title=f'Worst verdict of each day, {len(days)} days',
@@ -114,6 +119,10 @@ def _level(day: Day) -> str:
     """Return where a day stands on the strip; a rejected sensor stands above a void run."""
     return VOID if day.effect == VOID and day.outcome is not Outcome.NON_COMPLIANT \
         else day.outcome.value
+
+
+def _say(outcome: str) -> str:
+    return outcome.replace('_', '-')
 
 
 def _tabulate_days(days: Sequence[Day]) -> str:
@@ -130,7 +139,7 @@ def _tabulate_days(days: Sequence[Day]) -> str:
 
 def _say_verdict(day: Day) -> str:
     effect = '' if day.effect == HOLDS else f', {day.effect.upper()}'
-    return f'{day.outcome.value.upper()}{effect}'
+    return f'{_say(day.outcome.value).upper()}{effect}'
 
 
 def _show(estimate: DayMean | None) -> str:
@@ -148,13 +157,18 @@ def _group(histories: Sequence[History]) -> dict[str, list[History]]:
             if len({history.ship for history in ship_histories}) > 1}
 
 
+def _list_drawn(points: Sequence[Point], figure: str) -> list[Point]:
+    """Return the points of runs that have a figure and are not void."""
+    return [p for p in points if getattr(p.row, f'{figure}_deg') is not None
+            and p.row.validity_effect != VOID]
+
+
 def _draw_together(histories: Sequence[History], figure: str, name: str,
                    since_ns: int | None) -> str:
     """Return one figure of all sensors of a ship as SVG."""
     from heading_intercompare.report.figures.style import draw, GREY, INK
 
-    runs = [(history, [p for p in history.list_since(since_ns)
-                       if getattr(p.row, f'{figure}_deg') is not None]) for history in histories]
+    runs = [(history, _list_drawn(history.list_since(since_ns), figure)) for history in histories]
     start_ns = min((p.row.start_ns for _, points in runs for p in points), default=0)
 
     def fill(axes: Any) -> None:
@@ -178,7 +192,7 @@ def _draw(points: Sequence[Point], figure: str, name: str) -> str:
     # Only now: matplotlib is optional and takes long to load.
     from heading_intercompare.report.figures.style import ACCENT, draw, GREY, INK
 
-    drawn = [p for p in points if getattr(p.row, f'{figure}_deg') is not None]
+    drawn = _list_drawn(points, figure)
     start_ns = drawn[0].row.start_ns if drawn else 0
 
     def fill(axes: Any) -> None:

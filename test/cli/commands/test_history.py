@@ -177,7 +177,9 @@ def test_a_page_has_a_row_per_day_with_the_correction(tmp_path, capsys):
                   {'installation_offset_deg': None}, {'validity_effect': 'doubtful'})
     assert main(['history', book, '--html', str(page)]) == 0
     text = page.read_text('utf-8')
-    assert 'Worst verdict of each day, 4 days' in text
+    assert 'Worst verdict of each day, 4 days' in text and 'Mean difference, 3 runs' in text
+    for words in ('compliant: 3', 'indeterminate: 0', 'void: 1', 'non-compliant: 0'):
+        assert f'>{words}<' in text
     rows = [re.findall('<td>(.*?)</td>', line)[:8] for line in text.splitlines()
             if line.startswith('<tr><td>')]
     assert [(row[0], *row[3:6], row[7]) for row in rows] == [
