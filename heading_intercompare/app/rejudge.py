@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+import os
 from typing import Any, Callable, Mapping, Sequence
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
@@ -29,8 +30,9 @@ from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.typed_reader import VerdictError
 from heading_intercompare.core.validity.condition import is_doubtful
 from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
-from heading_intercompare.core.verdict.verdict_document import Verdict
-from heading_intercompare.report.json import parse_any
+from heading_intercompare.core.verdict.verdict_document import Input, Verdict
+from heading_intercompare.readers.registry import is_verdict
+from heading_intercompare.report.json import parse_any, read_any
 
 from .analysis import judge_bags
 from .config import Config, settings_for
@@ -138,7 +140,7 @@ def rejudge(paths: Sequence[str], config: Config | None = None, assignments: Seq
     Parameters
     ----------
     paths
-        ``.mcap`` files and rosbag2 directories.
+        ``.mcap`` files and rosbag2 directories; or verdicts in JSON, whose inputs are judged.
     config
         Settings for all recordings, instead of those that they store.
     assignments
@@ -164,7 +166,8 @@ def rejudge(paths: Sequence[str], config: Config | None = None, assignments: Seq
     for done, path in enumerate(paths):
         progress(f'{done} of {len(paths)} done, {path}')
         try:
-            rejudged.append(rejudge_bag(path, config, assignments, jobs=jobs))
+            judge = rejudge_verdict if is_verdict(path) else rejudge_bag
+            rejudged.append(judge(path, config, assignments, jobs=jobs))
         except UNREADABLE as error:
             rejudged.append(Rejudged(path, UNJUDGED, error=explain_unreadable(error, path)))
     return sorted(rejudged, key=lambda bag: bag.rank)
@@ -188,6 +191,45 @@ def rejudge_bag(path: str, config: Config | None = None, assignments: Sequence[s
     judged = judge_bags([path], settings, jobs=jobs)
     notes += [note.removeprefix(f'{path}: ') for note in judged.notes]
     return _compare(path, report, judged.verdict, tuple(notes))
+
+
+def rejudge_verdict(path: str, config: Config | None = None, assignments: Sequence[str] = (), *,
+                    jobs: int | None = None) -> Rejudged:
+    """
+    Judge the inputs of a verdict in JSON again, with its settings; see `rejudge`.
+
+    Raises
+    ------
+    OSError, ValueError
+        If its inputs are not at hand, hold other data, or cannot be judged from it alone.
+
+    """
+    former = read_any(path)
+    recordings = [_find_recording(recording, path) for recording in former.inputs]
+    if not recordings:
+        raise ValueError('it names no input: it was given live or from Python')
+    settings = _settings(config or Config(), {} if config else _to_assignments(former.settings),
+                         assignments)
+    judged = judge_bags(recordings, settings, jobs=jobs)
+    for recording, before, now in zip(recordings, former.inputs, judged.verdict.inputs):
+        if now.error is not None:
+            raise ValueError(f'{recording}: {now.error}')
+        if now.sha256 != before.sha256:
+            raise ValueError(f'{recording}: holds other data than those that were judged '
+                             f'(SHA-256 {now.sha256}, not {before.sha256})')
+    return _compare(path, former, judged.verdict, judged.notes)
+
+
+def _find_recording(recording: Input, verdict: str) -> str:
+    """Return where an input of a verdict lies: at its path, or beside the file of the verdict."""
+    if recording.not_taken is not None:
+        raise ValueError(f'its input {recording.path} is a log, and the verdict does not say how '
+                         'its stamps were read: use analyze, or import it and analyze the bag')
+    name = os.path.basename(recording.path.rstrip(os.sep))
+    for place in (recording.path, os.path.join(os.path.dirname(verdict), name)):
+        if os.path.exists(place):
+            return place
+    raise ValueError(f'its input {recording.path} is neither there nor beside the verdict')
 
 
 def _compare(path: str, report: Verdict | SensorsVerdict | None, verdict: Verdict | SensorsVerdict,
@@ -225,10 +267,13 @@ def _stored_settings(reader: BagReader,
                      report: Verdict | SensorsVerdict | None) -> dict[str, Any]:
     """Return the settings stored in a bag; if there are none, those of the report in it."""
     stored: dict[str, Any] = {**read_settings(reader)}
-    if not stored and report is not None:
-        stored = {name: 'none' if value is None else value
-                  for name, value in report.settings.to_mapping().items()}
-    return stored
+    return stored if stored or report is None else _to_assignments(report.settings)
+
+
+def _to_assignments(settings: Settings) -> dict[str, Any]:
+    """Return settings by name, as `settings_for` takes them."""
+    return {name: 'none' if value is None else value
+            for name, value in settings.to_mapping().items()}
 
 
 def _settings(config: Config, stored: Mapping[str, Any], assignments: Sequence[str]) -> Settings:

@@ -49,8 +49,9 @@ _WORDS = {CHANGED: 'changed', UNJUDGED: 'not judged', WITHOUT_REPORT: 'without a
 def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     parser.add_argument('bags', nargs='+', metavar='BAG',
-                        help='.mcap file or rosbag2 directory; it is judged with the settings '
-                        'stored in it, unless --config replaces all and --set some of them')
+                        help='.mcap file or rosbag2 directory; or a verdict in JSON, whose inputs '
+                        'are judged. The settings are those stored in it, unless --config '
+                        'replaces all and --set some of them')
     add_settings_arguments(parser)
     parser.add_argument('--json', metavar='F', help="write the results as JSON; '-' for stdout")
     parser.add_argument('--check', action='store_true',

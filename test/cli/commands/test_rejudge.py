@@ -219,3 +219,59 @@ def test_a_cut_by_the_clock_that_a_report_did_not_have_is_another_setting(make_b
     _, lines, _ = told(make_bag(), '--set', 'runs.every_h=0.1', '--json', '-')
     (entry,) = json.loads('\n'.join(lines))['bags']
     assert entry['settings_changed'] == ['runs.every_h']
+
+
+@pytest.fixture
+def make_verdict(make_bag, tmp_path, capsys):
+    """Return a function that analyses a bag without settings, and returns bag and verdict."""
+    def make(name='foreign'):
+        bag, verdict = make_bag(name, stored=None, report=False), tmp_path / f'{name}.json'
+        assert main(['analyze', bag, '--set', 'norms.sigma_max_deg=0.3', '--set',
+                     'norms.sigma_ref_max_deg=0.1', '--json', str(verdict)]) == 0
+        capsys.readouterr()
+        return Path(bag), verdict
+    return make
+
+
+def test_a_verdict_is_judged_again_with_its_settings_and_inputs(make_verdict, told):
+    bag, verdict = make_verdict()
+    code, lines, said = told(verdict, '--check')
+    assert (code, said) == (0, '')
+    assert lines[0].startswith(f'{verdict}: same: COMPLIANT for errors that change within ')
+    code, lines, _ = told(verdict, '--set', 'norms.sigma_max_deg=0.01', '--check')
+    assert code == 1 and lines[0].endswith(' (other settings: norms.sigma_max_deg)')
+
+
+def test_the_input_of_a_verdict_may_have_moved_with_it(make_verdict, told, tmp_path):
+    bag, verdict = make_verdict()
+    (tmp_path / 'archive').mkdir()
+    bag.rename(tmp_path / 'archive' / bag.name)
+    moved = verdict.rename(tmp_path / 'archive' / verdict.name)
+    assert told(moved, '--check')[0] == 0
+
+
+def test_a_verdict_whose_inputs_changed_or_are_gone_is_not_judged(make_verdict, make_bag, told):
+    bag, verdict = make_verdict()
+    Path(bag).rename(bag.with_name('away'))
+    code, _, said = told(verdict)
+    assert code == 2 and f'its input {bag} is neither there nor beside the verdict' in said
+    make_bag('foreign', stored=STORED, report=False)
+    code, _, said = told(verdict)
+    assert code == 2 and 'holds other data than those that were judged' in said
+
+
+def test_a_verdict_on_logs_says_what_to_do(told, tmp_path, trial):
+    verdict = tmp_path / 'logs.json'
+    verdict.write_text(json.dumps({**trial[2], 'inputs': [
+        {'path': 'gyro.log', 'sha256': None, 'ts_topic': 'HDT', 'rs_topic': None,
+         'not_taken': {}}]}), 'utf-8')
+    code, _, said = told(verdict)
+    assert code == 2 and 'gyro.log is a log' in said and 'use analyze' in said
+
+
+def test_a_changed_verdict_is_a_change(make_verdict, told):
+    bag, verdict = make_verdict()
+    changed = json.loads(verdict.read_text('utf-8'))
+    verdict.write_text(json.dumps({**changed, 'outcome': 'non_compliant'}), 'utf-8')
+    code, lines, _ = told(verdict, '--check')
+    assert code == 1 and f': NON-COMPLIANT by rule {RULE_VERSION} -> COMPLIANT' in lines[0]
