@@ -22,9 +22,9 @@ import os
 from typing import Iterable, Sequence
 
 from heading_intercompare.core.decision.coverage import span_words
-from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.validity.condition import DOUBTFUL, HOLDS, NOT_TESTABLE, VOID
+from heading_intercompare.core.validity.condition import DOUBTFUL, VOID
 from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
+from heading_intercompare.core.verdict.run_gravity import gravity_of, OUTCOMES, share_of_norm
 from heading_intercompare.core.verdict.verdict_document import Input, RunVerdict, Verdict
 from heading_intercompare.core.verdict.verdict_table import describe_together, head_lines
 
@@ -34,11 +34,9 @@ _TO_THE_RIGHT = {'sd/deg', 'of norm', 'mean/deg', 'n', 'duration'}
 #: A longer name loses its middle.
 _LONGEST_NAME = 32
 
-_OUTCOMES = tuple(reversed(Outcome))
-_EFFECTS = (VOID, DOUBTFUL, NOT_TESTABLE, HOLDS)
 #: An input that could not be judged stands before the indeterminate ones; one that was judged
 #: under another name stands last.
-_NOT_JUDGED, _ELSEWHERE = 0.5, float(len(_OUTCOMES))
+_NOT_JUDGED, _ELSEWHERE = 0.5, float(len(OUTCOMES))
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,37 +94,21 @@ def _describe(name: str, recording: Input, runs: Sequence[RunVerdict]) -> _Line:
         rank = _ELSEWHERE if elsewhere else _NOT_JUDGED
         word = '-' if elsewhere else 'NOT JUDGED' if recording.error else 'NO RUN'
         return _Line((rank, 0.0, 0.0), (name, word, *'------', recording.why_no_run or 'no run'))
-    worst = min(runs, key=_gravity)
-    share = _share_of_norm(worst)
+    worst = min(runs, key=gravity_of)
+    share = share_of_norm(worst)
     word = OUTCOME_WORDS[worst.outcome]
     if worst.validity_effect in (DOUBTFUL, VOID):
         word += f', {worst.validity_effect.upper()}'
     which = str(worst.run) if len(runs) == 1 else f'{worst.run}, worst of {len(runs)}'
-    return _Line(_gravity(worst), (
+    return _Line(gravity_of(worst), (
         name, word, _number(worst.std_deg, '.3f'), _number(share, '.0%'),
         _number(worst.mean_deg, '+.3f'), which, str(worst.n), span_words(worst.duration_s),
         '; '.join(_list_doubts(runs))))
 
 
-def _gravity(run: RunVerdict) -> tuple[float, float, float]:
-    """Return what sorts the worst first; a doubt makes no rejection worse."""
-    rejected = run.outcome is Outcome.NON_COMPLIANT
-    return (_OUTCOMES.index(run.outcome),
-            0 if rejected else _EFFECTS.index(run.validity_effect),
-            -(_share_of_norm(run) or 0.0))
-
-
-def _share_of_norm(run: RunVerdict) -> float | None:
-    """Return the scatter of the differences in terms of its norm, the root of GK (5)."""
-    limit_deg2 = run.guarded.rejection_limit_deg2
-    if run.std_deg is None or not limit_deg2 > 0.0:
-        return None
-    return run.std_deg / math.sqrt(limit_deg2)
-
-
 def _list_doubts(runs: Iterable[RunVerdict]) -> Iterable[str]:
     """Yield what speaks against each run, the gravest first."""
-    for run in sorted(runs, key=_gravity):
+    for run in sorted(runs, key=gravity_of):
         words = [finding.words for effect in (VOID, DOUBTFUL) for finding in run.validity
                  if finding.effect == effect]
         if words:

@@ -30,6 +30,7 @@ from heading_intercompare.core.validity.condition import DOUBTFUL, VOID
 
 from .conclusion import explain
 from .headline import OUTCOME_WORDS
+from .run_gravity import count_compliant
 from .verdict_document import RunVerdict, Verdict
 from .vocabulary import EFFECT_WORDS, law_words, NO_RUN
 
@@ -184,11 +185,12 @@ def _in_one_line(text: str) -> str:
 
 
 def describe_together(verdict: Verdict) -> list[str]:
-    """Return the rule for several runs and its reason in one line; none for one run."""
+    """Return how many runs comply, the rule and its reason in one line; none for one run."""
     if len(verdict.runs) < 2:
         return []
     reason = verdict.campaign.reason
-    return [f'together ({verdict.campaign.rule}): {CAMPAIGN_REASONS.get(reason, reason)}']
+    return [f'{count_compliant(verdict.runs)}; together ({verdict.campaign.rule}): '
+            f'{CAMPAIGN_REASONS.get(reason, reason)}']
 
 
 def head_lines(verdict: Verdict, verbose: bool = False) -> list[str]:

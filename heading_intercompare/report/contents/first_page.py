@@ -27,6 +27,7 @@ from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.validity.condition import DOUBTFUL, VOID
 from heading_intercompare.core.verdict.conclusion import campaign_words, explain
 from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
+from heading_intercompare.core.verdict.run_gravity import count_compliant, gravity_of
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 from heading_intercompare.core.verdict.vocabulary import NO_RUN
 from heading_intercompare.report.formatting import (
@@ -201,16 +202,17 @@ def _coverage(verdict: Verdict) -> Coverage | None:
 
 
 def _list_runs(verdict: Verdict) -> list[str]:
-    runs = verdict.runs
-    if len(runs) < 2:
+    if len(verdict.runs) < 2:
         return []
+    runs = sorted(verdict.runs, key=gravity_of)
     if verdict.campaign.rule == 'sensor':
         # No run decides alone, so what it alone would need says nothing.
         lines = [f'run {run.run}: {run.n} differences in {span_words(run.coverage.span_s)}, mean '
                  f'{_mean(run)}, standard deviation {with_unit(number(run.std_deg, 3), "deg")}'
                  for run in runs[:_MOST_RUNS]]
     else:
-        lines = [f'run {run.run} alone: {run.headline}' for run in runs[:_MOST_RUNS]]
+        lines = [count_compliant(runs),
+                 *(f'run {run.run} alone: {run.headline}' for run in runs[:_MOST_RUNS])]
     if len(runs) > _MOST_RUNS:
         lines.append(f'and {len(runs) - _MOST_RUNS} more, see the results')
     return lines
