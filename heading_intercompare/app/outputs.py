@@ -52,7 +52,11 @@ class Outputs:
     runs_csv
         One row per run.
     json
-        The verdict; '-' is standard output, not a file.
+        The verdict or plan; '-' is standard output, not a file.
+    plot
+        A picture.
+    page
+        A page of HTML.
 
     """
 
@@ -62,6 +66,8 @@ class Outputs:
     json: str | None = None
     ensemble_s: float = 120.0
     runs_csv: str | None = None
+    plot: str | None = None
+    page: str | None = None
 
 
 def check_outputs(outputs: Outputs, inputs: Sequence[str], *, config: str | None = None,
@@ -95,7 +101,8 @@ def check_outputs(outputs: Outputs, inputs: Sequence[str], *, config: str | None
     for option, path in (('csv', outputs.csv), ('csv', beside), ('ensembles', outputs.ensembles),
                          ('runs-csv', outputs.runs_csv),
                          *(('output', report) for report in outputs.reports),
-                         ('json', outputs.json)):
+                         ('json', outputs.json), ('plot', outputs.plot),
+                         ('page', outputs.page)):
         if path is None or (option, path) == ('json', '-'):
             continue
         place = Path(os.path.realpath(path))

@@ -23,11 +23,12 @@ from heading_intercompare.core.records import Headings, Pairs, Reals
 from heading_intercompare.core.verdict.verdict_document import Verdict
 
 from . import json
+from .figures.drawing import Drawing
 from .series_sketch import SegmentSketches, SeriesSketch
 from .sketching.track import Trace
 
 __all__ = ['check_form', 'check_picture', 'SegmentSketches', 'SeriesSketch', 'write',
-           'write_readings', 'write_trial_page', 'WRITERS']
+           'write_chances', 'write_readings', 'write_trial_page', 'WRITERS']
 
 _PICTURES = ('.png', '.pdf', '.svg')
 
@@ -152,9 +153,28 @@ def write_readings(path: str | Path, streams: Mapping[str, Headings], pairs: Pai
     save([*draw_readings(streams, pairs, silence_steps), *draw_counts(not_taken)], path)
 
 
+def write_chances(path: str | Path, drawing: Drawing) -> None:
+    """
+    Write the picture of a plan; see `figures.chances.draw_chances`.
+
+    Raises
+    ------
+    ValueError
+        As `check_picture`.
+    OSError
+        If the file cannot be written.
+
+    """
+    check_picture(path)
+    from .figures.style import save
+    save([drawing], path)
+
+
 def write_trial_page(path: str | Path, title: str, lines: Sequence[str],
                      traces: Sequence[Trace] = (),
-                     seeds: Mapping[str, Sequence[float] | Reals] | None = None) -> None:
+                     seeds: Mapping[str, Sequence[float] | Reals] | None = None,
+                     chances: Drawing | None = None) -> None:
     """Write the page of a simulated trial; see `trial_page.compose_trial_page`."""
     from .trial_page import compose_trial_page
-    Path(path).write_text(compose_trial_page(title, lines, traces, seeds), encoding='utf-8')
+    Path(path).write_text(compose_trial_page(title, lines, traces, seeds, chances),
+                          encoding='utf-8')

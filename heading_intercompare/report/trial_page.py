@@ -21,7 +21,12 @@ from typing import Iterable, Mapping, Sequence
 
 from heading_intercompare.core.records import Reals
 
+<<<<<<< HEAD
 from .figures.drawing import SVG_STYLE
+=======
+from .figures.drawing import Drawing
+from .figures.style import to_svg
+>>>>>>> 23d66e6e (Plan a trial with the sensors, the legs and the sea of a scenario)
 from .figures.trial_figures import draw_seeds, draw_trace
 from .sketching.track import Trace
 
@@ -32,7 +37,8 @@ body {{ font-family: Helvetica, Arial, sans-serif; margin: 2em auto; max-width: 
 
 
 def compose_trial_page(title: str, lines: Iterable[str], traces: Sequence[Trace] = (),
-                       seeds: Mapping[str, Sequence[float] | Reals] | None = None) -> str:
+                       seeds: Mapping[str, Sequence[float] | Reals] | None = None,
+                       chances: Drawing | None = None) -> str:
     """
     Return the page of a simulated trial.
 
@@ -46,6 +52,8 @@ def compose_trial_page(title: str, lines: Iterable[str], traces: Sequence[Trace]
         What each sensor showed.
     seeds : mapping of str to array_like of float, optional
         Columns `seed`, `true_mean_deg`, `mean_deg`, `low_deg` and `high_deg` of a repeated trial.
+    chances
+        The figure of a plan.
 
     """
     paragraphs = ''.join(f'<p>{escape(line)}</p>\n' for line in lines)
@@ -54,7 +62,9 @@ def compose_trial_page(title: str, lines: Iterable[str], traces: Sequence[Trace]
         for number, trace in enumerate(traces))
     if seeds is not None:
         charts += f'<h2>Seeds</h2>\n{draw_seeds(seeds)}\n'
+    if chances is not None:
+        charts += f'{to_svg(chances, chances.name)}\n<p>{escape(chances.caption)}</p>\n'
     return ('<!DOCTYPE html>\n<html lang="en">\n<head>\n<meta charset="utf-8">\n'
-            '<meta name="generator" content="heading-intercompare simulate"/>\n'
+            '<meta name="generator" content="heading-intercompare"/>\n'
             f'<title>{escape(title)}</title>\n<style>{_STYLE}</style>\n</head>\n<body>\n'
             f'<h1>{escape(title)}</h1>\n{paragraphs}{charts}</body>\n</html>\n')

@@ -36,6 +36,7 @@ from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.records import Reals
 from heading_intercompare.core.settings import Norms, Settings
 from heading_intercompare.core.statistics.cells import Cells
+from heading_intercompare.core.statistics.confidence_bounds import share_interval
 from heading_intercompare.core.statistics.variance_uncertainty import (
     estimate_spread,
     LEAST_TIMES,
@@ -48,6 +49,9 @@ from .guarded import decide_variance, Evidence
 
 LEVELS = (0.5, 0.7, 0.85)
 """Standard deviations of the TS for which chances are given, as shares of its norm."""
+
+OUTCOMES = (Outcome.COMPLIANT, Outcome.NON_COMPLIANT, Outcome.INDETERMINATE)
+"""The outcomes in the order of their chances."""
 
 REMEDY_LEVEL = 0.7
 """The level for which changes of the trial are tried; one of `LEVELS`."""
@@ -80,6 +84,8 @@ class Chance:
         The probabilities.
     runs
         Number of runs; several are judged by `campaign.rule: sensor`.
+    intervals
+        Their 95 % intervals, in this order.
 
     """
 
@@ -88,21 +94,29 @@ class Chance:
     compliant: float
     non_compliant: float
     indeterminate: float
-    runs: int = 1
+    runs: int
+    intervals: tuple[tuple[float, float], ...]
 
     @classmethod
     def of(cls, outcomes: Iterable[Outcome], level: float | None, duration_s: float,
            runs: int = 1) -> 'Chance':
         """Return the shares of the outcomes of simulated trials."""
         counts = Counter(outcomes)
-        share = {outcome: counts[outcome] / counts.total() for outcome in Outcome}
-        return cls(level, duration_s, share[Outcome.COMPLIANT], share[Outcome.NON_COMPLIANT],
-                   share[Outcome.INDETERMINATE], runs)
+        trials = counts.total()
+        compliant, non_compliant, indeterminate = (
+            counts[outcome] / trials for outcome in OUTCOMES)
+        return cls(level, duration_s, compliant, non_compliant, indeterminate, runs,
+                   tuple(share_interval(counts[outcome], trials) for outcome in OUTCOMES))
 
     @property
     def total_s(self) -> float:
         """Return the time measured in all, seconds."""
         return self.runs * self.duration_s
+
+    @property
+    def shares(self) -> tuple[float, float, float]:
+        """Return the probabilities, in the order of `OUTCOMES`."""
+        return self.compliant, self.non_compliant, self.indeterminate
 
 
 @dataclass(frozen=True, slots=True)

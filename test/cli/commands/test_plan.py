@@ -50,7 +50,62 @@ def test_the_table_says_how_long_to_measure(capsys, tmp_path):
     ([*GIVEN, '--rate', '-1'], 'rate_hz = -1.0: must be greater than 0'),
     ([*GIVEN, '--seed', '-1'], '--seed -1: must be at least 0'),
     ([*GIVEN, '--trials', '0'], '--trials 0: must be at least 1'),
-    ([*GIVEN, '--json', '/'], '--json /: is a folder')])
+    ([*GIVEN, '--json', '/'], '--json /: is a folder'),
+    ([*GIVEN, '--plot', 'a.gif'], 'a.gif: a picture must end in .png or .pdf or .svg'),
+    ([*GIVEN, '--page', 'a.png'], '--page a.png: must end with .html'),
+    ([*GIVEN, '--hours', '5'], '--hours 5: is for --scenario; leave it out'),
+    ([*GIVEN, '--jobs', '2'], '--jobs 2: is for --scenario; leave it out'),
+    ([*NORMS, '--scenario', 'demo', '--rate', '2'], '--rate 2: the scenario says it'),
+    ([*NORMS, '--scenario', 'demo', '--slow-share', '0.2'],
+     '--slow-share 0.2: the scenario says it; leave it out'),
+    ([*NORMS, '--scenario', 'demo', '--hours', '-1'], '--hours -1: must be greater than 0'),
+    ([*NORMS, '--scenario', 'no_such'], '--scenario no_such: is neither a file nor one of'),
+    (['--scenario', 'demo'], 'norms.sigma_max_deg is missing'),
+    ([*NORMS, '--scenario', 'demo', '--hours', '1e9'], 'duration_s = ')])
 def test_a_mistake_is_one_line(arguments, words, capsys):
     err = refusal(capsys, 'plan', *arguments)
     assert words in err
+
+
+@pytest.mark.slow
+def test_a_scenario_is_planned_for_by_its_verdicts(capsys, tmp_path):
+    """Errors of 0.1 degrees against a norm of 0.2: six minutes are enough, one is not."""
+    pytest.importorskip('matplotlib')
+    trial = tmp_path / 'trial.yaml'
+    trial.write_text('title: Many & few\nduration_s: 120\nseed: 5\nlegs: 0 20 8; 60 90 8\n'
+                     'ts: {white_deg: 0.1, rate_hz: 4}\nrs: {white_deg: 0.004, rate_hz: 4}\n')
+    words = ['plan', *NORMS, '--set', 'risk.slowest_error_s=5', '--scenario', str(trial),
+             '--hours', '0.1', '--trials', '3', '--quiet']
+    plot, page = tmp_path / 'p.svg', tmp_path / 'p.html'
+    assert main([*words, '--json', str(tmp_path / 'p.json'), '--plot', str(plot), '--page',
+                 str(page)]) == 0
+    out = capsys.readouterr().out
+    plan = json.loads((tmp_path / 'p.json').read_text())
+    assert out.startswith('trial.yaml: 360 s, seeds 5 to 7: Many & few\nTS: true standard ')
+    assert f'{plan["ts"]["std_deg"]:.4f} deg' in out and '0.50 of its norm of 0.2 deg' in out
+    rows = [' '.join(line.split()) for line in out.splitlines()]
+    assert '45 s 0 (0 to 71) 0 (0 to 71) 100 (29 to 100)' in rows
+    assert '6 min 100 (29 to 100) 0 (0 to 71) 0 (0 to 71)' in rows
+    assert 'to certify this TS with probability 0.8: one run of 2 min' in rows
+    assert 'outcomes of 6 min: 3 compliant: upper_bound_within_acceptance_limit' in rows
+    assert plan['scenario'] == 'trial.yaml' and plan['seeds'] == [5, 6, 7]
+    assert [chance['compliant'] for chance in plan['chances']][::5] == [0.0, 1.0]
+    assert '<svg' in plot.read_text() and page.read_text().count('<svg') == 1
+    assert '<h1>Many &amp; few</h1>' in page.read_text()
+    assert main([*words, '--json', '-']) == 0
+    assert json.loads(capsys.readouterr().out) == plan
+
+
+@pytest.mark.parametrize('option', ['--json', '--plot', '--page'])
+def test_the_scenario_is_not_overwritten(option, tmp_path, capsys):
+    trial = tmp_path / 'trial.yaml'
+    trial.write_text('duration_s: 120\n')
+    err = refusal(capsys, 'plan', *NORMS, '--scenario', trial, option, trial)
+    assert f'{option} {trial}: that is an INPUT; name another file' in err
+
+
+def test_the_figure_of_a_plan_by_norms_shows_the_levels(tmp_path, capsys):
+    pytest.importorskip('matplotlib')
+    assert main(['plan', *GIVEN, '--trials', '2', '--plot', str(tmp_path / 'p.svg')]) == 0
+    text = (tmp_path / 'p.svg').read_text()
+    assert all(f'TS at {level} of its norm' in text for level in (0.5, 0.7, 0.85))
