@@ -181,8 +181,7 @@ def judge(run: Run, ts_t: np.ndarray, ts: np.ndarray) -> OneSource:
     taken = RunSeries(0, run.settings)
     taken.update(pairs, subtract(pairs))
     return find_one_source(taken.stamp_ns.values, taken.x_deg.values, taken.rs_deg.values,
-                           factor=taken.factor.values, interpolates_ts=taken.interpolates_ts,
-                           share=run.settings.detectors.same_source_share)
+                           factor=taken.factor.values, interpolates_ts=taken.interpolates_ts)
 
 
 def exact(run: Run) -> OneSource:

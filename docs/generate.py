@@ -231,7 +231,10 @@ def parameter_file() -> str:
         # setting without a default is commented out with an example value: remove the # to set it.
         # Required are norms.sigma_ref_max_deg, and norms.sigma_max_deg or norms.preset.
         # Written by docs/generate.py.
+        #
+        # Most trials need no other settings of the analysis than these:
         """)
+    head += ''.join(f'#   {rule.name}\n' for rule in needed())
     return head + '\n' + '\n\n'.join('\n'.join(_section(s)) for s in SECTIONS) + '\n'
 
 
@@ -241,6 +244,19 @@ def _cell(text: str) -> str:
 
 def _default(value: Any) -> str:
     return 'none' if value is None else f'`{_scalar(value)}`'
+
+
+def needed() -> list[Setting]:
+    """Return the settings that most trials need."""
+    declared = {rule.name: rule for rule in list_settings(Settings)}
+    return [declared[name] for name in Settings.NEEDED]
+
+
+def _table(declared: Iterable[Setting]) -> Iterator[str]:
+    yield from ('| name | default | meaning | allowed |', '|---|---|---|---|')
+    for rule in declared:
+        yield (f'| `{rule.name}` | {_default(rule.default)} | {_cell(rule.help)} '
+               f'| {_cell(rule.allowed)} |')
 
 
 def tables() -> str:
@@ -254,7 +270,13 @@ def tables() -> str:
              'An integer is accepted for a number, and settings are frozen during a run.',
              '`none` means that the row is absent. The parameter file with all defaults is',
              '[config/heading_intercompare.yaml](../config/heading_intercompare.yaml); the',
-             'settings of scenarios have [a page of their own](scenario_settings.md).']
+             'settings of scenarios have [a page of their own](scenario_settings.md).',
+             '', '## The ones you need', '',
+             'Most trials need no other settings of the analysis than these. The defaults of the',
+             'others fit.', '', *_table(needed()), '',
+             'These were settings, and have one value now. A file or a bag that states it is read',
+             'as before; any other value is an error.', '',
+             *(f'* `{name}`: {_scalar(value)}' for name, value in Settings.REMOVED.items())]
     return '\n'.join([*lines, *_tabulate(CHAPTERS)]) + '\n'
 
 
@@ -271,13 +293,9 @@ def _tabulate(chapters: Iterable[tuple[str, str, type]]) -> Iterator[str]:
     """Yield the lines of a table of settings per chapter."""
     for title, comment, settings in chapters:
         yield from ('', f'## {title}', '', f'{comment} Class `{settings.__module__}.'
-                    f'{settings.__qualname__}`.', '',
-                    '| name | default | meaning | allowed |', '|---|---|---|---|')
-        for rule in list_settings(settings):
-            if settings is Scenario and rule.name.startswith(('ts.', 'rs.')):
-                continue
-            yield (f'| `{rule.name}` | {_default(rule.default)} '
-                   f'| {_cell(rule.help)} | {_cell(rule.allowed)} |')
+                    f'{settings.__qualname__}`.', '', *_table(
+                        rule for rule in list_settings(settings)
+                        if settings is not Scenario or not rule.name.startswith(('ts.', 'rs.'))))
 
 
 def schema() -> str:

@@ -25,7 +25,7 @@ import runpy
 import pytest
 import yaml
 
-from heading_intercompare.app.config import Config, settings_for
+from heading_intercompare.app.config import Config, load_config, settings_for
 from heading_intercompare.core.declared_settings import (
     from_mapping,
     list_settings,
@@ -249,3 +249,32 @@ def test_a_wrong_keyword_is_refused_in_one_line(given, words):
     ('3: 4', '3: 4'), ('off', 'off'), ('1_0', '1_0'), ('[3]', '[3]')])
 def test_a_figure_or_words_are_read_from_the_command_line_as_they_stand(text, value):
     assert settings_for(Config(), [f'trial.sea_state={text}']).trial.sea_state == value
+
+
+@pytest.mark.parametrize('name, value', Settings.REMOVED.items())
+def test_a_removed_setting_may_be_stated_with_its_value_and_no_other(name, value, tmp_path):
+    path = tmp_path / 'old.yaml'
+    path.write_text(f'/**:\n  ros__parameters:\n    {name}: {value!r}\n')
+    assert settings_for(load_config(str(path))) == Settings()
+    assert settings_for(load_config(None), [f'{name}={value}']) == Settings()
+    for wrong in (0.7, 'none', True):
+        with pytest.raises(SettingsError, match=f'^{name} = .*was removed.* always {value!r}; '):
+            Settings.from_mapping({name: wrong})
+        with pytest.raises(SettingsError, match='was removed'):
+            settings_for(load_config(None), [f'{name}={wrong}'])
+
+
+def test_a_mapping_keeps_the_removed_names_so_that_hashes_stay():
+    mapping = Settings().to_mapping()
+    assert Settings.REMOVED.items() <= mapping.items()
+    assert {rule.name for rule in list_settings(Settings)} == {*mapping} - {*Settings.REMOVED}
+    assert Settings.from_mapping(mapping) == Settings()
+
+
+def test_the_settings_that_a_user_needs_are_ten_and_stand_first():
+    text = (ROOT / 'docs' / 'settings.md').read_text('utf-8')
+    rows = [line.split('`')[1] for line in text.splitlines() if line.startswith('| `')]
+    assert tuple(rows[:10]) == tuple(Settings.NEEDED)
+    head, _, _ = (ROOT / 'config' / 'heading_intercompare.yaml').read_text('utf-8').partition(
+        '/**')
+    assert all(f'#   {name}\n' in head for name in Settings.NEEDED)

@@ -163,7 +163,8 @@ def _parse_assignments(assignments: Sequence[str]) -> dict[str, Any]:
         name = name.strip()
         if not equals or not name:
             raise SettingsError(f'--set {assignment}: must be name=value, '
-                                'e.g. --set norms.sigma_max_deg=0.2')
+                                'e.g. --set norms.sigma_max_deg=0.2; most trials need no other '
+                                f'settings than {", ".join(Settings.NEEDED)}')
         try:
             value = text if name in rules and _is_text(rules[name], text) else (
                 load_settings(text))

@@ -23,7 +23,7 @@ from typing import Mapping, Sequence
 from heading_intercompare.bags.rosbag2.readable import Readable
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.records import Headings, Losses, Pairs
-from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.settings import Settings, SILENCE_STEPS
 from heading_intercompare.readers.stream_recording import StreamRecording
 
 
@@ -86,4 +86,4 @@ def read_streams(reader: Readable, names: Sequence[str]) -> StreamReadings:
         for role, name in zip(('ts', 'rs'), names):
             not_taken.update({f'{name}: {why}': n for why, n in
                               pairer.ledger.total.rejected(role).items()})
-    return StreamReadings(streams, pairs, +not_taken, settings.detectors.silence_steps)
+    return StreamReadings(streams, pairs, +not_taken, SILENCE_STEPS)

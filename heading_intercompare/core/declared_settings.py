@@ -235,11 +235,38 @@ def from_mapping(settings_class: type, mapping: Mapping[str, Any]) -> Any:
     """
     rules = {rule.name: rule for rule in list_settings(settings_class)}
     values = {}
-    for name, value in flatten(mapping).items():
+    for name, value in drop_removed(settings_class, flatten(mapping)).items():
         if name not in rules:
             raise explain_unknown('setting', name, rules)
         values[name] = _check_value(rules[name], value)
     return _build(settings_class, values, '')
+
+
+def _removed(settings_class: type) -> Mapping[str, Any]:
+    """Return the removed settings of a class, with the value that holds always."""
+    removed: Mapping[str, Any] = getattr(settings_class, 'REMOVED', {})
+    return removed
+
+
+def drop_removed(settings_class: type, values: Mapping[str, Any]) -> dict[str, Any]:
+    """
+    Return values by dotted name without those of removed settings.
+
+    A class names what it removed, and the value that holds always, in `REMOVED`. Recordings and
+    files that state this value are read as before.
+
+    Raises
+    ------
+    SettingsError
+        If a removed setting has another value.
+
+    """
+    removed = _removed(settings_class)
+    for name, value in values.items():
+        if name in removed and value != removed[name]:
+            raise SettingsError(f'{name} = {value!r}: this setting was removed, and its value is '
+                                f'always {removed[name]!r}; take it out')
+    return {name: value for name, value in values.items() if name not in removed}
 
 
 def name_keywords(settings_class: type, keywords: Mapping[str, Any]) -> dict[str, Any]:
@@ -260,7 +287,7 @@ def name_keywords(settings_class: type, keywords: Mapping[str, Any]) -> dict[str
         For a name that is unknown or that two groups have, and for a setting given twice.
 
     """
-    names = [rule.name for rule in list_settings(settings_class)]
+    names = [*(rule.name for rule in list_settings(settings_class)), *_removed(settings_class)]
     meant: dict[str, list[str]] = {}
     for name in names:
         for keyword in dict.fromkeys((name.rpartition('.')[2], name.replace('.', '_'))):

@@ -22,7 +22,7 @@ The outer rooms declare their own settings with the same `setting`.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Mapping
+from typing import Any, ClassVar, Mapping, Sequence
 
 from .declared_settings import (
     Checked,
@@ -95,6 +95,9 @@ class Norms(Checked):
                 f'norms.sigma_ref_max_deg = {self.sigma_ref_max_deg!r}; no verdict is possible')
 
 
+SILENCE_STEPS = 10.0
+"""A step of the stamps longer than this multiple of the usual one is a silence."""
+
 LONGEST_GAP_S = 3.0
 """Readings further apart do not show the motion between them, unless the settings say so."""
 
@@ -110,9 +113,6 @@ class Pairing(Checked):
         choices=('auto', 'interpolate', 'interpolate_ts', 'nearest'))
     auto_s: float = setting(
         60.0, "start of a run on which 'auto' bases its choice [s]", 1.0, 600.0)
-    slow_rs_s: float = setting(
-        0.25, 'an RS is slow if its step is longer than this, and than 1.5 TS steps [s]', 0.0,
-        3600.0)
     kernel: str = setting(
         'band_limited', "'band_limited': interpolated by up to eight readings, which keeps the "
         "motion; 'line': by the straight line between two, without a certificate where it lacks "
@@ -263,22 +263,9 @@ class Detectors(Checked):
     convention_tolerance_deg: float = setting(
         10.0, 'a mean difference within this of 90, -90 or 180 means a wrong convention [deg]',
         0.0, 45.0)
-    frozen_s: float = setting(
-        5.0, 'a sensor is frozen if it repeats its value for at least this time [s]', 0.0)
-    frozen_moved_deg: float = setting(
-        0.0, 'a frozen sensor counts only if the other one meanwhile turns by more than this, and '
-        'by more than the errors and steps of both explain [deg]', 0.0, 180.0)
-    same_source_share: float = setting(
-        0.001, 'the sensors are one if at most this share of the changing readings differs', 0.0,
-        1.0)
     mean_max_deg: float = setting(
         15.0, 'a larger mean difference, after the stated installation angle is removed, makes a '
         'run void unless 3 standard uncertainties of that angle cover it [deg]', 0.0, 180.0)
-    lost_doubtful: float = setting(
-        0.1, 'a run with a larger share of lost readings is doubtful', 0.0, 1.0)
-    lost_void: float = setting(0.5, 'a run with a larger share of lost readings is void', 0.0, 1.0)
-    silence_steps: float = setting(
-        10.0, 'a step of the stamps longer than this multiple of the usual one is a silence', 1.0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -384,6 +371,17 @@ class Trial(Checked):
 @dataclass(frozen=True, slots=True)
 class Settings(Checked):
     """All settings of the analysis, the same for nodes, command line and scripts."""
+
+    REMOVED: ClassVar[Mapping[str, Any]] = {
+        'pairing.slow_rs_s': 0.25, 'detectors.frozen_s': 5.0, 'detectors.frozen_moved_deg': 0.0,
+        'detectors.same_source_share': 0.001, 'detectors.lost_doubtful': 0.1,
+        'detectors.lost_void': 0.5, 'detectors.silence_steps': 10.0}
+    """Names that were settings, with the value that holds always; see `drop_removed`."""
+    NEEDED: ClassVar[Sequence[str]] = (
+        'norms.sigma_max_deg', 'norms.sigma_ref_max_deg', 'norms.sigma_ref_deg', 'norms.preset',
+        'norms.latitude_deg', 'risk.sensor_class', 'installation_offset_deg', 'alignment.skew',
+        'ts_topic', 'rs_topic')
+    """The settings that a user needs; the others have defaults that fit most trials."""
 
     norms: Norms = field(default_factory=Norms)
     model: str = setting('NN', 'TS and RS error distributions, N normal or U uniform',
@@ -492,5 +490,10 @@ class Settings(Checked):
             stream.lstrip('/'), 'auto')
 
     def to_mapping(self) -> dict[str, Any]:
-        """Return dotted names and values, in the order of their declaration."""
-        return to_mapping(self)
+        """
+        Return dotted names and values, in the order of their declaration.
+
+        The removed names follow with their values: so a verdict says all that it rests on, and
+        its hash is that of an earlier version with the same settings.
+        """
+        return {**to_mapping(self), **self.REMOVED}

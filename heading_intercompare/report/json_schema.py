@@ -133,8 +133,10 @@ def _join(choices: list[dict[str, Any]]) -> dict[str, Any]:
 
 def _describe_settings() -> dict[str, Any]:
     rules = list_settings(Settings)
-    return {'type': 'object', 'required': [rule.name for rule in rules],
-            'properties': {rule.name: _describe_setting(rule) for rule in rules}}
+    fixed = {name: {'description': 'always this; it was a setting', 'const': value}
+             for name, value in Settings.REMOVED.items()}
+    return {'type': 'object', 'required': [*(rule.name for rule in rules), *fixed],
+            'properties': {rule.name: _describe_setting(rule) for rule in rules} | fixed}
 
 
 def _describe_setting(rule: Setting) -> dict[str, Any]:

@@ -21,12 +21,8 @@ from typing import Iterable, Mapping, Sequence
 
 from heading_intercompare.core.records import Reals
 
-<<<<<<< HEAD
-from .figures.drawing import SVG_STYLE
-=======
-from .figures.drawing import Drawing
+from .figures.drawing import Drawing, SVG_STYLE
 from .figures.style import to_svg
->>>>>>> 23d66e6e (Plan a trial with the sensors, the legs and the sea of a scenario)
 from .figures.trial_figures import draw_seeds, draw_trace
 from .sketching.track import Trace
 

@@ -27,6 +27,7 @@ from heading_intercompare.core.conditions.one_source import find_one_source, fin
 from heading_intercompare.core.conditions.standstill import (
     find_coarse_resolution,
     find_frozen,
+    FROZEN_S,
 )
 from heading_intercompare.core.decision.criteria import require_norms
 from heading_intercompare.core.pairing.difference import subtract
@@ -218,7 +219,7 @@ class ComparisonWatch:
         `find_frozen` judges it. Only the search for its beginning is here, because that must be
         as fast as a message.
         """
-        window, detectors = self._window, self._settings.detectors
+        window = self._window
         changes = np.flatnonzero(np.abs(heading - heading[-1]) > _EQUAL_DEG)
         first = int(changes[-1]) + 1 if changes.size else 0
         lasted_s = (int(window.stamp_ns[-1]) - int(window.stamp_ns[first])) / 1e9
@@ -226,15 +227,14 @@ class ComparisonWatch:
         if lasted_s >= _RECENT_S and heading.size - first >= _FEWEST \
                 and (step.repeated_share or 0.0) < _OFTEN:
             self._repeats = True
-        if lasted_s < detectors.frozen_s:
+        if lasted_s < FROZEN_S:
             return Sign(False)
         repetition = self._repeated[name]
         moved_deg = float(np.ptp(unwrap_deg(other_deg[first:])))
         if not repetition.needs_look(int(window.stamp_ns[first]), self.newest_ns or 0, moved_deg):
             return repetition.sign(lasted_s)
-        frozen = find_frozen(window.stamp_ns, heading, other_deg, least_s=detectors.frozen_s,
-                             moved_deg=detectors.frozen_moved_deg, sigma_deg=sigma_deg,
-                             still_frozen=True)
+        frozen = find_frozen(window.stamp_ns, heading, other_deg, moved_deg=0.0,
+                             sigma_deg=sigma_deg, still_frozen=True)
         norms = self._settings.norms
         sigma_deg = max(norms.sigma_max_deg or 0.0, norms.sigma_ref_max_deg or 0.0)
         if frozen.kind != 'frozen' or not frozen.is_plain(sigma_deg):
@@ -291,10 +291,10 @@ class ComparisonWatch:
             range_s=self._settings.alignment.skew_range_s)
 
     def _look_same_source(self, ts: Reals) -> Sign:
-        window, share = self._window, self._settings.detectors.same_source_share
+        window = self._window
         for n in _COPIED:
             x, rs = window.x_deg[-n:], window.rs_deg[-n:]
-            readings = find_same_source(x, rs, *self._steps, share)
+            readings = find_same_source(x, rs, *self._steps)
             if readings.suspected:
                 return Sign(True, f'the TS repeats the last {len(x)} readings of the RS: both may '
                             'be one sensor')
@@ -305,7 +305,7 @@ class ComparisonWatch:
         at = window.find(_NOISE_S)
         source = find_one_source(
             window.stamp_ns[at:], window.x_deg[at:], window.rs_deg[at:],
-            factor=window.factor[at:], interpolates_ts=window.interpolates_ts, share=share)
+            factor=window.factor[at:], interpolates_ts=window.interpolates_ts)
         if source.kind in ('common', 'suspected'):
             return Sign(True, 'the TS follows the noise or the glitches of the RS: both look like '
                         'one sensor', {'coherence': source.noise.strongest.coherence})

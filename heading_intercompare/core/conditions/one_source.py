@@ -31,6 +31,8 @@ from .common_noise import CommonNoise, find_common_noise
 
 _EQUAL_DEG = 1e-7
 _LEAST_CHANGES = 300
+#: The sensors are one if at most this share of the changing readings differs.
+_DIFFERING_SHARE = 0.001
 #: Headings compared at once: intermediate results stay in the cache.
 _PIECE = 1 << 14
 
@@ -56,8 +58,8 @@ class SameSource:
     rounding_deg: float
 
 
-def find_same_source(x_deg: ArrayLike, rs_deg: ArrayLike, ts: Resolution, rs: Resolution,
-                     share: float = 0.001) -> SameSource:
+def find_same_source(x_deg: ArrayLike, rs_deg: ArrayLike, ts: Resolution,
+                     rs: Resolution) -> SameSource:
     """
     Tell whether one stream repeats the other, reading by reading.
 
@@ -67,8 +69,6 @@ def find_same_source(x_deg: ArrayLike, rs_deg: ArrayLike, ts: Resolution, rs: Re
         Differences and headings of the RS, in sample order, finite, degrees.
     ts, rs
         Resolution of the TS and RS headings.
-    share
-        Largest number of differing readings, as a share of the readings that change.
 
     Returns
     -------
@@ -104,7 +104,7 @@ def find_same_source(x_deg: ArrayLike, rs_deg: ArrayLike, ts: Resolution, rs: Re
     middle = float(np.median(x[::max(1, x.size // 100_000)]))
     differing = sum(_count_nonzero(x[lo:lo + _PIECE] - middle)
                     for lo in range(0, x.size, _PIECE))
-    return SameSource(differing <= share * changes, std, rounding)
+    return SameSource(differing <= _DIFFERING_SHARE * changes, std, rounding)
 
 
 def _count_nonzero(difference: np.ndarray) -> int:
@@ -157,8 +157,7 @@ class OneSource:
 
 
 def find_one_source(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
-                    factor: ArrayLike | None = None, interpolates_ts: bool = False,
-                    share: float = 0.001) -> OneSource:
+                    factor: ArrayLike | None = None, interpolates_ts: bool = False) -> OneSource:
     """
     Look for signs of one source in the pairs of a run.
 
@@ -172,8 +171,6 @@ def find_one_source(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
         Factor by which interpolation changes the variance of white noise; default 1.
     interpolates_ts
         Whether the TS is interpolated, not the RS.
-    share
-        `detectors.same_source_share`.
 
     Returns
     -------
@@ -191,7 +188,7 @@ def find_one_source(stamp_ns: ArrayLike, x_deg: ArrayLike, rs_deg: ArrayLike, *,
     x, rs = (np.asarray(v, dtype=np.float64) for v in (x_deg, rs_deg))
     steps = find_resolution(wrap360(x[:LOOKED_AT] + rs[:LOOKED_AT])), find_resolution(rs)
     return OneSource(
-        find_same_source(x, rs, *steps, share),
+        find_same_source(x, rs, *steps),
         find_common_noise(stamp_ns, x, rs, factor=factor, interpolates_ts=interpolates_ts,
                           ts_step_deg=steps[0].step_deg, rs_step_deg=steps[1].step_deg),
         find_common_glitches(stamp_ns, x, rs))

@@ -27,6 +27,9 @@ from heading_intercompare.core.statistics.resolution import find_resolution
 
 from .repetition import Windows
 
+FROZEN_S = 5.0
+"""A sensor is frozen if it repeats its value for at least this time."""
+
 _EQUAL_DEG = 1e-7
 _DECIMAL_DEG = 1e-6
 _MOST_DECIMALS = 4
@@ -163,7 +166,7 @@ def _find_coarsest(heading: np.ndarray, values: np.ndarray, unit_deg: float) -> 
 
 
 def find_frozen(stamp_ns: ArrayLike, heading_deg: ArrayLike, other_deg: ArrayLike, *,
-                least_s: float = 5.0, moved_deg: float = 0.5,
+                least_s: float = FROZEN_S, moved_deg: float = 0.5,
                 sigma_deg: float | None = None, still_frozen: bool = False) -> Frozen:
     """
     Look for times when a sensor repeats its value while the other sensor turns.

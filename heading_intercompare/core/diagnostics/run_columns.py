@@ -186,7 +186,7 @@ class RunColumns:
     x_deg, rs_deg : ndarray, shape (n,)
         Differences, installation offset removed, and headings of the RS; finite, degrees.
     settings
-        Uses installation offset, alignment, pairing gap and detectors.
+        Uses installation offset, alignment and pairing gap.
     limits
         The limits of the decision on the run.
     residual_deg : ndarray, shape (n,), or None
@@ -253,7 +253,7 @@ class RunColumns:
     @cached_property
     def stamps(self) -> StampSteps:
         """Return steps of the stamps."""
-        return measure_stamp_steps(self.stamp_ns, self.settings.detectors.silence_steps)
+        return measure_stamp_steps(self.stamp_ns)
 
     @cached_property
     def series(self) -> SeriesCorrelation:
@@ -274,8 +274,7 @@ class RunColumns:
     def source(self) -> OneSource:
         """Signs that both headings come from one sensor."""
         return find_one_source(self.stamp_ns, self.x_deg, self.rs_deg, factor=self.factor,
-                               interpolates_ts=self.interpolates_ts,
-                               share=self.settings.detectors.same_source_share)
+                               interpolates_ts=self.interpolates_ts)
 
     @cached_property
     def partings(self) -> list[Parting]:

@@ -31,6 +31,9 @@ from heading_intercompare.core.settings import Pairing
 _RATIO = (3, 2)
 """An RS is slower if its step exceeds that of the TS by this factor, numerator and denominator."""
 
+#: A faster RS is never slow, seconds.
+_SLOW_RS_S = 0.25
+
 _USUAL = 0.6
 #: Where the usual steps cover less of the time than this, one part in, they are those in bursts.
 _COVERED = 10
@@ -252,7 +255,7 @@ class Direction:
     Parameters
     ----------
     rule
-        `max_gap_s`, `auto_s` and `slow_rs_s` are used.
+        `max_gap_s` and `auto_s` are used.
     gap_ns
         `runs.gap_s`, nanoseconds.
 
@@ -273,7 +276,7 @@ class Direction:
         self._before: bool | None = False
         self._silence_ns = max(gap_ns, round(rule.longest_gap_s * 1e9))
         self._watched_ns = round(rule.auto_s * 1e9)
-        self._slow_ns = round(rule.slow_rs_s * 1e9)
+        self._slow_ns = round(_SLOW_RS_S * 1e9)
         self._starts: list[int] = []
         self._last_ns: dict[str, int] = {}
         self._stamp_ns = {'ts': np.empty(0, np.int64), 'rs': np.empty(0, np.int64)}

@@ -29,7 +29,7 @@ from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.raw_streams.sequence_match import Matched, SequenceMatch
 from heading_intercompare.core.raw_streams.stamp_jumps import NEVER
 from heading_intercompare.core.records import Headings, Losses, Pairs
-from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.settings import Settings, SILENCE_STEPS
 
 from .arrival_order import divide_by_arrival
 from .direction import Direction, UsualSteps
@@ -107,7 +107,6 @@ class Pairer:
         self._max_gap_ns = _NO_LIMIT if rule.max_gap_s == 'auto' else round(
             rule.longest_gap_s * 1e9)
         self._is_line = rule.kernel == 'line'
-        self._silence_steps = settings.detectors.silence_steps
         self._jump_ns = round(rule.jump_s * 1e9)
         self._tolerance_ns = round(rule.tolerance_s * 1e9)
         self._max_wait_s = rule.max_wait_s
@@ -400,7 +399,7 @@ class Pairer:
                          - np.bincount(inside + 1 + side, minlength=n + 1))[:n] > 0
         np.maximum(of.role[part], np.where(used, BRACKET, 0).astype(np.uint8), out=of.role[part])
         gap_ns = of.stamp_ns[left + 1] - of.stamp_ns[left]
-        missed = (side == 0) & (gap_ns <= self._silence_steps * step_ns)
+        missed = (side == 0) & (gap_ns <= SILENCE_STEPS * step_ns)
         if missed.any():
             role[which] = np.where(missed, UNBRIDGED, role[which])
         for number, key in _BRIDGED.items():

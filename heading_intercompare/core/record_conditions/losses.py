@@ -19,7 +19,6 @@ from __future__ import annotations
 from typing import Iterator, Sequence
 
 from heading_intercompare.core.pairing.ledger import LedgerKey, LedgerSegment
-from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.validity.condition import (
     Condition,
     DOUBTFUL,
@@ -32,6 +31,8 @@ from heading_intercompare.core.validity.examined import RunAccount
 
 #: A larger share of rejected readings is a warning of the run.
 _REJECTED_SHARE = 0.01
+#: A run with a larger share of lost readings is doubtful, or void.
+_DOUBTFUL_SHARE, _VOID_SHARE = 0.1, 0.5
 
 
 def _settle(finding: Finding | None, account: RunAccount) -> Finding:
@@ -43,7 +44,7 @@ def _settle(finding: Finding | None, account: RunAccount) -> Finding:
         shares = [('lost', _find_gaps(account.inside, account.interpolated))]
     if account.share is not None and account.inside is not None:
         shares += _ledger_shares(account, account.share, account.inside)
-    return judge_losses(shares, account.settings)
+    return judge_losses(shares)
 
 
 def _find_lost(lost_share: float, inside: LedgerSegment | None) -> float:
@@ -92,7 +93,7 @@ def warn_of_held(share: LedgerSegment) -> list[str]:
     return words
 
 
-def warn_of_alone(share: LedgerSegment, inside: LedgerSegment, settings: Settings) -> list[str]:
+def warn_of_alone(share: LedgerSegment, inside: LedgerSegment) -> list[str]:
     """
     Return in words that each sensor sent much while the other had nothing to pair with it.
 
@@ -103,8 +104,6 @@ def warn_of_alone(share: LedgerSegment, inside: LedgerSegment, settings: Setting
     ----------
     share, inside
         Ledger of the readings of a run, and of those between its first and last pair.
-    settings
-        Uses `detectors.lost_doubtful`.
 
     """
     paired = inside.counts.get(LedgerKey.PAIRED, 0)
@@ -116,7 +115,7 @@ def warn_of_alone(share: LedgerSegment, inside: LedgerSegment, settings: Setting
         late = sum(share.rejected(stream).values()) - sum(inside.rejected(stream).values())
         outside = share.received(stream) - inside.received(stream) - late
         alone[stream] = outside / max(1, share.received(stream))
-    if min(alone.values()) <= settings.detectors.lost_doubtful:
+    if min(alone.values()) <= _DOUBTFUL_SHARE:
         return []
     return [f'{100.0 * alone["ts"]:.0f} % of the TS readings and {100.0 * alone["rs"]:.0f} % of '
             'the RS readings came before the first pair or after the last one, and have no '
@@ -160,7 +159,7 @@ def _unpaired(inside: LedgerSegment, interpolated: str | None) -> dict[str, int]
     return {least: counted[least]}
 
 
-def judge_losses(shares: Sequence[tuple[str, float]], settings: Settings) -> Finding:
+def judge_losses(shares: Sequence[tuple[str, float]]) -> Finding:
     """
     Return the finding on shares of lost readings.
 
@@ -168,8 +167,6 @@ def judge_losses(shares: Sequence[tuple[str, float]], settings: Settings) -> Fin
     ----------
     shares
         Each kind of loss in words, and its share of the readings inside the run.
-    settings
-        Uses `detectors.lost_doubtful` and `detectors.lost_void`.
 
     """
     if not shares:
@@ -177,9 +174,9 @@ def judge_losses(shares: Sequence[tuple[str, float]], settings: Settings) -> Fin
     what, share = max(shares, key=lambda row: row[1])
     evidence = ', '.join(f'{name} {100.0 * part:.2g} %' for name, part in shares)
     words = f'{100.0 * share:.0f} % {what}'
-    if share > settings.detectors.lost_void:
+    if share > _VOID_SHARE:
         return LOSSES.find(VOID, words, evidence)
-    if share > settings.detectors.lost_doubtful:
+    if share > _DOUBTFUL_SHARE:
         return LOSSES.find(DOUBTFUL, words, evidence)
     return LOSSES.find(HOLDS, '', evidence)
 
@@ -189,7 +186,7 @@ LOSSES = Condition(
     holds='few readings are lost, rejected or without partner',
     void='void: too many readings of the run are lost, rejected or without partner',
     void_when='of one sensor, more than half of the readings within the run are lost, rejected or '
-              'without partner (`detectors.lost_void`)',
+              'without partner',
     void_why='the missing readings may be the bad ones',
-    doubtful_when='more than a tenth of the readings are missing (`detectors.lost_doubtful`)',
+    doubtful_when='more than a tenth of the readings are missing',
     settle=_settle)

@@ -35,11 +35,11 @@ _MISSED = 0.05
 
 def _find(columns: RunColumns) -> dict[str, Frozen]:
     """Return how each sensor repeats its value while the other one moves."""
-    c, detectors = columns.at_one_time, columns.settings.detectors
+    c = columns.at_one_time
     sensors = {'TS': (c.ts_deg, c.rs_deg, c.limits.sigma_ref_max_deg),
                'RS': (c.rs_deg, c.ts_deg, c.limits.sigma_max_deg)}
-    return {name: find_frozen(c.stamp_ns, heading_deg, other_deg, least_s=detectors.frozen_s,
-                              moved_deg=detectors.frozen_moved_deg, sigma_deg=other_sigma_deg)
+    return {name: find_frozen(c.stamp_ns, heading_deg, other_deg, moved_deg=0.0,
+                              sigma_deg=other_sigma_deg)
             for name, (heading_deg, other_deg, other_sigma_deg) in sensors.items()}
 
 

@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike
 
 from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.pairing.direction import typical_step_ns
+from heading_intercompare.core.settings import SILENCE_STEPS
 from heading_intercompare.core.statistics.blocking import pick_stretches
 
 _LOOKED_AT = 40_000
@@ -110,13 +111,12 @@ def _coherence(stamps: np.ndarray, step: float) -> float:
     return float(np.abs(np.exp(2j * np.pi * phase).mean(axis=1)).mean())
 
 
-def _lost_share(pieces: Iterable[np.ndarray], nominal: float | None,
-                silence_steps: float) -> float:
+def _lost_share(pieces: Iterable[np.ndarray], nominal: float | None) -> float:
     """Return the share of the readings that the steps skip."""
     if nominal is None:
         steps = np.concatenate(list(pieces))
         usual = _usual_ns(steps)
-        silent = steps[steps > silence_steps * usual]
+        silent = steps[steps > SILENCE_STEPS * usual]
         return float((silent - usual).sum()) / float(steps.sum())
     missing = places = 0.0
     for part in pieces:
@@ -144,7 +144,7 @@ def _usual_ns(steps: np.ndarray) -> float:
     return float(usual)
 
 
-def measure_stamp_steps(stamp_ns: ArrayLike, silence_steps: float = 10.0) -> StampSteps:
+def measure_stamp_steps(stamp_ns: ArrayLike) -> StampSteps:
     """
     Measure the steps from stamp to stamp.
 
@@ -152,8 +152,6 @@ def measure_stamp_steps(stamp_ns: ArrayLike, silence_steps: float = 10.0) -> Sta
     ----------
     stamp_ns : array_like of int, shape (n,)
         Stamps in order of arrival, nanoseconds.
-    silence_steps
-        A step longer than this multiple of the typical one is a silence.
 
     Returns
     -------
@@ -171,7 +169,7 @@ def measure_stamp_steps(stamp_ns: ArrayLike, silence_steps: float = 10.0) -> Sta
 
     Readings less than 0.4 c apart belong together, and the longest such c counts. The lost
     readings are then those that the steps skip. Without such a c, the lost readings are those
-    that would fill the silences, steps of more than `silence_steps` times the usual one. The
+    that would fill the silences, steps of more than ten times the usual one. The
     usual step is `typical_step_ns`, taken without the pauses if it is itself a pause.
 
     Examples
@@ -194,8 +192,8 @@ def measure_stamp_steps(stamp_ns: ArrayLike, silence_steps: float = 10.0) -> Sta
         if low <= 0:
             backward += int(np.count_nonzero(steps < 0))
             equal += int(np.count_nonzero(steps == 0))
-        if high > silence_steps * typical > 0.0:
-            silences += int(np.count_nonzero(steps > silence_steps * typical))
+        if high > SILENCE_STEPS * typical > 0.0:
+            silences += int(np.count_nonzero(steps > SILENCE_STEPS * typical))
     onward = stamps
     if least <= 0:
         steps = np.diff(stamps)
@@ -204,7 +202,7 @@ def measure_stamp_steps(stamp_ns: ArrayLike, silence_steps: float = 10.0) -> Sta
     return StampSteps(
         n=stamps.size, typical_s=typical / 1e9,
         nominal_s=None if nominal is None else nominal / 1e9,
-        lost_share=(_lost_share(_cut_steps(onward), nominal, silence_steps)
+        lost_share=(_lost_share(_cut_steps(onward), nominal)
                     if onward.size > 1 else 0.0),
         backward=backward, equal=equal, silences=silences,
         longest_back_s=-least / 1e9 if least < 0 else None, longest_s=most / 1e9)

@@ -140,7 +140,7 @@ class RunResult:
         verdict = replace(self.verdict, pairing=pairing,
                           warnings=(*self.verdict.warnings, *warnings,
                                     *warn_of_rejected(share), *warn_of_held(share),
-                                    *warn_of_alone(share, inside, self.settings)))
+                                    *warn_of_alone(share, inside)))
         return replace(self, verdict=verdict, share=share, inside=inside).conclude()
 
     @property
@@ -318,8 +318,7 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
     correlation = diagnostics.correlation
     if taken_out is not None:
         # A reading that was taken out is not lost.
-        every = measure_stamp_steps(run.stamp_ns.values[data.n_left_out:],
-                                    settings.detectors.silence_steps)
+        every = measure_stamp_steps(run.stamp_ns.values[data.n_left_out:])
         correlation = replace(correlation, stamps=replace(correlation.stamps,
                                                           lost_share=every.lost_share))
     checked = None if motion is None or not settings.motion.compare else check_motion(

@@ -31,6 +31,7 @@ from rclpy.parameter import Parameter
 
 from heading_intercompare.bags.errors import utf8
 from heading_intercompare.core.declared_settings import (
+    drop_removed,
     explain_unknown,
     from_mapping,
     list_settings,
@@ -81,7 +82,12 @@ def declare(node: Node, *classes: type | Used,
     rules = {used: {rule.name: rule for rule in list_settings(used.settings_class)}
              for used in (settings_class if isinstance(settings_class, Used)
                           else Used(settings_class) for settings_class in classes)}
-    declared = [name for names in rules.values() for name in names]
+    current = values
+    for used in rules:
+        current = drop_removed(used.settings_class, current)
+    for name in values.keys() - current.keys():
+        node.undeclare_parameter(name)
+    values, declared = current, [name for names in rules.values() for name in names]
     for name in values:
         if name not in declared:
             raise explain_unknown('parameter', name, declared)

@@ -28,6 +28,7 @@ from typing import Any, Iterable, Mapping
 
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.core.declared_settings import (
+    drop_removed,
     explain_unknown,
     from_mapping,
     list_settings,
@@ -97,6 +98,7 @@ def check_sections(path: str, sections: Mapping[str, Mapping[str, Any]],
                  for settings_class in (Settings, *OWN_SETTINGS[executable])}
         known_keys = [key for of_class in names.values() for key in of_class]
         try:
+            parameters = drop_removed(Settings, parameters)
             for key in parameters:
                 if key not in known_keys:
                     raise explain_unknown('parameter', key, known_keys)

@@ -61,7 +61,7 @@ def describe_norms(settings: Settings) -> Rows:
                 value(settings.variant), settings, 'variant')),
             ('pairing', mark_default(_pairing(settings.pairing), settings, *(
                 f'pairing.{name}' for name in (
-                    'method', 'auto_s', 'slow_rs_s', 'kernel', 'max_gap_s', 'tolerance_s'))))]
+                    'method', 'auto_s', 'kernel', 'max_gap_s', 'tolerance_s'))))]
     name = norms.preset
     if name in PRESETS:
         preset = PRESETS[name]

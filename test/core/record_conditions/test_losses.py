@@ -32,12 +32,12 @@ START_NS = 1_700_000_000 * 10 ** 9
 @pytest.mark.parametrize('share, effect', [
     (0.1, HOLDS), (0.1001, DOUBTFUL), (0.5, DOUBTFUL), (0.5001, VOID)])
 def test_losses_bind_above_their_limits_not_at_them(share, effect):
-    found = judge_losses([('lost', share), ('without partner', 0.01)], Settings())
+    found = judge_losses([('lost', share), ('without partner', 0.01)])
     assert found.effect == effect
 
 
 def test_losses_of_a_single_pair_cannot_be_told():
-    assert judge_losses([], Settings()).effect == NOT_TESTABLE
+    assert judge_losses([]).effect == NOT_TESTABLE
 
 
 @pytest.mark.slow

@@ -68,9 +68,9 @@ def test_equal_stamps_are_no_silence():
 
 
 def test_settings_of_the_detectors_are_checked():
-    assert from_mapping(Detectors, {'frozen_s': 3}).frozen_s == 3.0
-    with pytest.raises(SettingsError, match='same_source_share = 2.0'):
-        Detectors(same_source_share=2.0)
+    assert from_mapping(Detectors, {'mean_max_deg': 3}).mean_max_deg == 3.0
+    with pytest.raises(SettingsError, match='mean_max_deg = 200.0'):
+        Detectors(mean_max_deg=200.0)
 
 
 def test_the_step_of_a_sensor_shows_although_most_readings_are_missing(rng):

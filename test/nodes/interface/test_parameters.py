@@ -79,6 +79,14 @@ def test_only_what_a_node_uses_becomes_a_parameter_and_all_of_it_is_checked(ros)
             declare(node_with(ros, wrong), PUBLISHED)
 
 
+def test_a_removed_setting_is_no_parameter_and_may_only_have_its_value(ros):
+    node = node_with(ros, {'detectors.lost_void': 0.5, 'window_s': 60.0})
+    settings, = declare(node, Settings)
+    assert settings == Settings(window_s=60.0) and not node.has_parameter('detectors.lost_void')
+    with pytest.raises(SettingsError, match='detectors.lost_void = 0.7: this setting was removed'):
+        declare(node_with(ros, {'detectors.lost_void': 0.7}), Settings)
+
+
 @pytest.mark.parametrize('used', [PUBLISHED, REPLAYED, PAIRED, SHOWN])
 def test_what_is_used_is_there(used):
     known = {rule.name for rule in list_settings(Settings)}
