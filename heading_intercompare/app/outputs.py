@@ -34,6 +34,7 @@ from heading_intercompare.bags.csv.pairs_csv import PairsCsvWriter
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.report import annexes_path
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,6 +58,8 @@ class Outputs:
         A picture.
     page
         A page of HTML.
+    annexes_apart
+        Whether the annexes of each protocol are a file beside it.
 
     """
 
@@ -68,6 +71,7 @@ class Outputs:
     runs_csv: str | None = None
     plot: str | None = None
     page: str | None = None
+    annexes_apart: bool = False
 
 
 def check_outputs(outputs: Outputs, inputs: Sequence[str], *, config: str | None = None,
@@ -98,9 +102,12 @@ def check_outputs(outputs: Outputs, inputs: Sequence[str], *, config: str | None
             reserved |= {Path(os.path.realpath(file)): f'a file of {input_path}'
                          for file in input_path.glob(pattern)}
     beside = None if outputs.csv in (None, '', '-') else str(account_path(outputs.csv))
+    annexes = [str(annexes_path(report)) for report in outputs.reports
+               if outputs.annexes_apart and not report.lower().endswith('.json')]
     for option, path in (('csv', outputs.csv), ('csv', beside), ('ensembles', outputs.ensembles),
                          ('runs-csv', outputs.runs_csv),
                          *(('output', report) for report in outputs.reports),
+                         *(('annexes-apart', annex) for annex in annexes),
                          ('json', outputs.json), ('plot', outputs.plot),
                          ('page', outputs.page)):
         if path is None or (option, path) == ('json', '-'):

@@ -27,28 +27,31 @@ from .figures.drawing import Drawing
 from .series_sketch import SegmentSketches, SeriesSketch
 from .sketching.track import Trace
 
-__all__ = ['check_form', 'check_picture', 'SegmentSketches', 'SeriesSketch', 'write',
-           'write_chances', 'write_readings', 'write_trial_page', 'WRITERS']
+__all__ = ['annexes_path', 'check_form', 'check_picture', 'SegmentSketches', 'SeriesSketch',
+           'write', 'write_chances', 'write_readings', 'write_trial_page', 'WRITERS']
 
 _PICTURES = ('.png', '.pdf', '.svg')
 
 
 def _write_html(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch],
-                progress: Callable[[str], None], verbose: bool) -> None:
+                progress: Callable[[str], None], verbose: bool,
+                annexes: Path | None) -> None:
     # Its libraries load slowly, and may not be installed.
     from . import html
-    html.write(verdict, path, sketches, progress, verbose)
+    html.write(verdict, path, sketches, progress, verbose, annexes)
 
 
 def _write_json(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch],
-                progress: Callable[[str], None], verbose: bool) -> None:
+                progress: Callable[[str], None], verbose: bool,
+                annexes: Path | None) -> None:
     json.write(verdict, path)
 
 
 def _write_pdf(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch],
-               progress: Callable[[str], None], verbose: bool) -> None:
+               progress: Callable[[str], None], verbose: bool,
+               annexes: Path | None) -> None:
     from . import pdf
-    pdf.write(verdict, path, sketches, progress, verbose)
+    pdf.write(verdict, path, sketches, progress, verbose, annexes)
 
 
 WRITERS = {'.html': _write_html, '.json': _write_json, '.pdf': _write_pdf}
@@ -93,7 +96,8 @@ def check_form(path: str | Path) -> None:
 
 def write(verdict: Verdict, path: str | Path,
           sketches: Sequence[SeriesSketch] = (),
-          progress: Callable[[str], None] = lambda text: None, verbose: bool = False) -> None:
+          progress: Callable[[str], None] = lambda text: None, verbose: bool = False,
+          annexes_apart: bool = False) -> None:
     """
     Write a verdict in the form that the suffix names.
 
@@ -109,17 +113,28 @@ def write(verdict: Verdict, path: str | Path,
         Called with the progress in words.
     verbose
         Show the criteria of GK even if no setting asks for them.
+    annexes_apart
+        Whether the annexes of a protocol are a second file, `annexes_path`; see
+        `html.compose_files`.
 
     Raises
     ------
     ValueError
         As `check_form`.
     OSError
-        If the file cannot be written.
+        If a file cannot be written.
 
     """
     check_form(path)
-    WRITERS[Path(path).suffix.lower()](verdict, path, sketches, progress, verbose)
+    annexes = annexes_path(path) if annexes_apart else None
+    WRITERS[Path(path).suffix.lower()](verdict, path, sketches, progress, verbose,
+                                       annexes)
+
+
+def annexes_path(path: str | Path) -> Path:
+    """Return where the annexes of a protocol lie, beside it."""
+    place = Path(path)
+    return place.with_name(f'{place.stem}-annexes{place.suffix}')
 
 
 def check_picture(path: str | Path) -> None:

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from functools import cache, partial
 from pathlib import Path
 import re
@@ -25,11 +26,12 @@ import jinja2
 
 from heading_intercompare.core.decision.sequential import LookVerdict
 from heading_intercompare.core.declared_figures import list_figures
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.statistics.stationarity import Homogeneity
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.validity.condition import VOID
 from heading_intercompare.core.verdict.validity import CONDITION_WORDS
-from heading_intercompare.core.verdict.verdict_document import Verdict
+from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 from heading_intercompare.core.verdict.verdict_table import asks_for_gk
 from heading_intercompare.core.verdict.vocabulary import EFFECT_WORDS, NO_RUN, STATE_WORDS
 
@@ -65,26 +67,67 @@ from .series_sketch import SeriesSketch
 _UNPRINTABLE = re.compile('[\x00-\x08\x0b\x0c\x0e-\x1f\x7f-\x9f\u061c\u200b-\u200f\u2028-\u202e'
                           '\u2060-\u206f\ufeff\ud800-\udfff\ufffe\uffff]')
 _LONGEST_HEAD = 80
+#: Rows of a list that the protocol shows if its annexes lie apart.
+_MOST_ROWS = 8
+
+
+@dataclass(frozen=True, slots=True)
+class _RunTables:
+    """The tables of some runs, and of the records in which they are."""
+
+    runs: Sequence[RunVerdict]
+    ledger: Sequence[Table]
+    summary: Sequence[Table]
+    sectors: Sequence[tuple[str, Table]]
+    budgets: Sequence[tuple[int, Table]]
 
 
 def write(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch] = (),
-          progress: Callable[[str], None] = lambda text: None, verbose: bool = False) -> None:
+          progress: Callable[[str], None] = lambda text: None, verbose: bool = False,
+          annexes: Path | None = None) -> None:
     """
-    Write the protocol; see `render`.
+    Write the protocol; see `compose_files`.
 
     Raises
     ------
     OSError
-        If the file cannot be written.
+        If a file cannot be written.
 
     """
-    Path(path).write_text(render(verdict, sketches, progress, verbose), encoding='utf-8')
+    for place, text in compose_files(verdict, path, sketches, progress, verbose, annexes):
+        place.write_text(text, encoding='utf-8')
+
+
+def compose_files(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch],
+                  progress: Callable[[str], None], verbose: bool,
+                  annexes: Path | None) -> list[tuple[Path, str]]:
+    """
+    Return the files of a protocol with their pages.
+
+    Parameters
+    ----------
+    verdict, sketches, progress, verbose
+        As for `render`.
+    path
+        The protocol.
+    annexes
+        A second file for the annexes. The protocol then shows the tables of one run and the first
+        rows of long lists, so it has at most 8 pages of A4; all the rest is in the annexes. None
+        if the protocol has its annexes.
+
+    """
+    place = Path(path)
+    if annexes is None:
+        return [(place, render(verdict, sketches, progress, verbose))]
+    values = _gather(verdict, sketches, progress, verbose, apart=True)
+    return [(place, _fill(values, 'protocol', beside=annexes.name)),
+            (annexes, _fill(values, 'annexes', beside=place.name))]
 
 
 def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = (),
            progress: Callable[[str], None] = lambda text: None, verbose: bool = False) -> str:
     """
-    Return the protocol as an HTML page.
+    Return the protocol with its annexes as an HTML page.
 
     Parameters
     ----------
@@ -98,41 +141,74 @@ def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = (),
         Show the criteria of GK even if no setting asks for them.
 
     """
+    return _fill(_gather(verdict, sketches, progress, verbose), 'whole')
+
+
+def _fill(values: Mapping[str, Any], part: str, *, beside: str = '') -> str:
+    """Return the page of a part, which may name the other part beside it."""
+    title = 'annexes to the protocol' if part == 'annexes' else 'protocol'
+    return load_template('protocol.html').render(values, part=part, title=title, beside=beside)
+
+
+def _gather(verdict: Verdict, sketches: Sequence[SeriesSketch],
+            progress: Callable[[str], None], verbose: bool, apart: bool = False) -> dict[str, Any]:
+    """Return the values of the template by their names in it."""
     names = name_files(verdict.inputs, [
         *(run.source for run in verdict.runs), *(sketch.source for sketch in sketches)])
     drawn = [(names[sketch.source], sketch.n_invalid, draw_figures(
         sketch, verdict, f'input{k}', partial(_tell, progress, k, len(sketches))))
         for k, sketch in enumerate(sketches, 1)]
     shown = hide_paths(verdict, names)
-    runs = [(run.run, run) for run in shown.runs]
     campaign, settings = shown.campaign, shown.settings
     by_sensor = campaign.rule == 'sensor' and shown.validity_effect != VOID
     running = name_trial(settings)
     gk = verbose or asks_for_gk(settings)
-    return load_template('protocol.html').render(
-        verdict=shown, gk=gk, no_run=NO_RUN, id=verdict_id(verdict), span=span_of(shown),
-        running=running if len(running) <= _LONGEST_HEAD else f'{running[:_LONGEST_HEAD]}...',
-        first=compose_first_page(shown, gk), shows=_pick_figure(verdict, sketches, drawn),
-        identification=identify(verdict), norms=describe_norms(settings),
-        statement=state_conformity(shown, gk), ledger=rows_by_run(LEDGER, runs),
-        summary=rows_by_run((*SUMMARY, *GK_SUMMARY) if gk else SUMMARY, runs),
-        results=rows_by_run((*RESULTS, *GK_RESULTS) if gk else RESULTS, runs),
-        sectors=[(about.title('differences by heading'), tabulate_sectors(about)) for about in (
-            Subject.of(sketch, verdict) for sketch in sketches) if about is not None],
-        worst=rows_of(WORST, campaign), homogeneity=_compare_runs(shown),
-        shared=rows_of(SENSOR, campaign.sensor) if campaign.sensor and by_sensor else [],
-        guarded=rows_by_run(GUARDED, runs), uncertainty=describe_uncertainty(settings),
-        budgets=[(number, budget_of(run, settings)) for number, run in runs], drawn=drawn,
-        findings=describe_findings(shown.runs),
-        deviations=settings.trial.deviations,
-        notes=[(f'{utc(note.stamp_ns)} UTC', note.text, recording.path)
-               for recording in shown.inputs for note in recording.notes or ()],
-        settings=[(name, exact(thing), 'default' if is_default(settings, name) else '')
-                  for name, thing in settings.to_mapping().items()
-                  if not name.startswith('trial.')],
-        taken_out=[(f'{utc(stretch.start_ns)} UTC', f'{utc(stretch.end_ns)} UTC', str(stretch.n),
-                    stretch.reason)
-                   for stretch in (shown.taken_out.stretches if shown.taken_out else ())])
+    records = [about for sketch in sketches
+               if (about := Subject.of(sketch, verdict)) is not None]
+    in_full = _tabulate(shown.runs, records, settings, gk)
+    decides = find_worst(shown) or next(iter(shown.runs), None)
+    tables = in_full if not apart or decides is None else _tabulate(
+        [decides], [about for about in records
+                    if decides.run in (run.run for run in about.runs)][:1], settings, gk)
+    return {
+        'verdict': shown, 'gk': gk, 'no_run': NO_RUN, 'id': verdict_id(verdict),
+        'span': span_of(shown),
+        'running': running if len(running) <= _LONGEST_HEAD else f'{running[:_LONGEST_HEAD]}...',
+        'first': compose_first_page(shown, gk), 'shows': _pick_figure(verdict, sketches, drawn),
+        'identification': identify(verdict), 'norms': describe_norms(settings),
+        'statement': state_conformity(shown, gk), 'most': _MOST_ROWS if apart else None,
+        'tables': tables, 'in_full': in_full,
+        'results': rows_by_run((*RESULTS, *GK_RESULTS) if gk else RESULTS, _number(shown.runs)),
+        'worst': rows_of(WORST, campaign), 'homogeneity': _compare_runs(shown),
+        'shared': rows_of(SENSOR, campaign.sensor) if campaign.sensor and by_sensor else [],
+        'guarded': rows_by_run(GUARDED, _number(shown.runs)),
+        'uncertainty': describe_uncertainty(settings), 'drawn': drawn,
+        'findings': describe_findings(shown.runs), 'deviations': settings.trial.deviations,
+        'warnings': [f'run {run.run}: {warning}' for run in shown.runs
+                     for warning in run.warnings],
+        'notes': [(f'{utc(note.stamp_ns)} UTC', note.text, recording.path)
+                  for recording in shown.inputs for note in recording.notes or ()],
+        'settings': [(name, exact(thing), 'default' if is_default(settings, name) else '')
+                     for name, thing in settings.to_mapping().items()
+                     if not name.startswith('trial.')],
+        'taken_out': [(f'{utc(stretch.start_ns)} UTC', f'{utc(stretch.end_ns)} UTC',
+                       str(stretch.n), stretch.reason)
+                      for stretch in (shown.taken_out.stretches if shown.taken_out else ())]}
+
+
+def _number(runs: Sequence[RunVerdict]) -> list[tuple[int, RunVerdict]]:
+    return [(run.run, run) for run in runs]
+
+
+def _tabulate(runs: Sequence[RunVerdict], records: Sequence[Subject],
+              settings: Settings, gk: bool) -> _RunTables:
+    """Return the tables of these runs and of these records."""
+    return _RunTables(
+        runs=runs, ledger=rows_by_run(LEDGER, _number(runs)),
+        summary=rows_by_run((*SUMMARY, *GK_SUMMARY) if gk else SUMMARY, _number(runs)),
+        sectors=[(about.title('differences by heading'), tabulate_sectors(about))
+                 for about in records],
+        budgets=[(run.run, budget_of(run, settings)) for run in runs])
 
 
 def _tell(progress: Callable[[str], None], sketch: int, sketches: int, done: int) -> None:

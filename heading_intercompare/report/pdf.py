@@ -36,7 +36,8 @@ _PAGES, _PER_PAGE = 5, 0.018
 
 
 def write(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch] = (),
-          progress: Callable[[str], None] = lambda text: None, verbose: bool = False) -> None:
+          progress: Callable[[str], None] = lambda text: None, verbose: bool = False,
+          annexes: Path | None = None) -> None:
     """
     Write the protocol on pages of A4.
 
@@ -52,14 +53,18 @@ def write(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch] =
         Called with the progress in words.
     verbose
         Show the criteria of GK even if no setting asks for them.
+    annexes
+        A second file for the annexes; see `html.compose_files`.
 
     Raises
     ------
     OSError
-        If the file cannot be written.
+        If a file cannot be written.
 
     """
-    print_page(html.render(verdict, sketches, progress, verbose), path, progress)
+    for place, text in html.compose_files(verdict, path, sketches, progress, verbose,
+                                          annexes):
+        print_page(text, place, progress)
 
 
 def print_page(text: str, path: str | Path,

@@ -29,7 +29,7 @@ from heading_intercompare.core.validity.condition import VOID
 from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
 from heading_intercompare.core.verdict.verdict_document import Verdict
 
-from . import check_form, json, write
+from . import annexes_path, check_form, json, write
 from .contents.file_names import name_files
 from .contents.first_page import SIGNS
 from .series_sketch import SeriesSketch
@@ -44,7 +44,7 @@ def sensor_path(path: str | Path, name: str) -> Path:
 def write_protocols(verdict: Verdict | SensorsVerdict, path: str | Path,
                     sketches: Mapping[str, Sequence[SeriesSketch]] | None = None,
                     progress: Callable[[str], None] = lambda text: None,
-                    verbose: bool = False) -> list[Path]:
+                    verbose: bool = False, annexes_apart: bool = False) -> list[Path]:
     """
     Write the protocol of two sensors; or an overview, and beside it that of each tested sensor.
 
@@ -60,11 +60,13 @@ def write_protocols(verdict: Verdict | SensorsVerdict, path: str | Path,
         Called with the progress in words.
     verbose
         Show the criteria of GK even if no setting asks for them.
+    annexes_apart
+        Whether the annexes of each protocol are a second file beside it.
 
     Returns
     -------
     list of Path
-        The files written, an overview first.
+        The files written, an overview first; annexes follow their protocol.
 
     Raises
     ------
@@ -77,8 +79,8 @@ def write_protocols(verdict: Verdict | SensorsVerdict, path: str | Path,
     check_form(path)
     files = [Path(path)]
     if isinstance(verdict, Verdict):
-        write(verdict, path, (sketches or {}).get('ts', ()), progress, verbose)
-        return files
+        write(verdict, path, (sketches or {}).get('ts', ()), progress, verbose, annexes_apart)
+        return files + [annexes_path(path)] * annexes_apart
     if files[0].suffix.lower() == '.json':
         json.write(verdict, path)
         return files
@@ -86,8 +88,8 @@ def write_protocols(verdict: Verdict | SensorsVerdict, path: str | Path,
         place = sensor_path(path, name)
         write(sensor_verdict, place, (sketches or {}).get(name, ()),
               lambda text, name=name: progress(f'{name}: {text}'),  # type: ignore[misc]
-              verbose)
-        files.append(place)
+              verbose, annexes_apart)
+        files += [place] + [annexes_path(place)] * annexes_apart
     _write_overview(verdict, files[0], progress)
     return files
 

@@ -19,6 +19,7 @@ from __future__ import annotations
 from dataclasses import replace
 from html.parser import HTMLParser
 import json
+from pathlib import Path
 import re
 
 import numpy as np
@@ -387,6 +388,22 @@ def test_the_protocol_has_a_line_for_deviations_and_ends_with_its_id(made, state
     assert f'deviations from the method</th><td>{cell}</td>' in events
     end = f'End of the protocol of the verdict {html.verdict_id(verdict)}</p>\n</body>'
     assert page.count(end) == 1
+
+
+def test_the_annexes_apart_are_a_second_file_that_the_first_names(made, tmp_path):
+    verdict = made(2, n=100)[0]
+    write(verdict, tmp_path / 'p & q.html', annexes_apart=True)
+    assert {path.name for path in tmp_path.iterdir()} == {'p & q.html', 'p & q-annexes.html'}
+    protocol, annexes = (Path(tmp_path, name).read_text('utf-8')
+                         for name in ('p & q.html', 'p & q-annexes.html'))
+    assert 'a second file, p &amp; q-annexes.html' in protocol
+    for page in (protocol, annexes):
+        read = Page(page)
+        assert read.faults == [] and len(read.ids) == len({*read.ids})
+        assert {link[1:] for link in read.links} <= {*read.ids}
+    worst = verdict.campaign.worst_variance_run
+    assert f'Budget of run {worst}' in protocol and f'Budget of run {3 - worst}' not in protocol
+    assert 'Budget of run 1' in annexes and 'Budget of run 2' in annexes
 
 
 def test_a_name_in_the_running_head_cannot_leave_its_string(made):

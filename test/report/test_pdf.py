@@ -18,9 +18,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 import logging
+from pathlib import Path
 
 import pytest
 
+from heading_intercompare.core.verdict.verdict_document import Input, OperatorNote
 from heading_intercompare.report import write
 
 pytest.importorskip('jinja2')
@@ -61,10 +63,38 @@ def test_each_page_is_a4_and_carries_the_trial_the_verdict_and_its_number(made):
         assert 'MV "Exämple" \\ <1>, no. 12-3' in text and f'verdict {number}' in text
 
 
+@pytest.mark.parametrize('runs, settings', [
+    (0, {}), (1, {}), (7, {'campaign__rule': 'sensor'})])
+def test_with_the_annexes_apart_it_has_at_most_eight_pages_and_nothing_is_lost(
+        made, tmp_path, runs, settings):
+    verdict, sketches = made(runs, **settings)
+    notes = tuple(OperatorNote(at * 10 ** 9, f'note {at}.') for at in range(30))
+    inputs = [Input(f'bag{at}.mcap', 'a' * 64, 'ts', 'rs', notes) for at in range(12)]
+    verdict = replace(verdict, inputs=inputs, runs=[
+        replace(run, warnings=['a warning of many words ' * 8] * 3) for run in verdict.runs])
+    main, annexes = tmp_path / 'p.pdf', tmp_path / 'p-annexes.pdf'
+    shown = {}
+    for place, page in html.compose_files(verdict, main, sketches[:2], print, False, annexes):
+        pages = weasyprint.HTML(string=page).render().pages
+        shown[place] = [' '.join(text_of(page._page_box).split()) for page in pages]
+    assert 3 <= len(shown[main]) <= 8
+    protocol, rest = ' '.join(shown[main]), ' '.join(shown[annexes])
+    assert 'p-annexes.pdf' in protocol and 'the protocol is p.pdf' in rest
+    number = html.verdict_id(verdict)
+    assert all(f'verdict {number}' in page for pages in shown.values() for page in pages)
+    assert f'End of the annexes to the protocol of the verdict {number}' in shown[annexes][-1]
+    assert '352 more: see the annexes' in protocol and rest.count('note 29.') == 12
+    assert 'bag11.mcap' in rest and 'Annex A. Figures' in rest and 'approved by' not in rest
+    for run in verdict.runs:
+        assert f'Budget of run {run.run}' in protocol + rest
+    assert protocol.count('Budget of run') == min(runs, 1)
+
+
 @pytest.mark.parametrize('runs', [0, 1, 3, 12])
 def test_the_first_page_alone_can_be_signed(made, runs):
     verdict = replace(made(runs)[0], headline='a headline of many words ' * 20)
-    pages = weasyprint.HTML(string=html.render(verdict)).render().pages
+    protocol, _ = html.compose_files(verdict, 'p.pdf', (), print, False, Path('a.pdf'))
+    pages = weasyprint.HTML(string=protocol[1]).render().pages
     first, *rest = (' '.join(text_of(page._page_box).split()) for page in pages)
     for words in ('date of issue', 'measured by: name, date', 'approved by: name, date',
                   f'hold for all pages that name the verdict {html.verdict_id(verdict)}'):

@@ -43,6 +43,9 @@ def test_the_overview_says_each_outcome_and_links_its_protocol(verdict, tmp_path
     given = replace(verdict, inputs=[Input('bag <script>', 'a' * 64)])
     files = write_protocols(given, tmp_path / 'ship.html')
     assert [file.name for file in files] == ['ship.html', 'ship-gyro1.html', 'ship-gyro2.html']
+    assert [file.name for file in write_protocols(given, tmp_path / 's.html', annexes_apart=True)
+            ] == ['s.html', 's-gyro1.html', 's-gyro1-annexes.html', 's-gyro2.html',
+                  's-gyro2-annexes.html']
     text = files[0].read_text('utf-8')
     assert {*re.findall('href="([^"]*)"', text)} == {file.name for file in files[1:]}
     assert '<script>' not in text and 'Palmer &lt;b&gt;' in text

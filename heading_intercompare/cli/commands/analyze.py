@@ -70,8 +70,8 @@ _DOUBTFUL_CODE = 4
 _OF_TESTED = ('csv', 'ensembles', 'runs_csv')
 _OF_TWO = 'is for two sensors; choose them with --ts NAME --rs NAME'
 #: Options of a verdict in JSON as the INPUT; the others need readings, which it lacks.
-_OF_VERDICT = ('command', 'inputs', 'reports', 'json', 'check', 'verbose', 'quiet',
-               'runs_csv', 'ensemble_s')
+_OF_VERDICT = ('command', 'inputs', 'reports', 'annexes_apart', 'json', 'check', 'verbose',
+               'quiet', 'runs_csv', 'ensemble_s')
 
 
 def add_settings_arguments(parser: argparse._ActionsContainer) -> None:
@@ -100,6 +100,9 @@ def add_antenna_arguments(parser: argparse._ActionsContainer) -> None:
 
 def add_verdict_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of every command that ends with a verdict; see `conclude`."""
+    parser.add_argument('--annexes-apart', action='store_true',
+                        help='a protocol of at most 8 pages, and its annexes in a second file '
+                        'F-annexes.html or F-annexes.pdf')
     parser.add_argument('--json', metavar='F', help="write the verdict as JSON; '-' for stdout")
     parser.add_argument('--check', action='store_true',
                         help='exit code 1 if non-compliant, 3 if indeterminate, 4 if the '
@@ -226,9 +229,10 @@ def _show_again(arguments: argparse.Namespace) -> int:
             shown = value[0] if isinstance(value, list) else value
             raise ValueError(f'{path}: is a verdict, which is not judged again; leave out '
                              f'--{option.replace("_", "-")} {shown}')
-    _check_forms(arguments.reports)
+    _check_forms(arguments)
     check_outputs(Outputs(reports=tuple(arguments.reports), json=arguments.json,
-                          runs_csv=arguments.runs_csv), arguments.inputs)
+                          runs_csv=arguments.runs_csv,
+                          annexes_apart=arguments.annexes_apart), arguments.inputs)
     return deliver(json.read_any(path), arguments)
 
 
@@ -256,13 +260,14 @@ def choose_logs(arguments: argparse.Namespace, settings: Settings,
 def _plan_outputs(arguments: argparse.Namespace, settings: Settings) -> dict[str, Outputs]:
     """Return the files of the tested sensor, or those of each beside those of all."""
     whole = Outputs(arguments.csv, arguments.ensembles, tuple(arguments.reports), arguments.json,
-                    arguments.ensemble_s, arguments.runs_csv)
+                    arguments.ensemble_s, arguments.runs_csv,
+                    annexes_apart=arguments.annexes_apart)
     if settings.sensors is None:
         return {'ts': whole}
 
     def of(path: str | None, name: str) -> str | None:
         return os.fspath(sensor_path(path, name)) if path and path != '-' else path
-    return {'': replace(whole, csv=None, ensembles=None), **{
+    return {'': replace(whole, csv=None, ensembles=None, annexes_apart=False), **{
         sensor.name: replace(whole, csv=of(whole.csv, sensor.name),
                              ensembles=of(whole.ensembles, sensor.name),
                              reports=tuple(os.fspath(sensor_path(path, sensor.name))
@@ -309,7 +314,7 @@ def deliver(verdict: Verdict | SensorsVerdict, arguments: argparse.Namespace,
         with name_file(path), Progress(path, arguments.quiet) as progress:
             progress.show('drawing the protocol')
             files = write_protocols(verdict, path, sketches, progress.show,
-                                    arguments.verbose)
+                                    arguments.verbose, arguments.annexes_apart)
         if isinstance(verdict, SensorsVerdict) and arguments.json != '-':
             say_lines(['protocols: ' + ', '.join(map(str, files))])
     return code
@@ -347,7 +352,7 @@ def _check_options(arguments: argparse.Namespace, settings: Settings, of_logs: b
     if arguments.dask is not None and arguments.jobs is not None:
         raise ValueError(f'--jobs {arguments.jobs}: with --dask the scheduler decides; '
                          'leave out one of them')
-    _check_forms(arguments.reports)
+    _check_forms(arguments)
     for option in _OF_TESTED:
         path = getattr(arguments, option)
         if path is None:
@@ -385,9 +390,13 @@ def check_input_options(arguments: argparse.Namespace, settings: Settings, of_lo
             raise ValueError(f'--{option.replace("_", "-")} {shown}: {why}')
 
 
-def _check_forms(paths: Sequence[str]) -> None:
+def _check_forms(arguments: argparse.Namespace) -> None:
     """Reject a protocol in an unknown form, or one whose libraries are not installed."""
-    for path in paths:
+    if arguments.annexes_apart and all(path.lower().endswith('.json')
+                                       for path in arguments.reports):
+        raise ValueError('--annexes-apart: no protocol is asked for; give -o F.pdf, or leave it '
+                         'out')
+    for path in arguments.reports:
         check_form(path)
 
 

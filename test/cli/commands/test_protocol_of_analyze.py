@@ -110,6 +110,18 @@ def test_a_log_in_json_is_no_verdict_whatever_its_name(tmp_path, capsys):
     assert 'choose with --ts and --rs' in refusal(capsys, 'analyze', path, *NORMS)
 
 
+def test_the_annexes_of_a_verdict_are_a_second_file(verdict, tmp_path, capsys):
+    page, beside = tmp_path / 'r.html', tmp_path / 'r-annexes.html'
+    assert main(['report', str(verdict[0]), '-o', str(page), '--annexes-apart']) == 0
+    assert 'a second file, r-annexes.html' in page.read_text('utf-8')
+    assert 'Annex E. Settings' in beside.read_text('utf-8')
+
+
+def test_annexes_without_a_protocol_are_refused(pairs, capsys):
+    said = refusal(capsys, 'analyze', pairs[0], *NORMS, '--annexes-apart')
+    assert '--annexes-apart: no protocol is asked for; give -o F.pdf' in said
+
+
 @pytest.mark.parametrize('options, words', [
     *((option, f'{{file}}: is a verdict, which is not judged again; leave out {" ".join(option)}')
       for option in (['--set', 'window_s=60'], ['--config', 'x.yaml'], ['--runs', 'x.csv'],
@@ -119,7 +131,9 @@ def test_a_log_in_json_is_no_verdict_whatever_its_name(tmp_path, capsys):
     (['--json', '{file}'], '--json {file}: that is an INPUT'),
     (['-o', '{file}'], '--output {file}: that is an INPUT'),
     (['-o', 'r.html'], '--output r.html: that is the file of --output'),
-    (['-o', 'x.txt'], 'x.txt: a report must end in .html or .json or .pdf')])
+    (['-o', 'x.txt'], 'x.txt: a report must end in .html or .json or .pdf'),
+    (['--annexes-apart', '--json', 'r-annexes.html'],
+     '--json r-annexes.html: that is the file of --annexes-apart; name another file')])
 def test_what_a_verdict_cannot_be_asked_for_is_one_line(verdict, tmp_path, capsys, monkeypatch,
                                                         options, words):
     file, _ = verdict
