@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cache, partial
 from pathlib import Path
 import re
@@ -30,6 +30,7 @@ from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.statistics.stationarity import Homogeneity
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.validity.condition import VOID
+from heading_intercompare.core.verdict.run_gravity import count_compliant
 from heading_intercompare.core.verdict.validity import CONDITION_WORDS
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 from heading_intercompare.core.verdict.verdict_table import asks_for_gk
@@ -43,6 +44,13 @@ from .contents.first_page import compose_first_page
 from .contents.heading_sectors import tabulate_sectors
 from .contents.holding import find_worst
 from .contents.identification import identify, name_trial, span_of, verdict_id
+from .contents.run_list import (
+    list_run_lines,
+    page_name,
+    pick_in_full,
+    RUN_COLUMNS,
+    tell_elsewhere,
+)
 from .contents.tables import (
     GK_RESULTS,
     GK_SUMMARY,
@@ -94,13 +102,15 @@ def write(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch] =
         If a file cannot be written.
 
     """
-    for place, text in compose_files(verdict, path, sketches, progress, verbose, annexes):
+    for place, text in compose_files(verdict, path, sketches, progress, verbose, annexes,
+                                     run_pages=True):
+        place.parent.mkdir(exist_ok=True)
         place.write_text(text, encoding='utf-8')
 
 
 def compose_files(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch],
-                  progress: Callable[[str], None], verbose: bool,
-                  annexes: Path | None) -> list[tuple[Path, str]]:
+                  progress: Callable[[str], None], verbose: bool, annexes: Path | None,
+                  run_pages: bool = False) -> list[tuple[Path, str]]:
     """
     Return the files of a protocol with their pages.
 
@@ -114,14 +124,25 @@ def compose_files(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesS
         A second file for the annexes. The protocol then shows the tables of one run and the first
         rows of long lists, so it has at most 8 pages of A4; all the rest is in the annexes. None
         if the protocol has its annexes.
+    run_pages
+        Whether each of many runs has a page of its own, in a folder beside the protocol. The
+        protocol lists all of them, the worst first, and shows the worst in full.
 
     """
     place = Path(path)
+    folder = place.with_name(f'{place.stem}-runs')
+    values = _gather(verdict, sketches, progress, verbose, apart=annexes is not None,
+                     folder=folder.name if run_pages else '')
     if annexes is None:
-        return [(place, render(verdict, sketches, progress, verbose))]
-    values = _gather(verdict, sketches, progress, verbose, apart=True)
-    return [(place, _fill(values, 'protocol', beside=annexes.name)),
-            (annexes, _fill(values, 'annexes', beside=place.name))]
+        files = [(place, _fill(values, 'whole'))]
+    else:
+        files = [(place, _fill(values, 'protocol', beside=annexes.name)),
+                 (annexes, _fill(values, 'annexes', beside=place.name))]
+    if not run_pages or not values['lines']:
+        return files
+    return files + [(folder / page_name(run), _fill(
+        values | _gather_run(run, values), 'run', beside=f'../{place.name}'))
+        for run in values['verdict'].runs]
 
 
 def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = (),
@@ -146,46 +167,43 @@ def render(verdict: Verdict, sketches: Sequence[SeriesSketch] = (),
 
 def _fill(values: Mapping[str, Any], part: str, *, beside: str = '') -> str:
     """Return the page of a part, which may name the other part beside it."""
-    title = 'annexes to the protocol' if part == 'annexes' else 'protocol'
-    return load_template('protocol.html').render(values, part=part, title=title, beside=beside)
+    titles = {'annexes': 'annexes to the protocol', 'run': 'page of a run'}
+    return load_template('protocol.html').render(
+        values, part=part, title=titles.get(part, 'protocol'), beside=beside)
 
 
 def _gather(verdict: Verdict, sketches: Sequence[SeriesSketch],
-            progress: Callable[[str], None], verbose: bool, apart: bool = False) -> dict[str, Any]:
-    """Return the values of the template by their names in it."""
+            progress: Callable[[str], None], verbose: bool, apart: bool = False,
+            folder: str = '') -> dict[str, Any]:
+    """Return the values of the template by their names in it; `folder` has a page per run."""
     names = name_files(verdict.inputs, [
         *(run.source for run in verdict.runs), *(sketch.source for sketch in sketches)])
-    drawn = [(names[sketch.source], sketch.n_invalid, draw_figures(
-        sketch, verdict, f'input{k}', partial(_tell, progress, k, len(sketches))))
-        for k, sketch in enumerate(sketches, 1)]
     shown = hide_paths(verdict, names)
     campaign, settings = shown.campaign, shown.settings
     by_sensor = campaign.rule == 'sensor' and shown.validity_effect != VOID
     running = name_trial(settings)
     gk = verbose or asks_for_gk(settings)
-    records = [about for sketch in sketches
-               if (about := Subject.of(sketch, verdict)) is not None]
-    in_full = _tabulate(shown.runs, records, settings, gk)
+    in_full = pick_in_full(shown)
+    records = _draw_records(verdict, sketches, names, progress,
+                            shown.runs if folder else in_full)
+    details = _detail(in_full, records, settings, gk)
     decides = find_worst(shown) or next(iter(shown.runs), None)
-    tables = in_full if not apart or decides is None else _tabulate(
-        [decides], [about for about in records
-                    if decides.run in (run.run for run in about.runs)][:1], settings, gk)
+    tables = details['in_full'] if not apart or decides is None else _detail(
+        [decides], [record for record in records if decides.run in record.numbers][:1], settings,
+        gk)['in_full']
     return {
-        'verdict': shown, 'gk': gk, 'no_run': NO_RUN, 'id': verdict_id(verdict),
-        'span': span_of(shown),
+        **details, 'verdict': shown, 'gk': gk, 'no_run': NO_RUN, 'id': verdict_id(verdict),
+        'span': span_of(shown), 'records': records,
         'running': running if len(running) <= _LONGEST_HEAD else f'{running[:_LONGEST_HEAD]}...',
-        'first': compose_first_page(shown, gk), 'shows': _pick_figure(verdict, sketches, drawn),
+        'first': compose_first_page(shown, gk), 'shows': _pick_figure(verdict, records),
         'identification': identify(verdict), 'norms': describe_norms(settings),
         'statement': state_conformity(shown, gk), 'most': _MOST_ROWS if apart else None,
-        'tables': tables, 'in_full': in_full,
-        'results': rows_by_run((*RESULTS, *GK_RESULTS) if gk else RESULTS, _number(shown.runs)),
+        'tables': tables, 'lines': list_run_lines(shown, folder), 'run_columns': RUN_COLUMNS,
+        'n_compliant': count_compliant(shown.runs), 'of_run': None,
+        'elsewhere': tell_elsewhere(shown, folder),
         'worst': rows_of(WORST, campaign), 'homogeneity': _compare_runs(shown),
         'shared': rows_of(SENSOR, campaign.sensor) if campaign.sensor and by_sensor else [],
-        'guarded': rows_by_run(GUARDED, _number(shown.runs)),
-        'uncertainty': describe_uncertainty(settings), 'drawn': drawn,
-        'findings': describe_findings(shown.runs), 'deviations': settings.trial.deviations,
-        'warnings': [f'run {run.run}: {warning}' for run in shown.runs
-                     for warning in run.warnings],
+        'uncertainty': describe_uncertainty(settings), 'deviations': settings.trial.deviations,
         'notes': [(f'{utc(note.stamp_ns)} UTC', note.text, recording.path)
                   for recording in shown.inputs for note in recording.notes or ()],
         'settings': [(name, exact(thing), 'default' if is_default(settings, name) else '')
@@ -196,19 +214,59 @@ def _gather(verdict: Verdict, sketches: Sequence[SeriesSketch],
                       for stretch in (shown.taken_out.stretches if shown.taken_out else ())]}
 
 
-def _number(runs: Sequence[RunVerdict]) -> list[tuple[int, RunVerdict]]:
-    return [(run.run, run) for run in runs]
+def _gather_run(run: RunVerdict, values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values of the template that differ on the page of a run."""
+    details = _detail([run], values['records'], values['verdict'].settings, values['gk'])
+    return {**details, 'tables': details['in_full'], 'most': None, 'shows': None, 'of_run': run}
 
 
-def _tabulate(runs: Sequence[RunVerdict], records: Sequence[Subject],
-              settings: Settings, gk: bool) -> _RunTables:
-    """Return the tables of these runs and of these records."""
-    return _RunTables(
-        runs=runs, ledger=rows_by_run(LEDGER, _number(runs)),
-        summary=rows_by_run((*SUMMARY, *GK_SUMMARY) if gk else SUMMARY, _number(runs)),
-        sectors=[(about.title('differences by heading'), tabulate_sectors(about))
-                 for about in records],
-        budgets=[(run.run, budget_of(run, settings)) for run in runs])
+@dataclass(frozen=True, slots=True)
+class _DrawnRecord:
+    """The figures of a record, and the numbers of its runs; empty without a difference."""
+
+    name: str
+    sketch: SeriesSketch
+    subject: Subject | None
+    figures: list[Drawn]
+
+    @property
+    def numbers(self) -> set[int]:
+        """Return the numbers of its runs."""
+        return set() if self.subject is None else {run.run for run in self.subject.runs}
+
+
+def _draw_records(verdict: Verdict, sketches: Sequence[SeriesSketch], names: Mapping[str, str],
+                  progress: Callable[[str], None],
+                  runs: Sequence[RunVerdict]) -> list[_DrawnRecord]:
+    """Draw the records in which these runs are; all of them if these are all runs."""
+    numbers = {run.run for run in runs}
+    is_whole = len(numbers) == len(verdict.runs)
+    records = [_DrawnRecord(names[sketch.source], sketch, Subject.of(sketch, verdict), [])
+               for sketch in sketches]
+    chosen = [record for record in records if is_whole or record.numbers & numbers]
+    return [replace(record, figures=draw_figures(
+        record.sketch, verdict, f'input{k}', partial(_tell, progress, k, len(chosen))))
+        for k, record in enumerate(chosen, 1)]
+
+
+def _detail(runs: Sequence[RunVerdict], records: Sequence[_DrawnRecord], settings: Settings,
+            gk: bool) -> dict[str, Any]:
+    """Return the values of the template that show some runs in full, with their records."""
+    numbered = [(run.run, run) for run in runs]
+    numbers = {run.run for run in runs}
+    of_runs = [record for record in records if not record.numbers or record.numbers & numbers]
+    return {
+        'in_full': _RunTables(
+            runs=runs, ledger=rows_by_run(LEDGER, numbered),
+            summary=rows_by_run((*SUMMARY, *GK_SUMMARY) if gk else SUMMARY, numbered),
+            sectors=[(record.subject.title('differences by heading'),
+                      tabulate_sectors(record.subject))
+                     for record in of_runs if record.subject is not None],
+            budgets=[(run.run, budget_of(run, settings)) for run in runs]),
+        'results': rows_by_run((*RESULTS, *GK_RESULTS) if gk else RESULTS, numbered),
+        'guarded': rows_by_run(GUARDED, numbered), 'findings': describe_findings(runs),
+        'drawn': [(record.name, record.sketch.n_invalid, record.figures) for record in of_runs],
+        'warnings': [f'run {run.run}: {warning}' for run in runs for warning in run.warnings]}
 
 
 def _tell(progress: Callable[[str], None], sketch: int, sketches: int, done: int) -> None:
@@ -225,11 +283,10 @@ def _compare_runs(verdict: Verdict) -> list[Table]:
     return rows_of_block(list_figures(Homogeneity), [(0, figures)])
 
 
-def _pick_figure(verdict: Verdict, sketches: Sequence[SeriesSketch],
-                 drawn: Sequence[tuple[str, int, list[Drawn]]]) -> Drawn | None:
+def _pick_figure(verdict: Verdict, records: Sequence[_DrawnRecord]) -> Drawn | None:
     """Return the differences in time of the run with the largest variance."""
-    candidates = [(sketch, figure) for sketch, (_, _, figures) in zip(sketches, drawn)
-                  for figure in figures if figure.id.endswith('-differences') and figure.svg]
+    candidates = [(record.sketch, figure) for record in records for figure in record.figures
+                  if figure.id.endswith('-differences') and figure.svg]
     worst = find_worst(verdict)
     if worst is not None:
         begun = [(sketch.time.start_ns, figure) for sketch, figure in candidates

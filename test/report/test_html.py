@@ -32,6 +32,7 @@ from heading_intercompare.core.verdict.verdict_document import Input, OperatorNo
 from heading_intercompare.core.version import RULE_VERSION
 from heading_intercompare.report import json as verdict_json, SeriesSketch, write
 from heading_intercompare.report.contents.decision_rule import describe_norms, state_conformity
+from heading_intercompare.report.contents.identification import verdict_id
 from heading_intercompare.report.figures.gallery import draw_figures
 
 pytest.importorskip('jinja2')
@@ -425,3 +426,47 @@ def test_it_says_how_many_figures_are_drawn(made):
     whole = 12 * len(sketches)
     assert done == sorted(done) and done[-1] == whole and len(done) >= whole
     assert {text.partition(' of ')[2] for text in told} == {f'{whole} figures drawn'}
+
+
+@pytest.fixture
+def many(made):
+    """Return a verdict on 12 runs, of which run 7 alone does not comply, and their sketches."""
+    verdict, sketches = made(12, n=200)
+    runs = [replace(run, outcome=Outcome.NON_COMPLIANT if run.run == 7 else Outcome.COMPLIANT)
+            for run in verdict.runs]
+    return replace(verdict, runs=runs), sketches
+
+
+def test_many_runs_are_listed_the_worst_first_and_have_a_page_each(many, tmp_path):
+    html.write(many[0], tmp_path / 'trial.html', many[1])
+    page = (tmp_path / 'trial.html').read_text('utf-8')
+    assert '11 of 12 runs comply' in page
+    links = re.findall(r'href="(trial-runs/run-\d+\.html)"', page)
+    assert links[0] == 'trial-runs/run-7.html' and len({*links}) == 12
+    assert page.count('<h3>Budget of run ') == 5 and '<h3>Budget of run 7<' in page
+    assert {place.name for place in (tmp_path / 'trial-runs').iterdir()} == {
+        Path(link).name for link in links}
+    for link in links:
+        of_run = (tmp_path / link).read_text('utf-8')
+        assert 'href="../trial.html"' in of_run and verdict_id(many[0]) in of_run
+        assert of_run.count('<h3>Budget of run ') == 1 and of_run.count('-differences"') == 1
+        assert 'These are the figures of' not in of_run and 'Annex D' in of_run
+
+
+def test_the_figures_of_the_worst_runs_alone_stand_in_the_list_of_many(many, tmp_path):
+    html.write(many[0], tmp_path / 'trial.html', many[1])
+    page = (tmp_path / 'trial.html').read_text('utf-8')
+    assert page.count('-differences"') <= 5
+    assert 'Each run has a page of its own' in page
+
+
+def test_ten_runs_stand_in_one_page(made, tmp_path):
+    html.write(made(10, n=200)[0], tmp_path / 'trial.html')
+    page = (tmp_path / 'trial.html').read_text('utf-8')
+    assert page.count('<h3>Budget of run ') == 10 and not (tmp_path / 'trial-runs').exists()
+
+
+def test_many_runs_on_paper_have_a_list_without_links(many):
+    page = html.render(*many)
+    assert 'Runs, the worst first' in page and 'run-7.html' not in page
+    assert 'The protocol in HTML has a page for each run' in page

@@ -24,7 +24,12 @@ from typing import Iterable, Sequence
 from heading_intercompare.core.decision.coverage import span_words
 from heading_intercompare.core.validity.condition import DOUBTFUL, VOID
 from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
-from heading_intercompare.core.verdict.run_gravity import gravity_of, OUTCOMES, share_of_norm
+from heading_intercompare.core.verdict.run_gravity import (
+    gravity_of,
+    list_doubts,
+    OUTCOMES,
+    share_of_norm,
+)
 from heading_intercompare.core.verdict.verdict_document import Input, RunVerdict, Verdict
 from heading_intercompare.core.verdict.verdict_table import describe_together, head_lines
 
@@ -109,10 +114,8 @@ def _describe(name: str, recording: Input, runs: Sequence[RunVerdict]) -> _Line:
 def _list_doubts(runs: Iterable[RunVerdict]) -> Iterable[str]:
     """Yield what speaks against each run, the gravest first."""
     for run in sorted(runs, key=gravity_of):
-        words = [finding.words for effect in (VOID, DOUBTFUL) for finding in run.validity
-                 if finding.effect == effect]
-        if words:
-            yield f'run {run.run}: {", ".join(words)}'
+        if doubts := list_doubts(run):
+            yield f'run {run.run}: {", ".join(doubts)}'
 
 
 def _shorten_names(paths: Sequence[str]) -> list[str]:

@@ -51,3 +51,9 @@ def count_compliant(runs: Sequence[RunVerdict]) -> str:
     n_doubtful = sum(run.validity_effect == DOUBTFUL for run in compliant)
     doubt = f', {n_doubtful} of them in doubt' if n_doubtful else ''
     return f'{len(compliant)} of {len(runs)} runs comply{doubt}'
+
+
+def list_doubts(run: RunVerdict) -> list[str]:
+    """Return what speaks against a run, the gravest first."""
+    return [finding.words for effect in (VOID, DOUBTFUL) for finding in run.validity
+            if finding.effect == effect]

@@ -40,6 +40,7 @@ from heading_intercompare.report.formatting import (
 )
 
 from .holding import find_worst, upper_bound_holds, worth_of
+from .run_list import MANY
 
 #: A letter tells the outcomes apart in black and white and for the colour-blind.
 SIGNS = {Outcome.COMPLIANT: '✓', Outcome.NON_COMPLIANT: '✗', Outcome.INDETERMINATE: '?'}
@@ -211,8 +212,10 @@ def _list_runs(verdict: Verdict) -> list[str]:
                  f'{_mean(run)}, standard deviation {with_unit(number(run.std_deg, 3), "deg")}'
                  for run in runs[:_MOST_RUNS]]
     else:
-        lines = [count_compliant(runs),
+        if len(runs) > MANY:
+            runs = [run for run in runs if run.outcome is not Outcome.COMPLIANT]
+        lines = [count_compliant(verdict.runs),
                  *(f'run {run.run} alone: {run.headline}' for run in runs[:_MOST_RUNS])]
     if len(runs) > _MOST_RUNS:
-        lines.append(f'and {len(runs) - _MOST_RUNS} more, see the results')
+        lines.append(f'and {len(runs) - _MOST_RUNS} more, see the runs')
     return lines
