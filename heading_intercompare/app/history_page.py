@@ -22,6 +22,7 @@ from typing import Any, Sequence
 
 import numpy as np
 
+from heading_intercompare.core.count_words import count_words
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.validity.condition import HOLDS, VOID
@@ -111,7 +112,8 @@ def _draw_days(days: Sequence[Day], name: str) -> str:
         axes.set_yticks([])
         axes.set_ylim(-0.5, len(_LEVELS) - 0.5)
 
-    return draw(fill, name=name, title=f'Worst verdict of each day, {len(days)} days',
+    title = f'Worst verdict of each day, {count_words(len(days), "day")}'
+    return draw(fill, name=name, title=title,
                 x_label=f'days since {first} UTC', y_label='', height_mm=40.0)
 
 
@@ -183,7 +185,8 @@ def _draw_together(histories: Sequence[History], figure: str, name: str,
                             f'{history.settings_sha256[:8]}')
 
     n = sum(len(points) for _, points in runs)
-    return draw(fill, name=name, title=f'{_NAMES[figure].capitalize()} of each sensor, {n} runs',
+    title = f'{_NAMES[figure].capitalize()} of each sensor, {count_words(n, "run")}'
+    return draw(fill, name=name, title=title,
                 x_label=f'days since {utc(start_ns)[:16]} UTC', y_label=f'{_NAMES[figure]} [deg]')
 
 
@@ -210,6 +213,7 @@ def _draw(points: Sequence[Point], figure: str, name: str) -> str:
                       [getattr(p.row, f'{figure}_deg') for _, p in outside], color=INK,
                       linestyle='none', marker='x', markersize=8.0, label='outside the limits')
 
-    return draw(fill, name=name, title=f'{_NAMES[figure].capitalize()}, {len(drawn)} runs',
+    title = f'{_NAMES[figure].capitalize()}, {count_words(len(drawn), "run")}'
+    return draw(fill, name=name, title=title,
                 x_label=f'days since {utc(start_ns)[:16]} UTC',
                 y_label=f'{_NAMES[figure]} [deg]')

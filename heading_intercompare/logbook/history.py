@@ -22,6 +22,7 @@ from typing import Iterable, Sequence
 
 import numpy as np
 
+from heading_intercompare.core.count_words import count_words
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.validity.condition import VOID
 
@@ -182,8 +183,8 @@ def _tell(ship: str, settings: str, rows: Sequence[RunRow], baseline: int,
     charted = [row for row in rows if is_charted(row)]
     ahead = len(charted) - baseline
     if ahead < 1:
-        why = f'{len(charted)} runs with figures; charts need more than the {baseline} of ' \
-            'the baseline'
+        why = f'{count_words(len(charted), "run")} with figures; charts need more than the ' \
+            f'{baseline} of the baseline'
         return History(ship, settings, tuple(Point(row) for row in rows), (), baseline, why)
     chance = 1.0 - (1.0 - 1.0 / runs_between) ** ahead
     column = {name: np.array([getattr(row, name) for row in charted], float)

@@ -167,7 +167,7 @@ class BagLosses:
                 for lost_as, losses in losses_by_cause.items():
                     self._count(sensor, LedgerKey.of_told('ts', lost_as), losses)
 
-        words = f'{len(problems)} messages about losses cannot be read; the first: '
+        words = f'{count_words(len(problems), "message")} about losses cannot be read; the first: '
         if problems and words + problems[0] not in self._reader.oddities:
             self._reader.oddities.append(words + problems[0])
 

@@ -49,8 +49,8 @@ class ReferenceNoise:
         'variance of the RS, with its standard uncertainty', default=(), u='u_deg2')
     u_deg2: tuple[float, ...] = figure('standard uncertainty of that of the RS', default=())
     sigma_ref_lower_deg: float | None = figure('standard deviation of the RS, lower 95 % bound',
-                                               'minus a possible skew; null without octaves, 0 if '
-                                               'the bound is below zero', default=None)
+                                               'minus a possible offset; null without octaves, 0 '
+                                               'if the bound is below zero', default=None)
     following_deg2: tuple[float, ...] | None = figure(
         'of it in proportion to the motion', 'of the variance of the RS, as an error of either '
         'sensor in proportion to the motion is; the bound leaves it out', absent='without octaves')

@@ -195,13 +195,13 @@ def _warnings(diagnostics: Diagnostics, range_s: float) -> Iterator[str]:
     estimate = diagnostics.skew.estimate
     skew_s, std_deg, aligned_deg = estimate.skew_s, estimate.std_deg, estimate.std_aligned_deg
     if estimate.kind == 'beyond':
-        yield f'skew: {estimate.why_not(range_s)}'
+        yield f'timing: {estimate.why_not(range_s)}'
     if (estimate.significant and estimate.well_determined and skew_s is not None
             and std_deg is not None and aligned_deg is not None):
         share = 1.0 - (aligned_deg / std_deg) ** 2
         if share > assumptions.SKEW_SHARE:
             age = 'older' if skew_s > 0.0 else 'newer'
-            yield (f'skew: the TS data are {abs(skew_s):.3f} s {age} than their stamps '
+            yield (f'timing: the TS data are {abs(skew_s):.3f} s {age} than their stamps '
                    'say, compared with the RS; that makes up '
                    f'{100.0 * share:.0f} % of the variance')
     warm_up = diagnostics.drift.warm_up

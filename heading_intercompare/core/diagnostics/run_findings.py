@@ -49,12 +49,12 @@ from .reference_noise import ReferenceNoise
 class RunSkew:
     """The time skew of a run, and the variance criterion with and without it."""
 
-    estimate: Skew = figure('skew from the pairs')
-    variance_aligned_deg2: float | None = figure('variance of the differences without the skew',
-                                                 'null unless the skew is well determined')
+    estimate: Skew = figure('latency or clock offset from the pairs')
+    variance_aligned_deg2: float | None = figure('variance of the differences without the offset',
+                                                 'null unless the offset is well determined')
     outcome_as_paired: Outcome | None = figure('GK (5) as paired')
-    outcome_aligned: Outcome | None = figure('GK (5) without the skew')
-    scan: Scan | None = figure('skew from a scan of the two streams', 'null if only pairs were '
+    outcome_aligned: Outcome | None = figure('GK (5) without the offset')
+    scan: Scan | None = figure('offset from a scan of the two streams', 'null if only pairs were '
                                'available', prefix='scan: ')
 
 

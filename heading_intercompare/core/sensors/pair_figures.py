@@ -59,9 +59,9 @@ class PairFigures:
     limit_deg2: float = figure('largest variance that the norms of both explain')
     differs: bool | None = figure('a run shows more than that', 'null if no run can tell')
     gross: str = figure('what no norm explains, in words', 'such as another convention')
-    skew_s: float | None = figure('time skew: by how much the data of the first are older',
+    skew_s: float | None = figure('latency or clock offset: age of the data of the first',
                                   'of the run that determines it best', u='skew_u_s')
-    skew_u_s: float | None = figure('standard uncertainty of the skew')
+    skew_u_s: float | None = figure('standard uncertainty of the offset')
     first_factor: float | None = figure('factor of interpolation in the noise of the first')
     second_factor: float | None = figure('factor of interpolation in the noise of the second')
     one_source: bool = figure('a run shows that both come from one source')

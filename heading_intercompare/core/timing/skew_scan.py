@@ -39,23 +39,23 @@ _CURVE = 50
 class Scan:
     """A scan of the skew between two streams; keys of the JSON."""
 
-    n: int = figure('TS readings compared', 'the same at every skew; 262 144 at most')
-    range_s: float = figure('range', 'largest skew tried, in either direction')
+    n: int = figure('TS readings compared', 'the same at every offset; 262 144 at most')
+    range_s: float = figure('range', 'largest offset tried, in either direction')
     step_s: float = figure('step')
-    skew_s: float = figure('skew of the least scatter', 'L*; minimum of the parabola through the '
-                           'least variance and its neighbours', u='u_s')
-    u_s: float | None = figure('standard uncertainty of the skew', 'allows for correlation; null '
-                               'for fewer than 64 readings, or if the RS does not turn')
+    skew_s: float = figure('offset of the least scatter', 'L*; minimum of the parabola through '
+                           'the least variance and its neighbours', u='u_s')
+    u_s: float | None = figure('standard uncertainty of the offset', 'allows for correlation; '
+                               'null for fewer than 64 readings, or if the RS does not turn')
     bias_s: float | None = figure('shift that a noisy RS may cause, at most')
-    at_edge: bool = figure('the least scatter is at an end of the range', 'then no skew was found')
-    well_determined: bool = figure('the skew is well determined', 'not at an edge, and `u_s` + '
+    at_edge: bool = figure('the least scatter is at an end of the range', 'then there is none')
+    well_determined: bool = figure('the offset is well determined', 'not at an edge, and `u_s` + '
                                    '`bias_s` at most a tenth of the range')
-    std_deg: float = figure('standard deviation at that skew')
-    mean_deg: float = figure('mean difference at that skew')
-    std_zero_deg: float = figure('standard deviation without a skew')
-    mean_zero_deg: float = figure('mean difference without a skew')
-    curve_s: tuple[float, ...] = figure('skews of the scan, for a plot', 'at most 101')
-    curve_std_deg: tuple[float, ...] = figure('standard deviations at these skews')
+    std_deg: float = figure('standard deviation at that offset')
+    mean_deg: float = figure('mean difference at that offset')
+    std_zero_deg: float = figure('standard deviation without an offset')
+    mean_zero_deg: float = figure('mean difference without an offset')
+    curve_s: tuple[float, ...] = figure('offsets of the scan, for a plot', 'at most 101')
+    curve_std_deg: tuple[float, ...] = figure('standard deviations at these offsets')
 
 
 class _Differences:

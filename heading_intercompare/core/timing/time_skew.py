@@ -99,22 +99,22 @@ class Skew:
                                           'standard deviation, free of their noise', default=None)
     strength: float | None = figure('strength of that rate; below 10 the ship did not turn enough',
                                     'its F', default=None)
-    ols_s: float | None = figure('skew by least squares, too small because of noise', default=None,
+    ols_s: float | None = figure('offset by least squares, too small with noise', default=None,
                                  u='ols_u_s')
     ols_u_s: float | None = figure('its naive standard error', default=None)
-    iv_s: float | None = figure('skew after one step of the estimate', 'E.8', default=None)
-    skew_s: float | None = figure('skew, with its standard uncertainty', 'E.8; null if none is '
+    iv_s: float | None = figure('offset after one step of the estimate', 'E.8', default=None)
+    skew_s: float | None = figure('latency or clock offset', 'E.8; null if none is '
                                   'within `alignment.skew_range_s`', default=None, u='u_s')
-    u_s: float | None = figure('standard uncertainty of the skew', default=None)
-    interval_s: tuple[float, float] | None = figure('95 % interval of the skew', default=None)
-    well_determined: bool | None = figure('the skew is well determined', 'by enough turns, and '
+    u_s: float | None = figure('standard uncertainty of the offset', default=None)
+    interval_s: tuple[float, float] | None = figure('95 % interval of the offset', default=None)
+    well_determined: bool | None = figure('the offset is well determined', 'by enough turns, and '
                                           '`u_s` at most a tenth of the range', default=None)
     significant: bool | None = figure('the interval excludes zero', default=None)
     std_deg: float | None = figure('standard deviation of the differences used', default=None)
-    std_aligned_deg: float | None = figure('the same without the skew', default=None)
-    mean_aligned_deg: float | None = figure('mean of the differences without the skew',
+    std_aligned_deg: float | None = figure('the same without the offset', default=None)
+    mean_aligned_deg: float | None = figure('mean of the differences without the offset',
                                             default=None)
-    beyond_s: float | None = figure('skew beyond the range of the search, about',
+    beyond_s: float | None = figure('offset beyond the range of the search, about',
                                     'null unless `kind` is `beyond`', default=None)
     also_s: float | None = figure('another that fits about as well', 'because the motion repeats '
                                   'itself', absent='without one')

@@ -90,6 +90,7 @@ _HOLDS: dict[str, Callable[[RunVerdict], bool]] = {
     **dict.fromkeys(('guarded.upper_bound_deg2', 'guarded.sigma_ts_lower_deg',
                      'guarded.slow_allowance_deg2', 'guarded.rate_plus_plus_upper'),
                     upper_bound_holds),
+    'guarded.nu': lambda run: worth_of(run) is not None,
     'guarded.confidence_compliant': confidence_holds,
     'guarded.confidence_non_compliant': confidence_holds,
     'guarded.conformance_probability': probability_holds,

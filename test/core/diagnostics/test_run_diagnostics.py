@@ -105,7 +105,7 @@ def test_a_skew_is_shown_with_the_verdict_without_it(yaw, rng):
     assert found.skew.outcome_aligned.value == 'compliant'
     assert found.skew.variance_aligned_deg2 == pytest.approx(0.01, rel=0.1)
     assert states(found)['b'] == VIOLATED
-    assert any(w.startswith('skew: the TS data are 0.4') and 'older' in w
+    assert any(w.startswith('timing: the TS data are 0.4') and 'older' in w
                for w in found.warnings)
 
 

@@ -102,7 +102,7 @@ def test_a_figure_stands_beside_its_uncertainty_with_two_digits(made):
         run.skew.estimate, skew_s=1.19683, u_s=0.0412)))
     rows = {row[0]: row[2] for _, table in describe_findings([run])[0].tables
             for row in table.rows}
-    assert rows['skew, with its standard uncertainty'] == '1.197 ± 0.041'
+    assert rows['latency or clock offset'] == '1.197 ± 0.041'
 
 
 def test_a_row_that_no_run_has_is_left_out():
