@@ -238,7 +238,8 @@ class DriverSettings(Checked):
         "'Europe/Oslo'; none: UTC")
     date: str | None = setting(
         None, 'date of the first line, YYYY-MM-DD, for stamps and sentences with a time of day '
-        'only; none: by ZDA or RMC of the same stream, or by the name of the file')
+        'only; none: by ZDA or RMC of the same stream, or by the name of the file',
+        is_date=True)
     time_column: str | None = setting(
         None, 'name of the column of times of a csv or Parquet table; of several columns, such as '
         'Date,Time, the names in the order in which they are read; none: by their names')

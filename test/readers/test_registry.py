@@ -285,7 +285,7 @@ REFUSED = {
     'a.gpx': (b'<?xml version="1.0"?>', 'is XML or HTML, such as GPX: write it as csv'),
     'a.pdf': (b'%PDF-1.7', 'is a PDF'), 'a.asc': (b'date Mon', 'is a CAN log of Vector'),
     'a.dat': (b'\nno recording at all\n', "it begins with 'no recording at all'. A log has"),
-    'a.json': (b'{"a": 1}\n', 'it begins with \'{"a": 1}\'. A log has'),
+    'a.log': (b'{"a": 1}\n', 'it begins with \'{"a": 1}\'. A log has'),
     'a.txt': (b'x' * 200, f"it begins with '{'x' * 80}...'. A log has"),
     'a.bin': (bytes(range(1, 9)) * 9, 'it begins with the bytes 01 02 03 04 05 06 07 08 01 02'),
     'a.sqlite': (None, 'is an SQLite file without the tables of a rosbag2'),

@@ -224,6 +224,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _show_again(arguments: argparse.Namespace) -> int:
     """Print the verdict that is the INPUT, and write its protocol; nothing is judged again."""
     path, = arguments.inputs
+    verdict = json.read_any(path)
     for option, value in vars(arguments).items():
         if option not in _OF_VERDICT and value:
             shown = value[0] if isinstance(value, list) else value
@@ -233,7 +234,7 @@ def _show_again(arguments: argparse.Namespace) -> int:
     check_outputs(Outputs(reports=tuple(arguments.reports), json=arguments.json,
                           runs_csv=arguments.runs_csv,
                           annexes_apart=arguments.annexes_apart), arguments.inputs)
-    return deliver(json.read_any(path), arguments)
+    return deliver(verdict, arguments)
 
 
 def choose_logs(arguments: argparse.Namespace, settings: Settings,

@@ -163,3 +163,10 @@ def test_what_is_no_verdict_is_told_in_one_line(verdict, tmp_path, capsys, spoil
 def test_a_verdict_that_is_not_there_is_named(tmp_path, capsys):
     assert 'v.json: No such file or directory' in refusal(
         capsys, 'report', tmp_path / 'v.json', '-o', tmp_path / 'r.html')
+
+
+def test_what_is_no_verdict_is_not_asked_to_leave_out_its_options(tmp_path, capsys):
+    path = tmp_path / 'a.json'
+    path.write_text('{"a": 1}\n')
+    said = refusal(capsys, 'analyze', path, *NORMS)
+    assert said.startswith(f'{path}: ') and 'schema' in said and 'leave out' not in said
