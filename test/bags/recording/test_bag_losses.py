@@ -163,7 +163,7 @@ def test_the_datagrams_that_a_driver_told_count_where_readings_are_missing(
 def test_a_damaged_message_of_losses_is_named_and_stops_nothing(tmp_path):
     path = write(tmp_path / 'bag', some(6000), told=[('/rs/heading/lost', b'\0\1\0\0')])
     found = judge_bags([path], SETTINGS)
-    assert any('1 messages about losses cannot be read; the first: topic /rs/heading/lost' in note
+    assert any('1 message about losses cannot be read; the first: topic /rs/heading/lost' in note
                for note in found.notes)
     assert found.verdict.runs[0].pairing.rs_received == 6000
 
