@@ -233,9 +233,6 @@ class Compliance(GraphNode):
             judgement.take(pairs[names])
 
     def _beat(self) -> None:
-        if self.ended:
-            # The last report stands, whatever comes until the process is gone.
-            return
         rolling = {names: judgement.look() for names, judgement in self._judgements.items()}
         for pair in self.comparison.others.values():
             pair.compliance.take_earlier()

@@ -199,6 +199,8 @@ class Reporting:
 
     def close(self, complete: bool) -> None:
         """Publish the last verdict and report, and wait until they are received."""
+        # The report of these runs stands, whatever comes until the process is gone.
+        self._seen = self._compliance.finished_runs, self._compliance.early
         self._conclude(complete)
         self._run_log.retry(last=True)
         for publisher in (self._verdict, self._report):
