@@ -25,7 +25,8 @@ import numpy as np
 from heading_intercompare.core.count_words import count_words
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.utc_text import utc
-from heading_intercompare.core.validity.condition import HOLDS, VOID
+from heading_intercompare.core.validity.condition import VOID
+from heading_intercompare.core.verdict.headline import say_outcome
 from heading_intercompare.logbook.days import Day, DayMean, list_days, SECTORS
 from heading_intercompare.logbook.history import History, Point
 from heading_intercompare.report.figures.drawing import SVG_STYLE
@@ -131,17 +132,13 @@ def _tabulate_days(days: Sequence[Day]) -> str:
     """Return the days as a table of HTML."""
     heads = ['day, UTC', 'runs', 'not void', 'worst verdict', 'n', 'mean TS - RS [deg]',
              'largest sd [deg]', 'add to TS [deg]', *(f'on {sector}' for sector in SECTORS)]
-    rows = [[day.date, str(day.runs), str(day.counted), _say_verdict(day), str(day.n),
-             _show(day.mean), number(day.sd_deg), _show(day.add_to_ts),
+    rows = [[day.date, str(day.runs), str(day.counted),
+             say_outcome(day.outcome, day.effect), str(day.n), _show(day.mean),
+             number(day.sd_deg), _show(day.add_to_ts),
              *(_show(day.add_to_ts_on.get(sector)) for sector in SECTORS)] for day in days]
     lines = [f'<tr>{"".join(f"<th>{escape(head)}</th>" for head in heads)}</tr>',
              *(f'<tr>{"".join(f"<td>{escape(cell)}</td>" for cell in row)}</tr>' for row in rows)]
     return _DAYS_WORDS + '<div class="days"><table>\n' + '\n'.join(lines) + '\n</table></div>\n'
-
-
-def _say_verdict(day: Day) -> str:
-    effect = '' if day.effect == HOLDS else f', {day.effect.upper()}'
-    return f'{_say(day.outcome.value).upper()}{effect}'
 
 
 def _show(estimate: DayMean | None) -> str:

@@ -20,15 +20,12 @@ from dataclasses import dataclass
 import math
 from typing import Iterable
 
-from heading_intercompare.core import lazy_scipy as scipy
 from heading_intercompare.core.angles import wrap180
+from heading_intercompare.core.statistics.blocking import student_95
 from heading_intercompare.core.validity.condition import VOID
 
 from .history import is_charted
 from .run_row import RunRow
-
-CONFIDENCE = 0.95
-"""Probability of the interval of a correction."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -43,7 +40,7 @@ class HeadingCorrection:
     add_to_ts_deg
         To be added to the TS heading: minus the mean of TS - RS, within [-180, 180), degrees.
     low_deg, high_deg
-        Its interval at `CONFIDENCE`, degrees.
+        Its 95 % interval, degrees.
     coefficients_deg, u_deg
         A to E of the correction on each heading psi of the RS, to be added, too: A + B sin(psi)
         + C cos(psi) + D sin(2 psi) + E cos(2 psi); and their standard uncertainties. None unless
@@ -86,7 +83,7 @@ def _correct(row: RunRow) -> HeadingCorrection | str:
     if row.measured_mean_deg is None or row.installation_offset_deg is None:
         return 'without the installation offset, from an old logbook'
     add_deg = float(wrap180(-row.measured_mean_deg))
-    reach = float(scipy.special.stdtrit(row.nu, 0.5 + 0.5 * CONFIDENCE)) * row.mean_u_deg
+    reach = student_95(row.nu) * row.mean_u_deg
     coefficients = u_deg = None
     fit = row.heading_dependence
     if fit is not None and fit.coefficients_deg is not None and fit.covariance_deg2 is not None:

@@ -47,6 +47,11 @@ def number(figure: float | int | None, digits: int = 6) -> str:
     return f'{float(text):.0f}' if 'e+' in text and abs(figure) < _LARGE else text
 
 
+def fixed(figure: float | None, form: str) -> str:
+    """Return a figure in a form of `format`; a dash if there is none."""
+    return ABSENT if figure is None or not math.isfinite(figure) else format(figure, form)
+
+
 def interval(low: float | None, up: float | None) -> str:
     """Return the two ends of an interval as text."""
     return f'{number(low)} .. {number(up)}' if (low, up) != (None, None) else ABSENT

@@ -188,9 +188,9 @@ def _gather(verdict: Verdict, sketches: Sequence[SeriesSketch],
                             shown.runs if folder else in_full)
     details = _detail(in_full, records, settings, gk)
     decides = find_worst(shown) or next(iter(shown.runs), None)
-    tables = details['in_full'] if not apart or decides is None else _detail(
+    tables = details['in_full'] if not apart or decides is None else _tabulate(
         [decides], [record for record in records if decides.run in record.numbers][:1], settings,
-        gk)['in_full']
+        gk)
     return {
         **details, 'verdict': shown, 'gk': gk, 'no_run': NO_RUN, 'id': verdict_id(verdict),
         'span': span_of(shown), 'records': records,
@@ -252,21 +252,30 @@ def _draw_records(verdict: Verdict, sketches: Sequence[SeriesSketch], names: Map
 def _detail(runs: Sequence[RunVerdict], records: Sequence[_DrawnRecord], settings: Settings,
             gk: bool) -> dict[str, Any]:
     """Return the values of the template that show some runs in full, with their records."""
-    numbered = [(run.run, run) for run in runs]
+    numbered = _number(runs)
     numbers = {run.run for run in runs}
     of_runs = [record for record in records if not record.numbers or record.numbers & numbers]
     return {
-        'in_full': _RunTables(
-            runs=runs, ledger=rows_by_run(LEDGER, numbered),
-            summary=rows_by_run((*SUMMARY, *GK_SUMMARY) if gk else SUMMARY, numbered),
-            sectors=[(record.subject.title('differences by heading'),
-                      tabulate_sectors(record.subject))
-                     for record in of_runs if record.subject is not None],
-            budgets=[(run.run, budget_of(run, settings)) for run in runs]),
+        'in_full': _tabulate(runs, of_runs, settings, gk),
         'results': rows_by_run((*RESULTS, *GK_RESULTS) if gk else RESULTS, numbered),
         'guarded': rows_by_run(GUARDED, numbered), 'findings': describe_findings(runs),
         'drawn': [(record.name, record.sketch.n_invalid, record.figures) for record in of_runs],
         'warnings': [f'run {run.run}: {warning}' for run in runs for warning in run.warnings]}
+
+
+def _tabulate(runs: Sequence[RunVerdict], records: Sequence[_DrawnRecord], settings: Settings,
+              gk: bool) -> _RunTables:
+    """Return the tables of these runs and of these records."""
+    return _RunTables(
+        runs=runs, ledger=rows_by_run(LEDGER, _number(runs)),
+        summary=rows_by_run((*SUMMARY, *GK_SUMMARY) if gk else SUMMARY, _number(runs)),
+        sectors=[(record.subject.title('differences by heading'), tabulate_sectors(record.subject))
+                 for record in records if record.subject is not None],
+        budgets=[(run.run, budget_of(run, settings)) for run in runs])
+
+
+def _number(runs: Sequence[RunVerdict]) -> list[tuple[int, RunVerdict]]:
+    return [(run.run, run) for run in runs]
 
 
 def _tell(progress: Callable[[str], None], sketch: int, sketches: int, done: int) -> None:

@@ -17,13 +17,11 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-import math
 import os
 from typing import Iterable, Sequence
 
 from heading_intercompare.core.decision.coverage import span_words
-from heading_intercompare.core.validity.condition import DOUBTFUL, VOID
-from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
+from heading_intercompare.core.verdict.headline import say_outcome
 from heading_intercompare.core.verdict.run_gravity import (
     gravity_of,
     list_doubts,
@@ -32,6 +30,7 @@ from heading_intercompare.core.verdict.run_gravity import (
 )
 from heading_intercompare.core.verdict.verdict_document import Input, RunVerdict, Verdict
 from heading_intercompare.core.verdict.verdict_table import describe_together, head_lines
+from heading_intercompare.report.formatting import fixed
 
 _HEAD = ('recording', 'outcome', 'sd/deg', 'of norm', 'mean/deg', 'run', 'n', 'duration',
          'in doubt')
@@ -101,13 +100,11 @@ def _describe(name: str, recording: Input, runs: Sequence[RunVerdict]) -> _Line:
         return _Line((rank, 0.0, 0.0), (name, word, *'------', recording.why_no_run or 'no run'))
     worst = min(runs, key=gravity_of)
     share = share_of_norm(worst)
-    word = OUTCOME_WORDS[worst.outcome]
-    if worst.validity_effect in (DOUBTFUL, VOID):
-        word += f', {worst.validity_effect.upper()}'
+    word = say_outcome(worst.outcome, worst.validity_effect)
     which = str(worst.run) if len(runs) == 1 else f'{worst.run}, worst of {len(runs)}'
     return _Line(gravity_of(worst), (
-        name, word, _number(worst.std_deg, '.3f'), _number(share, '.0%'),
-        _number(worst.mean_deg, '+.3f'), which, str(worst.n), span_words(worst.duration_s),
+        name, word, fixed(worst.std_deg, '.3f'), fixed(share, '.0%'),
+        fixed(worst.mean_deg, '+.3f'), which, str(worst.n), span_words(worst.duration_s),
         '; '.join(_list_doubts(runs))))
 
 
@@ -125,10 +122,6 @@ def _shorten_names(paths: Sequence[str]) -> list[str]:
     half = _LONGEST_NAME // 2
     return [name if len(name) <= _LONGEST_NAME else f'{name[:half - 1]}…{name[-half:]}'
             for name in labels]
-
-
-def _number(value: float | None, form: str) -> str:
-    return '-' if value is None or not math.isfinite(value) else format(value, form)
 
 
 def _align(rows: Sequence[tuple[str, ...]]) -> Iterable[str]:

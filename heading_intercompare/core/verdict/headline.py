@@ -34,6 +34,20 @@ REJECTION_SCOPE = 'rests on the RS meeting its norm; which of the two is wrong i
 """What a rejection does not show: the difference is that of two sensors."""
 
 
+def say_outcome(outcome: str, effect: str) -> str:
+    """
+    Return an outcome in capitals, with the gravest effect of a condition if that casts doubt.
+
+    Examples
+    --------
+    >>> say_outcome('non_compliant', 'holds'), say_outcome('indeterminate', 'void')
+    ('NON-COMPLIANT', 'INDETERMINATE, VOID')
+
+    """
+    doubt = f', {effect.upper()}' if effect in (DOUBTFUL, VOID) else ''
+    return f'{OUTCOME_WORDS[outcome]}{doubt}'
+
+
 def compose_headline(outcome: Outcome, findings: Sequence[Finding], coverage: Coverage | None,
                      why: str = '') -> str:
     """

@@ -20,11 +20,10 @@ from typing import NamedTuple, Sequence
 
 from heading_intercompare.core.decision.coverage import span_words
 from heading_intercompare.core.utc_text import utc
-from heading_intercompare.core.validity.condition import DOUBTFUL, VOID
-from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
+from heading_intercompare.core.verdict.headline import say_outcome
 from heading_intercompare.core.verdict.run_gravity import gravity_of, list_doubts
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
-from heading_intercompare.report.formatting import ABSENT
+from heading_intercompare.report.formatting import fixed
 
 MANY = 10
 """Of more runs than this a protocol shows only the worst in full."""
@@ -82,13 +81,7 @@ def page_name(run: RunVerdict) -> str:
 
 
 def _describe(run: RunVerdict) -> tuple[str, ...]:
-    word = OUTCOME_WORDS[run.outcome]
-    if run.validity_effect in (DOUBTFUL, VOID):
-        word += f', {run.validity_effect.upper()}'
-    return (run.source, utc(run.start_ns).partition('.')[0], word, _fixed(run.std_deg, '.3f'),
-            _fixed(run.mean_deg, '+.3f'), str(run.n), span_words(run.duration_s),
+    return (run.source, utc(run.start_ns).partition('.')[0],
+            say_outcome(run.outcome, run.validity_effect), fixed(run.std_deg, '.3f'),
+            fixed(run.mean_deg, '+.3f'), str(run.n), span_words(run.duration_s),
             ', '.join(list_doubts(run)))
-
-
-def _fixed(value: float | None, form: str) -> str:
-    return ABSENT if value is None else format(value, form)
