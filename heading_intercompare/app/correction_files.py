@@ -17,12 +17,12 @@
 from __future__ import annotations
 
 import csv
-from pathlib import Path
 from typing import Sequence
 
 from heading_intercompare.bags.csv.ensembles_csv import DAY_NS, find_year
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.logbook.correction import HeadingCorrection
+from heading_intercompare.replaced_file import replace_file, ReplacedFile
 
 _TERMS = 'abcde'
 COLUMNS = (
@@ -54,9 +54,9 @@ def write_corrections(corrections: Sequence[HeadingCorrection], path: str) -> No
 
     """
     if path.endswith('.ang'):
-        Path(path).write_text(''.join(_list_angles(corrections, path)), 'ascii')
+        replace_file(path, ''.join(_list_angles(corrections, path)))
         return
-    with open(path, 'w', encoding='utf-8', newline='') as file:
+    with ReplacedFile(path, 'w', encoding='utf-8', newline='') as file:
         table = csv.writer(file, lineterminator='\n')
         table.writerow(COLUMNS)
         table.writerows(map(_to_cells, corrections))

@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 from html import escape
-from pathlib import Path
 from typing import Any, Sequence
 
 import numpy as np
@@ -29,6 +28,7 @@ from heading_intercompare.core.validity.condition import VOID
 from heading_intercompare.core.verdict.headline import say_outcome
 from heading_intercompare.logbook.days import Day, DayMean, list_days, SECTORS
 from heading_intercompare.logbook.history import History, Point
+from heading_intercompare.replaced_file import replace_file
 from heading_intercompare.report.figures.drawing import SVG_STYLE
 from heading_intercompare.report.formatting import number, with_uncertainty
 
@@ -95,7 +95,7 @@ def write_page(histories: Sequence[History], path: str, since_ns: int | None = N
         parts.append(_draw_days(days, f'h{at}days') + '\n')
         parts += [_draw(points, figure, f'h{at}{figure}') + '\n' for figure in _NAMES]
         parts.append(_tabulate_days(days))
-    Path(path).write_text(''.join(parts) + '</body></html>\n', 'utf-8')
+    replace_file(path, ''.join(parts) + '</body></html>\n')
 
 
 def _draw_days(days: Sequence[Day], name: str) -> str:

@@ -16,7 +16,6 @@
 
 from __future__ import annotations
 
-from contextlib import contextmanager
 from dataclasses import dataclass
 from functools import partial
 import math
@@ -122,20 +121,11 @@ def check_outputs(outputs: Outputs, inputs: Sequence[str], *, config: str | None
         reserved[place] = f'the file of --{option}'
 
 
-@contextmanager
-def name_file(path: str) -> Iterator[None]:
-    """Add the file name to errors of writing."""
-    try:
-        yield
-    except OSError as error:
-        raise OSError(error.errno, error.strerror, path) from error
-
-
 _Writer = PairsCsvWriter | EnsemblesCsvWriter
 
 
 class _Table:
-    """A table that opens with its first pairs, or empty at the end unless there was an error."""
+    """A table that opens with its first pairs, or empty at the end; an error leaves no table."""
 
     def __init__(self, path: str, open_file: Callable[[], _Writer]) -> None:
         self._path = path
@@ -147,14 +137,16 @@ class _Table:
         return self
 
     def __exit__(self, kind: type | None, *exception: object) -> None:
-        with name_file(self._path):
-            if self._file is None and kind is None:
-                self._file = self._open_file()
+        if kind is not None:
             if self._file is not None:
-                self._file.close()
-            if self._account is not None and isinstance(self._file, PairsCsvWriter) and (
-                    Path(self._path).is_file()):
-                write_account(self._path, self._account, self._file.fingerprint)
+                self._file.discard()
+            return
+        if self._file is None:
+            self._file = self._open_file()
+        self._file.close()
+        if self._account is not None and isinstance(self._file, PairsCsvWriter) and (
+                Path(self._path).is_file()):
+            write_account(self._path, self._account, self._file.fingerprint)
 
     def add_account(self, account: PairsAccount | None) -> None:
         """Lay an account beside the table at the end, if it has pairs."""
@@ -162,10 +154,9 @@ class _Table:
 
     def write(self, pairs: Pairs) -> None:
         """Append the rows of some pairs."""
-        with name_file(self._path):
-            if self._file is None:
-                self._file = self._open_file()
-            self._file.write(pairs)
+        if self._file is None:
+            self._file = self._open_file()
+        self._file.write(pairs)
 
 
 def open_tables(outputs: Outputs, settings: Settings) -> Iterator[_Table]:

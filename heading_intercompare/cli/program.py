@@ -19,6 +19,7 @@ from __future__ import annotations
 import argparse
 from importlib import import_module
 import os
+import signal
 import sys
 from typing import Any, NoReturn, Sequence
 
@@ -113,13 +114,14 @@ def main(argv: Sequence[str] | None = None) -> int:
     -------
     int
         The exit code: 0 for done, 2 for wrong usage, configuration, input or output, 130 for
-        Ctrl-C. With ``--check`` a verdict also gives 1 for non-compliant, 3 for indeterminate and
-        4 for a doubtful outcome. The code does not depend on whether anyone reads the output. A
-        fault of the program ends the process with 70.
+        Ctrl-C, 143 for SIGTERM and 129 for SIGHUP. With ``--check`` a verdict also gives 1 for
+        non-compliant, 3 for indeterminate and 4 for a doubtful outcome. The code does not depend
+        on whether anyone reads the output. A fault of the program ends the process with 70.
 
     """
     if argv is None:
         sys.excepthook, argv = _crash, sys.argv[1:]
+        end_by_signals()
         # Before numpy is loaded; what the user has set stays.
         for name in _ONE_THREAD:
             os.environ.setdefault(name, '1')
@@ -166,6 +168,23 @@ def _refuse(error: Exception) -> int:
         text = str(error)
     sys.stderr.write(f'{PROGRAM}: error: {escape(" ".join(text.split()))}\n')
     return 2
+
+
+def end_by_signals() -> None:
+    """
+    Let SIGTERM and SIGHUP end the process as Ctrl-C does: drafts and unpacked files are removed.
+
+    SIGHUP stays ignored if it was, for instance by `nohup`.
+    """
+    for number in (signal.SIGTERM, signal.SIGHUP):
+        if signal.getsignal(number) != signal.SIG_IGN:
+            signal.signal(number, _end)
+
+
+def _end(number: int, *_: object) -> NoReturn:
+    """Leave by an exception, with the exit code that a shell gives for the signal."""
+    signal.signal(number, signal.SIG_IGN)
+    raise SystemExit(128 + number)
 
 
 def _crash(*error: Any) -> NoReturn:

@@ -21,6 +21,7 @@ from typing import Callable, Mapping, Sequence
 
 from heading_intercompare.core.records import Headings, Pairs, Reals
 from heading_intercompare.core.verdict.verdict_document import Verdict
+from heading_intercompare.replaced_file import replace_file
 
 from . import json
 from .figures.drawing import Drawing
@@ -191,5 +192,4 @@ def write_trial_page(path: str | Path, title: str, lines: Sequence[str],
                      chances: Drawing | None = None) -> None:
     """Write the page of a simulated trial; see `trial_page.compose_trial_page`."""
     from .trial_page import compose_trial_page
-    Path(path).write_text(compose_trial_page(title, lines, traces, seeds, chances),
-                          encoding='utf-8')
+    replace_file(path, compose_trial_page(title, lines, traces, seeds, chances))

@@ -35,6 +35,7 @@ from heading_intercompare.core.verdict.validity import CONDITION_WORDS
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 from heading_intercompare.core.verdict.verdict_table import asks_for_gk
 from heading_intercompare.core.verdict.vocabulary import EFFECT_WORDS, NO_RUN, STATE_WORDS
+from heading_intercompare.replaced_file import replace_file
 
 from .contents.decision_rule import describe_norms, describe_uncertainty, state_conformity
 from .contents.defaults import is_default
@@ -105,7 +106,7 @@ def write(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch] =
     for place, text in compose_files(verdict, path, sketches, progress, verbose, annexes,
                                      run_pages=True):
         place.parent.mkdir(exist_ok=True)
-        place.write_text(text, encoding='utf-8')
+        replace_file(place, text)
 
 
 def compose_files(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch],

@@ -22,6 +22,7 @@ from typing import TYPE_CHECKING
 
 from heading_intercompare.core.typed_reader import VerdictError
 from heading_intercompare.core.verdict.verdict_document import Verdict
+from heading_intercompare.replaced_file import replace_file
 
 if TYPE_CHECKING:
     from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
@@ -35,7 +36,7 @@ def render(verdict: Verdict | SensorsVerdict) -> str:
 def write(verdict: Verdict | SensorsVerdict, path: str | Path) -> None:
     """Write the verdict."""
     # The name of a file may have bytes that are not UTF-8.
-    Path(path).write_text(render(verdict), 'utf-8', 'backslashreplace')
+    replace_file(path, render(verdict), 'backslashreplace')
 
 
 def parse(text: str | bytes) -> Verdict:

@@ -25,6 +25,7 @@ from typing import Callable, Iterator, NoReturn, Sequence
 import weasyprint
 
 from heading_intercompare.core.verdict.verdict_document import Verdict
+from heading_intercompare.replaced_file import replace_file
 
 from . import html
 from .series_sketch import SeriesSketch
@@ -72,8 +73,7 @@ def print_page(text: str, path: str | Path,
     """Write a page of HTML that needs nothing from elsewhere as PDF; OSError if that fails."""
     with _told_to(progress):
         document = weasyprint.HTML(string=text, url_fetcher=_refuse).write_pdf()
-    # The document is made first, so that a fault leaves no half-written file.
-    Path(path).write_bytes(document)
+    replace_file(path, document)
 
 
 class _ProgressHandler(logging.Handler):

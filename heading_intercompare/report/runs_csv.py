@@ -25,6 +25,7 @@ from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.typed_reader import make_plain
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import Verdict
+from heading_intercompare.replaced_file import ReplacedFile
 
 Cell = str | int | float | None
 
@@ -80,7 +81,8 @@ def _list_rows(verdict: Verdict) -> Iterator[list[Cell]]:
 
 
 def _write(path: str | Path, names: Sequence[str], rows: Iterable[list[Cell]]) -> None:
-    with open(path, 'w', newline='', encoding='utf-8', errors='backslashreplace') as file:
+    with ReplacedFile(path, 'w', newline='', encoding='utf-8',
+                      errors='backslashreplace') as file:
         table = csv.writer(file, lineterminator='\n')
         table.writerow(names)
         table.writerows(rows)

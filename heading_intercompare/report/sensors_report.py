@@ -28,6 +28,7 @@ from heading_intercompare.core.sensors.sensors_verdict import (
 from heading_intercompare.core.validity.condition import VOID
 from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
 from heading_intercompare.core.verdict.verdict_document import Verdict
+from heading_intercompare.replaced_file import replace_file
 
 from . import annexes_path, check_form, json, write
 from .contents.file_names import name_files
@@ -108,4 +109,4 @@ def _write_overview(verdict: SensorsVerdict, path: Path, progress: Callable[[str
         from . import pdf
         pdf.print_page(text, path, progress)
     else:
-        path.write_text(text, encoding='utf-8')
+        replace_file(path, text)

@@ -143,7 +143,7 @@ def test_a_full_disk_is_named_with_the_file(bag, capsys, option):
 def test_the_verdict_is_told_though_the_report_cannot_be_written(bag, tmp_path, capsys,
                                                                  monkeypatch):
     def full(*args):
-        raise OSError(28, 'No space left on device')
+        raise OSError(28, 'No space left on device', 'r.html')
     monkeypatch.setattr('heading_intercompare.cli.commands.analyze.write_protocols', full)
     told = tmp_path / 'v.json'
     assert main(['analyze', str(bag), *NORMS, '--json', str(told), '--report', 'r.html']) == 2

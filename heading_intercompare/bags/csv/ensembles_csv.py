@@ -28,6 +28,7 @@ import os
 
 from heading_intercompare.core.pairing.ensembles import Ensembles, Ensembling
 from heading_intercompare.core.records import Pairs
+from heading_intercompare.replaced_file import ReplacedFile
 
 COLUMNS = ('dday', 'mean_hdg', 'last_hdg', 'mean_dh', 'std_dh', 'num', 'badflag')
 
@@ -91,14 +92,14 @@ class EnsemblesCsvWriter:
         self._ensembling = Ensembling(span_s, gap_s, wrap_center_deg)
         self._limit_deg = std_limit_deg
         self._year_ns: int | None = None
-        self._file = open(path, 'w', encoding='ascii', newline='')
-        self._file.write(','.join(COLUMNS) + '\n')
+        self._replaced = ReplacedFile(path)
+        self._replaced.write((','.join(COLUMNS) + '\n').encode())
 
     def __enter__(self) -> 'EnsemblesCsvWriter':
         return self
 
-    def __exit__(self, *exception: object) -> None:
-        self.close()
+    def __exit__(self, kind: type | None, *exception: object) -> None:
+        self.close() if kind is None else self.discard()
 
     def write(self, pairs: Pairs) -> None:
         """Take pairs; append a row for each completed ensemble."""
@@ -111,11 +112,16 @@ class EnsemblesCsvWriter:
         columns = (ensembles.stamp_ns, ensembles.mean_ts_deg, ensembles.last_ts_deg,
                    ensembles.mean_deg, ensembles.std_deg, ensembles.num, ~good)
         for ns, mean_ts, last_ts, mean, std, num, bad in zip(*(c.tolist() for c in columns)):
-            self._file.write(f'{(ns - self._year_ns) / DAY_NS:.7f},{_heading(mean_ts)},'
-                             f'{_heading(last_ts)},{mean:.4f},{std:.4f},{num},{bad:d}\n')
+            self._replaced.write(
+                (f'{(ns - self._year_ns) / DAY_NS:.7f},{_heading(mean_ts)},{_heading(last_ts)},'
+                 f'{mean:.4f},{std:.4f},{num},{bad:d}\n').encode())
 
     def close(self) -> None:
-        """Append the last ensemble and close the file; a second call does nothing."""
-        if not self._file.closed:
-            with self._file:
-                self._append(self._ensembling.finish())
+        """Append the last ensemble and put the file in its place; a second call does nothing."""
+        if not self._replaced.file.closed:
+            self._append(self._ensembling.finish())
+            self._replaced.commit()
+
+    def discard(self) -> None:
+        """Leave the file as it was before."""
+        self._replaced.discard()

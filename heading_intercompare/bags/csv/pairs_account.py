@@ -40,6 +40,7 @@ from heading_intercompare.core.records import Integers, Motion, MOTION_COLUMNS, 
 from heading_intercompare.core.typed_reader import make_plain, read_plain, VerdictError
 from heading_intercompare.core.verdict.verdict_document import Input
 from heading_intercompare.core.version import VERSION
+from heading_intercompare.replaced_file import replace_file
 
 #: The word of the account for what rows tell.
 _WORDS = {'fix': 'position', 'velocity': 'velocity', 'rate': 'rate'}
@@ -234,7 +235,7 @@ def write_account(csv: str | os.PathLike[str], account: PairsAccount, of: Finger
     """
     plain = {'schema': _SCHEMA, **of._asdict(), **make_plain(account)}
     text = json.dumps(plain, indent=1, ensure_ascii=False, allow_nan=False)
-    account_path(csv).write_text(f'{text}\n', 'utf-8')
+    replace_file(account_path(csv), f'{text}\n')
 
 
 def read_account(csv: str | os.PathLike[str]) -> tuple[PairsAccount, Fingerprint] | None:

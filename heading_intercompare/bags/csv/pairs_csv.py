@@ -28,6 +28,7 @@ from heading_intercompare.core.angles import headings_from_signed
 from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.pairing.interpolation_kernel import LARGEST_FACTOR
 from heading_intercompare.core.records import Pairs
+from heading_intercompare.replaced_file import ReplacedFile
 
 from .csv_rows import CsvRows
 from .pairs_account import Fingerprint, PairsDigest
@@ -332,14 +333,14 @@ class PairsCsvWriter:
     def __init__(self, path: str | os.PathLike[str], *, wrap_center_deg: float = 0.0) -> None:
         self._center_deg = wrap_center_deg
         self._pairs, self._bytes = PairsDigest(), hashlib.sha256()
-        self._file = open(path, 'wb')
+        self._replaced = ReplacedFile(path)
         self._put(','.join(COLUMNS) + '\n')
 
     def __enter__(self) -> 'PairsCsvWriter':
         return self
 
-    def __exit__(self, *exception: object) -> None:
-        self.close()
+    def __exit__(self, kind: type | None, *exception: object) -> None:
+        self.close() if kind is None else self.discard()
 
     def write(self, pairs: Pairs) -> None:
         """Append one row per pair; the installation offset stays in the difference."""
@@ -353,7 +354,7 @@ class PairsCsvWriter:
     def _put(self, text: str) -> None:
         data = text.encode('ascii')
         self._bytes.update(data)
-        self._file.write(data)
+        self._replaced.write(data)
 
     @property
     def fingerprint(self) -> Fingerprint:
@@ -361,8 +362,12 @@ class PairsCsvWriter:
         return Fingerprint(self._bytes.hexdigest(), self._pairs.hexdigest())
 
     def close(self) -> None:
-        """Close the file; a second call does nothing."""
-        self._file.close()
+        """Put the file in its place; a second call does nothing."""
+        self._replaced.commit()
+
+    def discard(self) -> None:
+        """Leave the file as it was before."""
+        self._replaced.discard()
 
 
 def write_pairs_csv(path: str | os.PathLike[str], chunks: Iterable[Pairs], *,

@@ -21,6 +21,7 @@ from dataclasses import replace
 import errno
 import os
 from pathlib import Path
+from shutil import rmtree
 from typing import BinaryIO, Iterable, Mapping
 
 import numpy as np
@@ -38,8 +39,11 @@ from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.core.version import VERSION
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.schemas import Schema, schema_of
+from heading_intercompare.replaced_file import draft_beside, replace_file, sync_folder
 
-from .disk_sync import replace_file, Syncing
+from .disk_sync import Syncing
+
+_EXISTS = 'already exists; a bag is never overwritten'
 
 #: Numbers of a channel and its schema.
 _Numbers = tuple[int | None, int | None]
@@ -74,6 +78,9 @@ class BagWriter:
         Chunk size, compression, flush interval, size and duration of a file.
     software
         Name and version of the program, for the header and `custom_data`.
+    whole
+        The directory appears under its name only when it is closed, whole and on the disk. Until
+        then its name ends with ``.part``. False for a recording, which is to survive a power cut.
 
     Attributes
     ----------
@@ -104,7 +111,8 @@ class BagWriter:
     """
 
     def __init__(self, path: str | os.PathLike[str], settings: BagSettings | None = None, *,
-                 software: str = f'heading_intercompare {VERSION}') -> None:
+                 software: str = f'heading_intercompare {VERSION}',
+                 whole: bool = False) -> None:
         self.path = Path(path)
         self._settings = settings or BagSettings()
         self._software = software
@@ -116,10 +124,13 @@ class BagWriter:
         self._no_file: OSError | None = None
         self._described = True
         self._stem = utf8(Path(os.path.realpath(self.path)).name, 'name of the bag')
+        if whole and os.path.lexists(path):
+            raise BagError(_EXISTS, self.path)
+        self._folder = draft_beside(self.path) if whole else self.path
         try:
-            self.path.mkdir(parents=True)
+            self._folder.mkdir(parents=True)
         except FileExistsError:
-            raise BagError('already exists; a bag is never overwritten', self.path) from None
+            raise BagError(_EXISTS, self.path) from None
         self._number = 0
         with ExitStack() as undo:
             undo.callback(self._withdraw)
@@ -132,12 +143,12 @@ class BagWriter:
     def _withdraw(self) -> None:
         """Remove the folder of a bag that could not be started."""
         with suppress(OSError):
-            (self.path / 'metadata.yaml').unlink(missing_ok=True)
-            self.path.rmdir()
+            (self._folder / 'metadata.yaml').unlink(missing_ok=True)
+            self._folder.rmdir()
 
     def _open_file(self, number: int) -> tuple[BinaryIO, ChunkWriter]:
         """Create a file with all topics and metadata known so far, and the folder if needed."""
-        self.path.mkdir(parents=True, exist_ok=True)
+        self._folder.mkdir(parents=True, exist_ok=True)
         file = open(self._place(number), 'xb', buffering=0)
         with ExitStack() as undo:
             undo.callback(_remove, file)
@@ -151,7 +162,7 @@ class BagWriter:
         return file, chunks
 
     def _place(self, number: int) -> Path:
-        return self.path / f'{self._stem}_{number}.mcap'
+        return self._folder / f'{self._stem}_{number}.mcap'
 
     @staticmethod
     def _define(chunks: ChunkWriter, row: TopicRow, schema: Schema, numbers: _Numbers) -> int:
@@ -163,12 +174,21 @@ class BagWriter:
         return self
 
     def abandon(self) -> None:
-        """Close the file without its end, so that nobody mistakes the bag for complete."""
+        """
+        Close the file without its end, so that nobody mistakes the bag for complete.
+
+        A bag that was to appear whole is removed.
+        """
         self._file.close()
         self._syncing.close()
+        if self._folder != self.path:
+            rmtree(self._folder, ignore_errors=True)
 
-    def __exit__(self, *exception: object) -> None:
-        self.close()
+    def __exit__(self, kind: type | None, *exception: object) -> None:
+        if kind is not None and self._folder != self.path:
+            self.abandon()
+        else:
+            self.close()
 
     @property
     def topics(self) -> tuple[str, ...]:
@@ -345,7 +365,7 @@ class BagWriter:
     def absent(self) -> int:
         """Return the number of messages written to files that are no longer in their place."""
         parts = [*self._closed, self._part()]
-        return sum(part.count for part in parts if not (self.path / part.path).exists())
+        return sum(part.count for part in parts if not (self._folder / part.path).exists())
 
     def split(self) -> None:
         """
@@ -406,18 +426,31 @@ class BagWriter:
     def _description(self) -> tuple[Path, str]:
         """Return the path and text of metadata.yaml, for the files in their place."""
         parts = [part for part in (*self._closed, self._part())
-                 if (self.path / part.path).exists()]
-        return self.path / 'metadata.yaml', metadata_file(parts, {'software': self._software})
+                 if (self._folder / part.path).exists()]
+        return self._folder / 'metadata.yaml', metadata_file(parts, {'software': self._software})
 
     def close(self) -> None:
         """Write the messages in memory and the end of the file; a second call does nothing."""
         if self._file.closed:
             return
-        try:
+        with ExitStack() as undo:
+            undo.callback(self.abandon)
             self._chunks.end_chunk()
             self._describe_record()
             self._chunks.finish()
             self._chunks.sync()
-        finally:
-            self.abandon()
-        replace_file(*self._description())
+            self._file.close()
+            self._syncing.close()
+            replace_file(*self._description())
+            self._take_place()
+            undo.pop_all()
+
+    def _take_place(self) -> None:
+        """Give a bag that was to appear whole its name."""
+        if self._folder == self.path:
+            return
+        if os.path.lexists(self.path):
+            raise BagError(_EXISTS, self.path)
+        os.rename(self._folder, self.path)
+        self._folder = self.path
+        sync_folder(self.path.parent)

@@ -18,31 +18,11 @@ from __future__ import annotations
 
 from collections import deque
 from concurrent.futures import Future, ThreadPoolExecutor
-from contextlib import suppress
 from math import inf
 import os
 from pathlib import Path
 
-
-def replace_file(target: Path, text: str) -> None:
-    """Replace a file, synced to the disk; nobody ever sees half of it, and no draft is left."""
-    draft = target.with_name(f'{target.name}.part')
-    try:
-        with open(draft, 'w', encoding='utf-8') as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        os.replace(draft, target)
-    except OSError as error:
-        with suppress(OSError):
-            draft.unlink()
-        error.filename = error.filename or os.fspath(draft)
-        raise
-    folder = os.open(target.parent, os.O_RDONLY)
-    try:
-        os.fsync(folder)
-    finally:
-        os.close(folder)
+from heading_intercompare.replaced_file import replace_file
 
 
 def _sync(descriptor: int) -> None:

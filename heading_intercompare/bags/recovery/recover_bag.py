@@ -260,8 +260,7 @@ def recover(source: str | os.PathLike[str], target: str | os.PathLike[str],
 
     Notes
     -----
-    If the recovery stops for any reason, the target has no end, like the bag of a recorder that
-    was killed.
+    If the recovery stops for any reason, there is no target.
 
     """
     source, target = Path(source), Path(target)
@@ -308,7 +307,7 @@ def _recover(source: Path, target: Path, settings: BagSettings | None,
                        + ('; '.join(total.notes[:3]) or 'it holds no message'), source)
     bag_settings = _settings(settings, files)
     with ExitStack() as undo:
-        bag = BagWriter(target, bag_settings)
+        bag = BagWriter(target, bag_settings, whole=True)
         undo.callback(bag.abandon)
         transfer = Transfer(
             bag, None if settings is None else COMPRESSIONS[bag_settings.compression],

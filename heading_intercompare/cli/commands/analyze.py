@@ -28,7 +28,7 @@ from heading_intercompare.app.analysis import judge_bags, Judgement
 from heading_intercompare.app.config import choose_pair, Config, settings_for
 from heading_intercompare.app.inputs import load_config_or_journal, options_of
 from heading_intercompare.app.logs.trial_logs import find_logs, judge_logs, name_logs, ROLES
-from heading_intercompare.app.outputs import check_outputs, name_file, open_tables, Outputs
+from heading_intercompare.app.outputs import check_outputs, open_tables, Outputs
 from heading_intercompare.app.recorded_looks import find_looks
 from heading_intercompare.app.run_table import read_exclusion_table
 from heading_intercompare.cli.terminal.campaign_table import campaign_lines, is_campaign
@@ -309,10 +309,9 @@ def deliver(verdict: Verdict | SensorsVerdict, arguments: argparse.Namespace,
         if isinstance(verdict, SensorsVerdict) and not verdict.verdicts:
             raise ValueError(f'--runs-csv {arguments.runs_csv}: no sensor is the reference, so '
                              'the verdict has no run of a sensor; leave it out')
-        with name_file(arguments.runs_csv):
-            write_runs(verdict, arguments.runs_csv)
+        write_runs(verdict, arguments.runs_csv)
     for path in arguments.reports:
-        with name_file(path), Progress(path, arguments.quiet) as progress:
+        with Progress(path, arguments.quiet) as progress:
             progress.show('drawing the protocol')
             files = write_protocols(verdict, path, sketches, progress.show,
                                     arguments.verbose, arguments.annexes_apart)
@@ -418,8 +417,7 @@ def conclude(verdict: Verdict | SensorsVerdict, arguments: argparse.Namespace) -
     else:
         _show(verdict, arguments.verbose)
         if arguments.json:
-            with name_file(arguments.json):
-                json.write(verdict, arguments.json)
+            json.write(verdict, arguments.json)
     return code_of(verdict.outcome, verdict.validity_effect) if arguments.check else 0
 
 

@@ -25,7 +25,6 @@ import sys
 from typing import Any, Sequence
 
 from heading_intercompare.app.correction_files import SUFFIXES, write_corrections
-from heading_intercompare.app.outputs import name_file
 from heading_intercompare.app.run_table import parse_stamp
 from heading_intercompare.cli.terminal.console import say, say_lines, tell, VERDICT_MARKS
 from heading_intercompare.core.count_words import count_words
@@ -38,6 +37,7 @@ from heading_intercompare.logbook.history import History, Point, tell_histories
 from heading_intercompare.logbook.logbook_file import Logbook, merge_logbooks, to_cells
 from heading_intercompare.logbook.run_row import RunRow
 from heading_intercompare.logbook.service_change import compare_service, ServiceChange
+from heading_intercompare.replaced_file import replace_file, ReplacedFile
 from heading_intercompare.report import check_form
 
 SCHEMA = 'heading_intercompare/history/1'
@@ -104,18 +104,14 @@ def run(arguments: argparse.Namespace) -> int:
 def _write_files(histories: Sequence[History], changes: Sequence[Sequence[ServiceChange]],
                  arguments: argparse.Namespace, since_ns: int | None) -> None:
     if arguments.json not in (None, '-'):
-        with name_file(arguments.json):
-            Path(arguments.json).write_text(
-                _render(histories, changes, arguments, since_ns), 'utf-8')
+        replace_file(arguments.json, _render(histories, changes, arguments, since_ns))
     if arguments.csv not in (None, '-'):
-        with name_file(arguments.csv), open(arguments.csv, 'w', encoding='utf-8',
-                                            newline='') as file:
+        with ReplacedFile(arguments.csv, 'w', encoding='utf-8', newline='') as file:
             _write_csv(histories, file, since_ns)
     if arguments.html is not None:
         from heading_intercompare.app.history_page import write_page
 
-        with name_file(arguments.html):
-            write_page(histories, arguments.html, since_ns)
+        write_page(histories, arguments.html, since_ns)
     if arguments.correction is not None:
         _write_corrections(histories, arguments.correction, since_ns)
 
@@ -124,8 +120,7 @@ def _write_corrections(histories: Sequence[History], path: str, since_ns: int | 
     """Write the corrections of the heading, and say how many runs give none."""
     corrections, left_out = list_corrections(
         point.row for history in histories for point in history.list_since(since_ns))
-    with name_file(path):
-        write_corrections(corrections, path)
+    write_corrections(corrections, path)
     why = ', '.join(f'{n} {reason}' for reason, n in left_out.items())
     tell(f'--correction {path}: {count_words(len(corrections), "run")}'
          + (f'; no correction from {count_words(sum(left_out.values()), "run")}: {why}' if why

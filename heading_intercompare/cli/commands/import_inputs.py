@@ -124,7 +124,7 @@ def run(arguments: argparse.Namespace) -> int:
     streams = [_of_headings(sensors[name], headings) for name, headings in fitting.items()]
     streams += _of_motion(contents.motion, motion_topics(settings.motion))
     messages = _single_messages(contents, sensors)
-    with BagWriter(arguments.output) as bag:
+    with BagWriter(arguments.output, whole=True) as bag:
         bag.metadata(RECORD, describe_origin(settings.to_mapping(), contents.origins))
         notes = Notes(bag.metadata)
         for note in contents.notes:

@@ -232,7 +232,6 @@ def _plot(arguments: argparse.Namespace, reader: Readable) -> None:
     """Write the picture of what was read, if it is asked for."""
     if arguments.plot is None:
         return
-    from heading_intercompare.app.outputs import name_file
     from heading_intercompare.app.read_streams import read_streams
     from heading_intercompare.report import write_readings
     names = _choose_streams(arguments, reader)
@@ -240,9 +239,7 @@ def _plot(arguments: argparse.Namespace, reader: Readable) -> None:
         raise ValueError(f'--plot {arguments.plot}: {arguments.bag} has no headings that are '
                          'known as such; name a topic or a field with --ts and --rs')
     read = read_streams(reader, names)
-    with name_file(arguments.plot):
-        write_readings(arguments.plot, read.streams, read.pairs, read.not_taken,
-                       read.silence_steps)
+    write_readings(arguments.plot, read.streams, read.pairs, read.not_taken, read.silence_steps)
     say_lines([f'written: {arguments.plot}'])
 
 

@@ -19,14 +19,13 @@ from __future__ import annotations
 import argparse
 import json
 import math
-from pathlib import Path
 import sys
 from typing import Any, Iterator
 
 from heading_intercompare.app.config import load_config, settings_for
 from heading_intercompare.app.observations.observed_sensor import observe, Observed, Uncertainties
 from heading_intercompare.app.observations.targets import parse_position, Target
-from heading_intercompare.app.outputs import check_outputs, name_file, Outputs
+from heading_intercompare.app.outputs import check_outputs, Outputs
 from heading_intercompare.cli.terminal.console import say, tell, VERDICT_MARKS
 from heading_intercompare.core.declared_settings import settings_sha256
 from heading_intercompare.core.observations.wording import explain_outcome, explain_scatter
@@ -34,6 +33,7 @@ from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.typed_reader import make_plain
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import Software
+from heading_intercompare.replaced_file import replace_file
 
 from .analyze import add_settings_arguments, code_of
 from .log_options import add_log_arguments, drivers_for
@@ -117,8 +117,7 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         say('\n'.join(_list(observed)), VERDICT_MARKS)
         if arguments.json:
-            with name_file(arguments.json):
-                Path(arguments.json).write_text(_render(observed, settings), 'utf-8')
+            replace_file(arguments.json, _render(observed, settings))
     for name in observed.table.ignored:
         tell(f'{arguments.table}: column {name} is not read')
     return code_of(observed.error.outcome, 'holds') if arguments.check else 0

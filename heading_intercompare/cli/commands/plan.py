@@ -20,14 +20,13 @@ import argparse
 from dataclasses import asdict
 import json
 import math
-from pathlib import Path
 import sys
 from typing import Any, Iterator, TypeAlias
 
 import numpy as np
 
 from heading_intercompare.app.config import load_config, settings_for
-from heading_intercompare.app.outputs import check_outputs, name_file, Outputs
+from heading_intercompare.app.outputs import check_outputs, Outputs
 from heading_intercompare.app.scenarios import read_scenario
 from heading_intercompare.app.simulation.scenario_plan import (
     lengthen,
@@ -46,6 +45,7 @@ from heading_intercompare.core.decision.trial_plan import (
     TrialPlan,
 )
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.replaced_file import replace_file
 from heading_intercompare.report import check_picture, write_chances, write_trial_page
 from heading_intercompare.report.figures.chances import draw_chances, list_lines
 from heading_intercompare.report.figures.drawing import Drawing
@@ -98,14 +98,11 @@ def run(arguments: argparse.Namespace) -> int:
     else:
         say(text, _MARKS)
     if arguments.json not in (None, '-'):
-        with name_file(arguments.json):
-            Path(arguments.json).write_text(written, 'utf-8')
+        replace_file(arguments.json, written)
     if arguments.plot:
-        with name_file(arguments.plot):
-            write_chances(arguments.plot, figure)
+        write_chances(arguments.plot, figure)
     if arguments.page:
-        with name_file(arguments.page):
-            write_trial_page(arguments.page, title, text.splitlines(), chances=figure)
+        write_trial_page(arguments.page, title, text.splitlines(), chances=figure)
     return 0
 
 

@@ -23,7 +23,7 @@ import sys
 from typing import Sequence
 
 from heading_intercompare.app.config import load_config
-from heading_intercompare.app.outputs import check_outputs, name_file, Outputs
+from heading_intercompare.app.outputs import check_outputs, Outputs
 from heading_intercompare.app.rejudge import (
     CHANGED,
     rejudge,
@@ -37,6 +37,7 @@ from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.typed_reader import make_plain
 from heading_intercompare.core.verdict.verdict_document import Software
 from heading_intercompare.core.version import RULE_VERSION
+from heading_intercompare.replaced_file import replace_file
 
 from .analyze import add_settings_arguments
 
@@ -78,9 +79,7 @@ def run(arguments: argparse.Namespace) -> int:
         say_lines([f'of {len(rejudged)}: ' + ', '.join(
             f'{counts[status]} {words}' for status, words in _WORDS.items())])
         if arguments.json:
-            with name_file(arguments.json), open(
-                    arguments.json, 'w', encoding='utf-8', errors='backslashreplace') as file:
-                file.write(_render(rejudged))
+            replace_file(arguments.json, _render(rejudged), 'backslashreplace')
     if not arguments.check:
         return 0
     return (_CHANGED_CODE if counts[CHANGED] else

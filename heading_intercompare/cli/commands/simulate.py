@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import argparse
 from collections import Counter
+from contextlib import ExitStack
 from dataclasses import replace
 import os
 import time
@@ -31,7 +32,6 @@ from heading_intercompare.ahrs.sensors import Readings
 from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.simulator import SimulatedChunk, Simulation
 from heading_intercompare.app.config import load_config, settings_for
-from heading_intercompare.app.outputs import name_file
 from heading_intercompare.app.scenarios import read_scenario, ScenarioFile
 from heading_intercompare.app.simulation.seeds import repeat_trial
 from heading_intercompare.app.simulation.trial_traces import TrialTraces
@@ -194,8 +194,7 @@ def _repeat(arguments: argparse.Namespace, source: ScenarioFile, settings: Setti
 def _write_page(path: str, source: ScenarioFile, lines: Sequence[str], traces: Sequence[Trace],
                 table: Mapping[str, Sequence[float] | Reals] | None = None) -> None:
     """Write the page of the trial."""
-    with name_file(path):
-        write_trial_page(path, source.scenario.title or source.name, lines, traces, table)
+    write_trial_page(path, source.scenario.title or source.name, lines, traces, table)
     say_lines([f'page: {path}'])
 
 
@@ -213,17 +212,20 @@ def _choose_track(source: ScenarioFile, arguments: argparse.Namespace) -> Scenar
 def _begin(path: str, source: ScenarioFile, topics: dict[str, str],
            settings: dict[str, object], notes: str, track: Mapping[str, object]) -> BagWriter:
     """Return a bag with its topics, and with everything needed to repeat the trial."""
-    bag = BagWriter(path)
-    for what, topic in topics.items():
-        bag.add_topic(topic, PUBLISHED_TYPES.get(what, IMU))
-    bag.add_topic(DIAGNOSTICS, STATUS_TYPE, Qos(depth=10))
-    bag.metadata(RECORD, describe_origin(settings))
-    Notes(bag.metadata).add(notes, time.time_ns())
-    bag.metadata('scenario', {
-        'file': source.name, **source.scenario.to_mapping()})
-    if track:
-        bag.metadata('track', track)
-    bag.attachment(source.name, 'application/yaml', source.data)
+    bag = BagWriter(path, whole=True)
+    with ExitStack() as undo:
+        undo.callback(bag.abandon)
+        for what, topic in topics.items():
+            bag.add_topic(topic, PUBLISHED_TYPES.get(what, IMU))
+        bag.add_topic(DIAGNOSTICS, STATUS_TYPE, Qos(depth=10))
+        bag.metadata(RECORD, describe_origin(settings))
+        Notes(bag.metadata).add(notes, time.time_ns())
+        bag.metadata('scenario', {
+            'file': source.name, **source.scenario.to_mapping()})
+        if track:
+            bag.metadata('track', track)
+        bag.attachment(source.name, 'application/yaml', source.data)
+        undo.pop_all()
     return bag
 
 

@@ -21,10 +21,10 @@ from pathlib import Path
 import time
 from typing import Mapping
 
-from heading_intercompare.bags.recording.disk_sync import replace_file
 from heading_intercompare.core.alarms.graph_watch import NOT_WRITTEN
 from heading_intercompare.messages.status_messages import ERROR, OK
 from heading_intercompare.nodes.presence.health import Health
+from heading_intercompare.replaced_file import replace_file
 
 
 def write_report(folder: str | None, kind: str, newest_ns: int | None, texts: Mapping[str, str],

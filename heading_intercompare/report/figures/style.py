@@ -30,6 +30,8 @@ from matplotlib.backends.backend_svg import FigureCanvasSVG
 import matplotlib.dates
 from matplotlib.figure import Figure
 
+from heading_intercompare.replaced_file import ReplacedFile
+
 from .drawing import Drawing
 
 #: Colours of single charts; they also differ in lightness.
@@ -130,7 +132,8 @@ def save(drawings: Sequence[Drawing], path: str | Path) -> None:
     with _our_look():
         figure = _lay_out(*drawings)
         FigureCanvasAgg(figure)
-        figure.savefig(path, dpi=150.0)
+        with ReplacedFile(path) as file:
+            figure.savefig(file, format=Path(path).suffix[1:].lower(), dpi=150.0)
 
 
 def to_figure(drawing: Drawing) -> Figure:

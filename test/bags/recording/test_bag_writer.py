@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 import errno
-from io import FileIO, TextIOWrapper
+from io import FileIO
 import shutil
 
 from mcap.reader import make_reader
@@ -26,9 +26,10 @@ from mcap.stream_reader import StreamReader
 import numpy as np
 import pytest
 
+from heading_intercompare import replaced_file
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.chunk_writer import ChunkWriter, Rows
-from heading_intercompare.bags.recording import bag_writer, disk_sync
+from heading_intercompare.bags.recording import bag_writer
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
@@ -273,14 +274,14 @@ class FullFile(FileIO):
 
 
 @pytest.mark.parametrize('room, file', [(0, 'bag_0.mcap'), (100, 'bag_0.mcap'),
-                                        (10**6, 'metadata.yaml.part')])
+                                        (10**6, 'metadata.yaml')])
 def test_a_bag_that_cannot_be_begun_names_the_file_and_leaves_nothing(
         tmp_path, monkeypatch, room, file):
     with monkeypatch.context() as patch:
         patch.setattr(bag_writer, 'open', lambda path, mode, **_: FullFile(path, mode, room),
                       raising=False)
-        patch.setattr(disk_sync, 'open', lambda path, mode, **_: TextIOWrapper(
-            FullFile(path, mode, 0)), raising=False)
+        patch.setattr(replaced_file, 'open', lambda path, mode, **_: FullFile(path, mode, 0),
+                      raising=False)
         with pytest.raises(OSError) as caught:
             BagWriter(tmp_path / 'bag')
     assert caught.value.filename == str(tmp_path / 'bag' / file)

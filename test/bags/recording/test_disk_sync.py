@@ -21,8 +21,9 @@ import os
 import pytest
 
 from heading_intercompare.bags.recording.bag_writer import BagWriter
-from heading_intercompare.bags.recording.disk_sync import replace_file, Syncing
+from heading_intercompare.bags.recording.disk_sync import Syncing
 from heading_intercompare.bags.settings import BagSettings
+from heading_intercompare.replaced_file import replace_file
 
 
 @pytest.fixture
