@@ -15,9 +15,9 @@
 """
 A control chart of run figures with a stated rate of false alarms, and since when they differ.
 
-The chart learns from a baseline, the first k runs, and watches the runs after it. Its limits are
-prediction limits: they allow for the baseline being short, for the uncertainty of each figure,
-and for a correlation from run to run.
+The chart learns from a baseline, the first k runs, and then from each run that it has judged,
+until a change is noticed. Its limits are prediction limits: they allow for the baseline being
+short, for the uncertainty of each figure, and for a correlation from run to run.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 import math
+from typing import Any, Callable
 
 import numpy as np
 
@@ -41,8 +42,12 @@ _MOST = 3.0
 #: The sums look for a shift of twice this many standard deviations.
 _SLACK = 0.5
 _MOST_CORRELATION = 0.8
-#: Simulated charts; fewer of long ones, so that no design takes more than a second.
-_PATHS, _LEAST_PATHS, _MOST_VALUES = 4000, 500, 4_000_000
+#: A chart learns of standardized values up to this, and the mean square of such normal values.
+_MOST_LEARNED, _MEAN_SQUARE = 2.0, 0.920540
+#: Limits are found at this many runs that are spread over those watched.
+_RUNS_OF_LIMITS = 12
+#: Simulated charts: so many that some ten of them have a sum above the threshold.
+_LEAST_PATHS, _MOST_PATHS, _ABOVE = 4000, 40_000, 10
 _SEED = 20161019
 
 
@@ -53,15 +58,42 @@ class Design:
 
     Attributes
     ----------
-    factor
-        K: the limits are center ± K sigma.
+    step
+        Runs from one factor to the next; the first one is that of the first run watched.
+    factors
+        K: the limits are center ± K sigma. It falls as the chart learns.
     threshold
         H: a sum above it means a lasting change.
 
     """
 
-    factor: float
+    step: int
+    factors: tuple[float, ...]
     threshold: float
+
+    def factors_of(self, n: int, baseline: int) -> Reals:
+        """Return K of n runs, the baseline among them."""
+        at = baseline + self.step * np.arange(len(self.factors))
+        return np.interp(np.arange(n), at, self.factors)
+
+
+@dataclass(frozen=True, slots=True)
+class Change:
+    """
+    A lasting change.
+
+    Attributes
+    ----------
+    since, noticed
+        Indices of its first run, and of the run that showed it.
+    until
+        Index of its last run; None if it has not ended.
+
+    """
+
+    since: int
+    noticed: int
+    until: int | None
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -81,10 +113,8 @@ class Chart:
         Limits of each run.
     outside : ndarray of bool, shape (n,)
         Runs after the baseline outside their limits.
-    since
-        Index of the first run of a lasting change; None if there is none.
-    noticed
-        Index of the run that showed it.
+    changes
+        Lasting changes, in the order in which they were noticed.
     baseline
         Number of runs k of the baseline.
 
@@ -96,16 +126,21 @@ class Chart:
     low: Reals
     high: Reals
     outside: np.ndarray
-    since: int | None
-    noticed: int | None
+    changes: tuple[Change, ...]
     baseline: int
+
+    @property
+    def lasting(self) -> Change | None:
+        """Return the change that has not ended, the earliest of two; None if there is none."""
+        return min((change for change in self.changes if change.until is None),
+                   key=lambda change: change.since, default=None)
 
 
 def _estimate(x: Reals) -> tuple[Reals, Reals]:
-    """Return center and standard deviation of the rows of an array, by medians."""
-    center = np.median(x, axis=-1)
-    mad = np.median(np.abs(x - center[..., None]), axis=-1)
-    k = x.shape[-1]
+    """Return center and standard deviation of the columns of an array, by medians."""
+    center = np.median(x, axis=0)
+    mad = np.median(np.abs(x - center), axis=0)
+    k = len(x)
     # In short samples the median deviation falls short by this much.
     return center, _SIGMA_OF_MAD * mad * k / (k - 0.8)
 
@@ -134,20 +169,55 @@ def estimate_correlation(z: Reals) -> float:
     return min(max(r + bias + error, 0.0), _MOST_CORRELATION)
 
 
-def _accumulate(z: Reals) -> tuple[Reals, Reals]:
+def _learn(center: Any, variance: Any, z: Any, sigma: Any, n: int) -> tuple[Any, Any]:
     """
-    Return the upper and lower sums of values along the last axis.
+    Return center and variance after a run, the n-th one.
 
-    S+_i = max(0, S+_(i-1) + z_i - 1/2), S-_i = max(0, S-_(i-1) - z_i - 1/2), from 0.
+    c + sigma y / n and v (1 + (y² / 0.9205 - 1) / n) with y = z, but within ± 2: running means,
+    and a wild run counts little.
     """
-    z = np.clip(z, -_MOST, _MOST)
-    sums = np.zeros((2, *z.shape))
-    up = down = np.zeros(z.shape[:-1])
-    for i in range(z.shape[-1]):
-        up = np.maximum(0.0, up + z[..., i] - _SLACK)
-        down = np.maximum(0.0, down - z[..., i] - _SLACK)
-        sums[0, ..., i], sums[1, ..., i] = up, down
-    return sums[0], sums[1]
+    y = np.clip(z, -_MOST_LEARNED, _MOST_LEARNED)
+    return (center + sigma * y / n,
+            variance * (1.0 + (y * y / _MEAN_SQUARE - 1.0) / n))
+
+
+class _Sum:
+    """
+    The sum that looks for a change upwards.
+
+    S_i = max(0, S_(i-1) + z_i - 1/2), from 0, and at most the threshold H. A change is noticed
+    when S would exceed H, began with the run after the last zero, and ended with the last run at
+    which S would exceed H before the next zero. The bound of S lets it come back to zero after a
+    false alarm, so that it hides no true change.
+    """
+
+    def __init__(self, threshold: float, begin: int) -> None:
+        self._threshold = threshold
+        self._total, self._since = 0.0, begin
+        self._above: list[int] = []
+        self.changes: list[Change] = []
+
+    @property
+    def open_change(self) -> Change | None:
+        """Return the change that has not ended."""
+        return Change(self._since, self._above[0], None) if self._above else None
+
+    def add(self, at: int, z: float) -> None:
+        """Take the standardized value of a run."""
+        self._total = max(0.0, self._total + min(max(z, -_MOST), _MOST) - _SLACK)
+        if self._total > self._threshold:
+            self._above.append(at)
+            self._total = self._threshold
+        if self._total == 0.0:
+            if self._above:
+                self.changes.append(Change(self._since, self._above[0], self._above[-1]))
+            self._since, self._above = at + 1, []
+
+
+def _round_to_two_digits(n: int, towards: Callable[[float], int]) -> int:
+    """Return a number of runs with two digits that count, so that a design serves many charts."""
+    unit: int = 10 ** max(0, len(str(n)) - 2)
+    return towards(n / unit) * unit
 
 
 @lru_cache(maxsize=64)
@@ -173,10 +243,10 @@ def design_chart(baseline: int, ahead: int, correlation: float, runs_between: fl
     Notes
     -----
     The figures are simulated: normal, stationary, x_i = rho x_(i-1) + sqrt(1 - rho²) e_i. Each
-    simulated chart estimates its center c and sigma s from its own k values, as `make_chart` does.
+    simulated chart estimates its center c and sigma s from its own values, as `make_chart` does.
 
-    * K solves E[Phi(c - K s) + 1 - Phi(c + K s)] = 1 / N over the simulated baselines: the chance
-      that a new run of an unchanged sensor is outside.
+    * K of a run solves E[Phi(c - K s) + 1 - Phi(c + K s)] = 1 / N over the simulated charts: the
+      chance that a run of an unchanged sensor is outside. It is found at some 12 of the runs.
     * H is the quantile of the largest sum of the n values watched at the probability
       (1 - 1/N)^n. So a chart of n runs shows a lasting change that is none with the probability
       1 - (1 - 1/N)^n, like n runs at the rate of one in N.
@@ -188,23 +258,42 @@ def design_chart(baseline: int, ahead: int, correlation: float, runs_between: fl
     Page 1954 for the sums; the prediction interval for a single future value.
 
     """
-    paths = min(_PATHS, max(_LEAST_PATHS, _MOST_VALUES // (baseline + ahead)))
+    chance = 1.0 - (1.0 - 1.0 / runs_between) ** ahead
+    paths = min(_MOST_PATHS, max(_LEAST_PATHS, int(_ABOVE / chance)))
     rng = np.random.default_rng(_SEED)
-    x = rng.standard_normal((baseline + ahead, paths))
-    for i in range(1, len(x)):
-        x[i] = correlation * x[i - 1] + math.sqrt(1.0 - correlation ** 2) * x[i]
-    x = x.T
-    center, sigma = _estimate(x[:, :baseline])
+    innovation = math.sqrt(1.0 - correlation ** 2)
+    x = rng.standard_normal((baseline, paths))
+    for i in range(1, baseline):
+        x[i] = correlation * x[i - 1] + innovation * x[i]
+    center, sigma = _estimate(x)
+    newest, variance = x[-1], sigma ** 2
+    up = down = largest = np.zeros(paths)
+    step = max(1, ahead // _RUNS_OF_LIMITS)
+    factors = []
+    for i in range(ahead):
+        if i % step == 0:
+            factors.append(_find_factor(center[:_LEAST_PATHS], sigma[:_LEAST_PATHS],
+                                        1.0 / runs_between))
+        newest = correlation * newest + innovation * rng.standard_normal(paths)
+        standardized = (newest - center) / sigma
+        z = np.clip(standardized, -_MOST, _MOST)
+        up = np.maximum(0.0, up + z - _SLACK)
+        down = np.maximum(0.0, down - z - _SLACK)
+        largest = np.maximum(largest, np.maximum(up, down))
+        center, variance = _learn(center, variance, standardized, sigma, baseline + i + 1)
+        sigma = np.sqrt(variance)
+    return Design(step, tuple(factors), float(np.quantile(largest, 1.0 - chance)))
+
+
+def _find_factor(center: Reals, sigma: Reals, share: float) -> float:
+    """Return K with that share of standard normal values outside center ± K sigma."""
     phi = scipy.special.ndtr
 
     def excess(factor: float) -> float:
         width = factor * sigma
-        return float(np.mean(phi(center - width) + phi(-center - width))) - 1.0 / runs_between
+        return float(np.mean(phi(center - width) + phi(-center - width))) - share
 
-    factor = float(scipy.optimize.brentq(excess, 0.0, 1000.0))
-    sums = _accumulate((x[:, baseline:] - center[:, None]) / sigma[:, None])
-    largest = np.maximum(*sums).max(axis=1)
-    return Design(factor, float(np.quantile(largest, (1.0 - 1.0 / runs_between) ** ahead)))
+    return float(scipy.optimize.brentq(excess, 0.0, 1000.0))
 
 
 def make_chart(x: Reals, u: Reals, *, baseline: int = 20, runs_between: float = 370.0) -> Chart:
@@ -227,13 +316,15 @@ def make_chart(x: Reals, u: Reals, *, baseline: int = 20, runs_between: float = 
 
     Notes
     -----
-    With c the median and s the standard deviation by the median deviation of the baseline:
-    between² = max(0, s² - median u²), sigma_i² = between² + u_i², limits c ± K sigma_i. A run
-    that is known less well has wider limits. Where the uncertainties make up much of the scatter,
-    there are fewer false alarms than stated.
+    In the baseline c is the median, and s the standard deviation by the median deviation. With
+    w² the median of u² there, between² = max(0, s² - w²), sigma_i² = between² + u_i², limits
+    c ± K sigma_i. A run that is known less well has wider limits. Where the uncertainties make up
+    much of the scatter, there are fewer false alarms than stated.
 
-    The sums add z_i = (x_i - c) / sigma_i after the baseline. A lasting change began with the run
-    after the last zero of the sum that exceeds H.
+    After the baseline c and s² are running means, see `_learn`, so that a short baseline costs no
+    power later. While a change lasts they stay as they were before it.
+
+    The sums, one upwards and one downwards, add z_i = (x_i - c) / sigma_i after the baseline.
 
     """
     if baseline < LEAST_BASELINE:
@@ -241,27 +332,40 @@ def make_chart(x: Reals, u: Reals, *, baseline: int = 20, runs_between: float = 
     ahead = len(x) - baseline
     if ahead < 1:
         raise ValueError(f'{len(x)} runs: a chart needs more than its baseline of {baseline}')
-    learned = x[:baseline]
-    center, scale = (float(v) for v in _estimate(learned))
+    center, scale = (float(v) for v in _estimate(x[:baseline]))
     own2 = float(np.median(u[:baseline] ** 2))
-    between2 = max(0.0, scale ** 2 - own2)
-    sigma = np.sqrt(between2 + u ** 2)
-    # Equal figures without an uncertainty leave no scale: any other figure differs.
-    sigma = np.maximum(sigma, np.finfo(float).tiny)
-    z = (x - center) / sigma
-    correlation = estimate_correlation(z[:baseline])
-    # Round up, so that one design serves many charts.
-    design = design_chart(baseline, ahead, math.ceil(20.0 * correlation) / 20.0, runs_between)
-    width = design.factor * sigma
-    outside = np.abs(x - center) > width
+    variance = scale ** 2
+
+    def sigma_of(variance: float, u: Reals) -> Reals:
+        # Equal figures without an uncertainty leave no scale: any other figure differs.
+        return np.maximum(np.sqrt(max(0.0, variance - own2) + u ** 2), np.finfo(float).tiny)
+
+    sigma = sigma_of(variance, u)
+    correlation = estimate_correlation((x[:baseline] - center) / sigma[:baseline])
+    # Rounded to the safe side, so that one design serves many charts.
+    design = design_chart(
+        _round_to_two_digits(baseline, math.floor), _round_to_two_digits(ahead, math.ceil),
+        math.ceil(20.0 * correlation) / 20.0, runs_between)
+    centers = np.full(len(x), center)
+    variances = np.full(len(x), variance)
+    sums = (_Sum(design.threshold, baseline), _Sum(design.threshold, baseline))
+    for at in range(baseline, len(x)):
+        centers[at], variances[at] = center, variance
+        sigma[at] = sigma_of(variance, u[at])
+        z = float((x[at] - center) / sigma[at])
+        sums[0].add(at, z)
+        sums[1].add(at, -z)
+        since = min((c.since for s in sums if (c := s.open_change)), default=None)
+        if since is None:
+            center, variance = _learn(center, variance, z, sigma[at], at + 1)
+        else:
+            center, variance = centers[since], variances[since]
+    width = design.factors_of(len(x), baseline) * sigma
+    outside = np.abs(x - centers) > width
     outside[:baseline] = False
-    since = noticed = None
-    for sums in _accumulate(z[baseline:]):
-        above = np.flatnonzero(sums > design.threshold)
-        if above.size and (noticed is None or baseline + above[0] < noticed):
-            noticed = baseline + int(above[0])
-            zeros = np.flatnonzero(sums[:above[0]] == 0.0)
-            since = baseline + (int(zeros[-1]) + 1 if zeros.size else 0)
-    return Chart(center=center, between=math.sqrt(between2), correlation=correlation,
-                 low=center - width, high=center + width, outside=outside, since=since,
-                 noticed=noticed, baseline=baseline)
+    changes = [*sums[0].changes, *sums[1].changes, *(c for s in sums if (c := s.open_change))]
+    return Chart(center=float(np.median(x[:baseline])),
+                 between=math.sqrt(max(0.0, scale ** 2 - own2)), correlation=correlation,
+                 low=centers - width, high=centers + width, outside=outside,
+                 changes=tuple(sorted(changes, key=lambda change: change.noticed)),
+                 baseline=baseline)

@@ -18,16 +18,31 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import math
-from typing import Iterable, Sequence
+from typing import Callable, Iterable, Sequence
 
 import numpy as np
 
 from heading_intercompare.core.count_words import count_words
+from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.records import Reals
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.validity.condition import VOID
 
 from .control_chart import Chart, make_chart
 from .run_row import RunKey, RunRow
+
+#: Chance of a false lasting change in any of the charts that are listed together.
+FALSE_ALARM = 0.05
+#: At least this many runs between false alarms of a chart.
+LEAST_RUNS_BETWEEN = 370.0
+
+
+@dataclass(frozen=True, slots=True)
+class EndedChange:
+    """A change that has ended: the starts of its first and last run."""
+
+    since_ns: int
+    until_ns: int
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,7 +64,12 @@ class Trend:
     outside
         Number of runs outside their limits.
     differs_since_ns, noticed_ns
-        Start of the first run of a lasting change, and of the run that showed it.
+        Start of the first run of a lasting change, and of the run that showed it; None if there is
+        none, or if it has ended.
+    shift_deg
+        Median of the runs since then, minus the center before, degrees.
+    ended
+        Changes that have ended.
     false_alarm_probability
         Probability that an unchanged sensor shows a lasting change by now.
 
@@ -64,6 +84,8 @@ class Trend:
     outside: int
     differs_since_ns: int | None
     noticed_ns: int | None
+    shift_deg: float | None
+    ended: tuple[EndedChange, ...]
     false_alarm_probability: float
 
     @property
@@ -75,11 +97,18 @@ class Trend:
             more = f', {self.outside} of {self.watched} runs are outside' \
                 if self.outside > 1 else ''
             sentence += f'; it left its limits at {utc(self.first_outside_ns)[:16]} UTC{more}'
+        if self.ended:
+            newest = self.ended[-1]
+            more = f', the newest of {count_words(len(self.ended), "change")} that ended' \
+                if len(self.ended) > 1 else ''
+            sentence += (f'; it differed from {utc(newest.since_ns)[:16]} to '
+                         f'{utc(newest.until_ns)[:16]} UTC{more}')
         if self.differs_since_ns is not None:
-            sentence += (f'; it differs since {utc(self.differs_since_ns)[:16]} UTC, as the run '
+            sentence += (f'; it differs since {utc(self.differs_since_ns)[:16]} UTC by '
+                         f'{self.shift_deg:+.4f} deg, as the run '
                          f'of {utc(self.noticed_ns)[:16]} UTC showed (chance of a false alarm by '
                          f'now {100.0 * self.false_alarm_probability:.2g} %)')
-        elif self.first_outside_ns is None:
+        elif self.first_outside_ns is None and not self.ended:
             sentence += ' and has stayed within its limits'
         return sentence
 
@@ -119,6 +148,8 @@ class History:
         Of the mean and of the standard deviation; empty without charts.
     baseline
         Number of runs of the baseline.
+    runs_between
+        False alarms of a chart: one in this number of runs.
     why_no_chart
         Why there are no charts.
 
@@ -129,11 +160,22 @@ class History:
     points: tuple[Point, ...]
     trends: tuple[Trend, ...]
     baseline: int
+    runs_between: float
     why_no_chart: str | None
 
     def list_since(self, since_ns: int | None) -> list[Point]:
         """Return the points of runs that ended at this stamp or later; None: all of them."""
         return [p for p in self.points if since_ns is None or p.row.end_ns >= since_ns]
+
+    @property
+    def concern(self) -> int:
+        """How urgent it is: 0 for a sensor that differs now, 3 for one without a fault."""
+        newest = self.points[-1]
+        if self.differs:
+            return 0
+        if newest.row.outcome == Outcome.NON_COMPLIANT.value:
+            return 1
+        return 2 if newest.outside or self.why_no_chart is not None else 3
 
     @property
     def differs(self) -> bool:
@@ -142,9 +184,9 @@ class History:
 
 
 def tell_histories(rows: Iterable[RunRow], *, baseline: int = 20,
-                   runs_between: float = 370.0) -> list[History]:
+                   runs_between: float | None = None) -> list[History]:
     """
-    Return the history of each ship and its settings, those that end last at the end.
+    Return the history of each ship and its settings, the worst first.
 
     Parameters
     ----------
@@ -153,10 +195,17 @@ def tell_histories(rows: Iterable[RunRow], *, baseline: int = 20,
     baseline
         Number of runs to learn from.
     runs_between
-        False alarms: one in this number of runs.
+        False alarms: one in this number of runs of a chart; by default one in 370, or fewer, so
+        that the chance of a false lasting change in any of the charts is at most 5 %.
 
     Notes
     -----
+    With n runs watched in all charts together, one in N with (1 - 1/N)^n = 0.95. So the length in
+    control grows with the number of ships and of their runs.
+
+    The worst first: those that differ now, then those whose newest run is non-compliant, outside
+    its limits or not charted, then the others; within these those that end last.
+
     Void runs say nothing about the sensor, so the charts leave them out. The chart of the standard
     deviation is one of its logarithm, whose standard uncertainty is 1 / sqrt(2 nu). Other settings
     may give other figures for the same readings, so they make a history of their own.
@@ -165,11 +214,21 @@ def tell_histories(rows: Iterable[RunRow], *, baseline: int = 20,
     groups: dict[tuple[str, str], dict[RunKey, RunRow]] = {}
     for row in rows:
         groups.setdefault((row.ship, row.settings_sha256), {})[row.key] = row
-    histories = [_tell(ship, settings,
-                       sorted(group.values(), key=lambda r: (r.start_ns, r.end_ns)),
-                       baseline, runs_between)
-                 for (ship, settings), group in groups.items()]
-    return sorted(histories, key=lambda history: (history.points[-1].row.end_ns, history.ship))
+    in_order = {key: sorted(group.values(), key=lambda r: (r.start_ns, r.end_ns))
+                for key, group in groups.items()}
+    if runs_between is None:
+        watched = sum(2 * max(0, sum(map(is_charted, group)) - baseline)
+                      for group in in_order.values())
+        runs_between = max(LEAST_RUNS_BETWEEN, _find_runs_between(watched))
+    histories = [_tell(ship, settings, group, baseline, runs_between)
+                 for (ship, settings), group in in_order.items()]
+    return sorted(histories, key=lambda history: (
+        history.concern, -history.points[-1].row.end_ns, history.ship))
+
+
+def _find_runs_between(watched: int) -> float:
+    """Return N with (1 - 1/N)^n = 0.95."""
+    return -1.0 / math.expm1(math.log1p(-FALSE_ALARM) / watched) if watched else 0.0
 
 
 def is_charted(row: RunRow) -> bool:
@@ -185,7 +244,8 @@ def _tell(ship: str, settings: str, rows: Sequence[RunRow], baseline: int,
     if ahead < 1:
         why = f'{count_words(len(charted), "run")} with figures; charts need more than the ' \
             f'{baseline} of the baseline'
-        return History(ship, settings, tuple(Point(row) for row in rows), (), baseline, why)
+        return History(ship, settings, tuple(Point(row) for row in rows), (), baseline,
+                       runs_between, why)
     chance = 1.0 - (1.0 - 1.0 / runs_between) ** ahead
     column = {name: np.array([getattr(row, name) for row in charted], float)
               for name in ('mean_deg', 'mean_u_deg', 'sd_deg', 'nu')}
@@ -198,20 +258,28 @@ def _tell(ship: str, settings: str, rows: Sequence[RunRow], baseline: int,
         math.exp(min(sd.high[at], 700.0)),
         tuple(name for name, chart in (('mean', mean), ('sd', sd)) if chart.outside[at]))
         for at, row in enumerate(charted)}
-    trends = (_describe('mean', mean, mean.center, charted, chance),
-              _describe('sd', sd, math.exp(sd.center), charted, chance))
+    trends = (_describe('mean', mean, column['mean_deg'], charted, chance, float),
+              _describe('sd', sd, np.log(column['sd_deg']), charted, chance, math.exp))
     return History(ship, settings, tuple(limits.get(row.key, Point(row)) for row in rows), trends,
-                   baseline, None)
+                   baseline, runs_between, None)
 
 
-def _describe(figure: str, chart: Chart, center_deg: float, rows: Sequence[RunRow],
-              chance: float) -> Trend:
+def _describe(figure: str, chart: Chart, x: Reals, rows: Sequence[RunRow], chance: float,
+              to_deg: Callable[[float], float]) -> Trend:
     out = np.flatnonzero(chart.outside).tolist()
+    lasting = chart.lasting
+    shift_deg = None
+    if lasting is not None:
+        before = (chart.low[lasting.since] + chart.high[lasting.since]) / 2.0
+        shift_deg = to_deg(float(np.median(x[lasting.since:]))) - to_deg(float(before))
     return Trend(
-        figure=figure, center_deg=center_deg, correlation=chart.correlation,
+        figure=figure, center_deg=to_deg(chart.center), correlation=chart.correlation,
         watched=len(rows) - chart.baseline,
         first_outside_ns=rows[out[0]].start_ns if out else None,
         newest_outside_ns=rows[out[-1]].start_ns if out else None, outside=len(out),
-        differs_since_ns=None if chart.since is None else rows[chart.since].start_ns,
-        noticed_ns=None if chart.noticed is None else rows[chart.noticed].start_ns,
+        differs_since_ns=None if lasting is None else rows[lasting.since].start_ns,
+        noticed_ns=None if lasting is None else rows[lasting.noticed].start_ns,
+        shift_deg=shift_deg,
+        ended=tuple(EndedChange(rows[change.since].start_ns, rows[change.until].start_ns)
+                    for change in chart.changes if change.until is not None),
         false_alarm_probability=chance)

@@ -23,6 +23,7 @@ import numpy as np
 import pytest
 
 from heading_intercompare.logbook.control_chart import (
+    Change,
     design_chart,
     estimate_correlation,
     LEAST_BASELINE,
@@ -51,23 +52,72 @@ def test_center_and_scale_by_hand():
     chart = make_chart(x, u, baseline=8)
     assert (chart.center, chart.between) == (4.5, pytest.approx(math.sqrt(9.854861)))
     width = (chart.high - chart.low) / 2.0
-    assert width[9] / width[8] == pytest.approx(4.342218 / 3.294672, rel=1e-6)
-    factor = design_chart(8, 2, math.ceil(20 * chart.correlation) / 20, N).factor
-    assert width[8] == pytest.approx(factor * 3.294672, rel=1e-6)
+    first, second = design_chart(8, 2, math.ceil(20 * chart.correlation) / 20, N).factors
+    assert width[8] == pytest.approx(first * 3.294672, rel=1e-6)
+    # The ninth run lies on the center: v = 10.854861 (1 - 1/9), between² = v - 1.
+    assert width[9] == pytest.approx(second * math.sqrt(9.648765 - 1.0 + 9.0), rel=1e-6)
 
 
 def test_the_sums_by_hand():
     """
-    Baseline ±1, s = 1.4826 · 20 / 19.2 = 1.544377, then 0, 0, and 3 for ever.
+    Baseline ±1, s = 1.4826 · 20 / 19.2 = 1.544377, then 0, 0, and 30 for ever, which count as 3.
 
-    z = 3 / 1.544377 = 1.942531; each run adds 1.442531 from the third on, so the sum exceeds H
-    at run ceil(H / 1.442531) of these, and the change began with the first of them.
+    So each run adds 2.5 from the third on, the sum exceeds H at run floor(H / 2.5) + 1 of these,
+    and the change began with the first of them.
     """
-    x = np.array([-1.0, 1.0] * 10 + [0.0, 0.0] + [3.0] * 30)
+    x = np.array([-1.0, 1.0] * 10 + [0.0, 0.0] + [30.0] * 30)
     chart = make_chart(x, np.zeros(len(x)), baseline=20)
     threshold = design_chart(20, 32, math.ceil(20 * chart.correlation) / 20, N).threshold
-    assert chart.since == 22
-    assert chart.noticed == 21 + math.ceil(threshold / (3.0 / 1.544377 - 0.5))
+    assert chart.changes == (Change(22, 22 + math.floor(threshold / 2.5), None),)
+
+
+def test_what_a_chart_learns_by_hand():
+    """
+    Baseline ±1 as before, then 0, 1, 0.
+
+    After 0: c = 0, v = 2.385100 · 20/21 = 2.271524. After 1: z = 1 / sqrt(2.271524) = 0.663496,
+    c = 1/22, v = 2.271524 (1 + (0.663496² / 0.92054 - 1) / 22) = 2.217653.
+    """
+    x = np.array([-1.0, 1.0] * 10 + [0.0, 1.0, 0.0])
+    chart = make_chart(x, np.zeros(len(x)), baseline=20)
+    factors = np.array(design_chart(20, 3, math.ceil(20 * chart.correlation) / 20, N).factors)
+    assert (chart.high + chart.low)[20:] / 2.0 == pytest.approx([0.0, 0.0, 1.0 / 22.0])
+    assert ((chart.high - chart.low)[20:] / 2.0 / factors) ** 2 == pytest.approx(
+        [2.385100, 2.271524, 2.217653], rel=1e-5)
+
+
+def test_limits_and_sums_stay_as_they_were_before_a_change(rng):
+    x = rng.standard_normal(200)
+    x[120:] += 20.0
+    chart = make_chart(x, np.zeros(200))
+    since = chart.lasting.since
+    center = (chart.low + chart.high) / 2.0
+    assert np.all(center[chart.lasting.noticed + 1:] == center[since])
+    assert 117 <= since <= 120 and chart.outside[120:].all()
+
+
+def test_a_false_alarm_does_not_hide_a_later_shift(rng):
+    """Before, the first change was the only one: hourly runs, an alarm on the second day."""
+    x = rng.standard_normal(1000)
+    x[30:36] += 6.0
+    x[500:] += 2.0
+    early, late = make_chart(x, np.zeros(1000)).changes[0], make_chart(x, np.zeros(1000)).lasting
+    assert abs(early.since - 30) <= 3 and 35 <= early.until < 60
+    assert abs(late.since - 500) <= 12 and late.noticed < 530
+
+
+def test_a_sensor_that_was_repaired_does_not_differ(rng):
+    x = rng.standard_normal(300)
+    x[100:150] -= 5.0
+    change, = make_chart(x, np.zeros(300), runs_between=1e5).changes
+    assert abs(change.since - 100) <= 3 and abs(change.until - 149) <= 3
+
+
+@pytest.mark.parametrize('ahead, charts', [(340, 200), (980, 200)])
+def test_a_fleet_of_a_year_finds_a_shift_of_two_sigma_within_a_month(ahead, charts):
+    """A chance of 5 % of a false alarm in 200 charts; before, the threshold was above 250."""
+    runs_between = -1.0 / math.expm1(math.log(0.95) / (charts * ahead))
+    assert design_chart(20, ahead, 0.0, runs_between).threshold < 30 * (2.0 - 0.5)
 
 
 def test_a_correlation_by_hand():
@@ -90,6 +140,7 @@ def test_limits_and_threshold_have_the_stated_rates(baseline, ahead, rho):
     """
     rng, paths = np.random.default_rng(77), 20_000
     design = design_chart(baseline, ahead, rho, N)
+    factors = design.factors_of(baseline + ahead, baseline)
     x = walk(rng, (paths, baseline + ahead), rho)
     learned = np.sort(x[:, :baseline], axis=1)
     half = baseline // 2
@@ -97,9 +148,15 @@ def test_limits_and_threshold_have_the_stated_rates(baseline, ahead, rho):
     deviations = np.sort(np.abs(x[:, :baseline] - center[:, None]), axis=1)
     sigma = (deviations[:, half - 1] + deviations[:, half]) / 2.0 * 1.4826022
     sigma *= baseline / (baseline - 0.8)
-    z = (x[:, baseline:] - center[:, None]) / sigma[:, None]
+    mean, square, z = center.copy(), sigma ** 2, np.zeros((paths, ahead))
+    for n in range(baseline, baseline + ahead):
+        s = square ** 0.5
+        z[:, n - baseline] = (x[:, n] - mean) / s
+        part = np.minimum(2.0, np.maximum(-2.0, z[:, n - baseline]))
+        mean += part * s / (n + 1)
+        square += (part ** 2 / 0.920540 - 1.0) * square / (n + 1)
     # Far enough from the baseline to be independent of it: that is what K states.
-    outside = np.mean(np.abs(z[:, ahead // 2:]) > design.factor, axis=1)
+    outside = np.mean((np.abs(z) > factors[baseline:])[:, ahead // 2:], axis=1)
     error = math.hypot(1.0, math.sqrt(paths / 4000)) * outside.std() / math.sqrt(paths)
     assert abs(outside.mean() - 1.0 / N) < 6.0 * error
     alarms = np.zeros(paths, bool)
@@ -125,7 +182,7 @@ def test_unchanged_sensors_raise_no_more_than_the_stated_alarms(rho, own):
     assert outside.mean() < 1.0 / N + 6.0 * outside.std() / math.sqrt(charts)
     stated = 1.0 - (1.0 - 1.0 / N) ** 60
     error = math.sqrt(stated * (1.0 - stated) * (1.0 / charts + 1.0 / 4000))
-    assert np.mean([chart.since is not None for chart in made]) < stated + 6.0 * error
+    assert np.mean([chart.changes != () for chart in made]) < stated + 6.0 * error
 
 
 def test_a_shift_is_found_and_dated():
@@ -134,7 +191,7 @@ def test_a_shift_is_found_and_dated():
     x = rng.standard_normal((charts, 100))
     x[:, 50:] += 2.0
     made = [make_chart(row, np.zeros(100), baseline=20) for row in x]
-    found = np.array([chart.since for chart in made if chart.since is not None])
+    found = np.array([chart.lasting.since for chart in made if chart.lasting])
     assert len(found) > 0.8 * charts
     assert abs(np.median(found) - 50) <= 2
     assert np.mean(np.abs(found - 50) <= 5) > 0.7
@@ -144,7 +201,7 @@ def test_one_wild_run_is_outside_but_no_lasting_change(rng):
     x = rng.standard_normal(60)
     x[40] = 1000.0
     chart = make_chart(x, np.zeros(60))
-    assert chart.outside[40] and chart.since is None
+    assert chart.outside[40] and chart.changes == ()
 
 
 def test_a_wild_run_in_the_baseline_does_not_hide_a_shift(rng):
@@ -152,7 +209,7 @@ def test_a_wild_run_in_the_baseline_does_not_hide_a_shift(rng):
     x[3], x[11] = 1000.0, -500.0
     x[40:] += 6.0
     chart = make_chart(x, np.zeros(60))
-    assert chart.since == 40 and chart.outside[40:].any()
+    assert chart.lasting.since == 40 and chart.outside[40:].any()
 
 
 @pytest.mark.slow
@@ -163,7 +220,7 @@ def test_shifted_and_scaled_figures_give_the_same_chart(x, shift, scale):
     u = np.full(len(x), 0.5)
     one = make_chart(x, u, baseline=8)
     other = make_chart(scale * x, scale * u, baseline=8)
-    assert (one.since, one.noticed) == (other.since, other.noticed)
+    assert one.changes == other.changes
     assert one.outside.tolist() == other.outside.tolist()
     assert other.low == pytest.approx(scale * one.low)
     moved = make_chart(x + shift, u, baseline=8)

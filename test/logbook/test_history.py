@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 import math
 
 from logbook.made_up_rows import DAY_NS, make_row, T0_NS
@@ -49,9 +50,11 @@ def test_a_mean_that_moves_is_dated(rng):
     mean, sd = history.trends
     assert mean.first_outside_ns == mean.differs_since_ns == T0_NS + 40 * DAY_NS
     assert 'it left its limits at 2024-11-13 00:00 UTC' in mean.words
-    assert 'it differs since 2024-11-13 00:00 UTC, as the run of ' in mean.words
+    assert 'it differs since 2024-11-13 00:00 UTC by +0.1021 deg, as the run of ' in mean.words
     assert sd.differs_since_ns is None and history.differs
-    assert mean.false_alarm_probability == pytest.approx(1.0 - (369.0 / 370.0) ** 40)
+    # 40 runs watched in two charts: together 5 %.
+    assert 1.0 - (1.0 - mean.false_alarm_probability) ** 2 == pytest.approx(0.05)
+    assert mean.shift_deg == pytest.approx(0.1, abs=0.01) and sd.shift_deg is None
 
 
 def test_a_scatter_that_grows_is_dated(rng):
@@ -66,7 +69,28 @@ def test_each_ship_and_each_set_of_settings_has_a_history_of_its_own(rng):
             *rows_of(rng, 25, ship='A', settings_sha256='b' * 64)]
     found = tell_histories(rows)
     assert [(h.ship, h.settings_sha256[0], len(h.points)) for h in found] == [
-        ('A', 'a', 25), ('A', 'b', 25), ('B', 'a', 30)]
+        ('B', 'a', 30), ('A', 'a', 25), ('A', 'b', 25)]
+
+
+def test_the_length_in_control_follows_from_the_ships_and_their_runs(rng):
+    """Any of all charts is false with 5 %; few runs keep one in 370."""
+    fleet = tell_histories([row for ship in range(10)
+                            for row in rows_of(rng, 60, ship=str(ship))])
+    watched = 10 * 2 * 40
+    assert len({history.runs_between for history in fleet}) == 1
+    assert (1.0 - 1.0 / fleet[0].runs_between) ** watched == pytest.approx(0.95)
+    assert tell_histories(rows_of(rng, 21))[0].runs_between == 370.0
+    assert tell_histories(rows_of(rng, 60), runs_between=99.0)[0].runs_between == 99.0
+
+
+def test_the_worst_come_first(rng):
+    """Sound, outside once, non-compliant, differs: in the reverse order."""
+    rows = {name: rows_of(rng, 40, ship=name) for name in 'abcd'}
+    rows['b'][-1] = replace(rows['b'][-1], mean_deg=9.0)
+    rows['c'][-1] = replace(rows['c'][-1], outcome='non_compliant')
+    rows['d'] = rows_of(rng, 40, ship='d', shift_at=30, by_deg=0.5)
+    histories = tell_histories([row for ship in rows.values() for row in ship])
+    assert [history.ship for history in histories] == ['d', 'c', 'b', 'a']
 
 
 def test_the_order_of_rows_and_rows_given_twice_do_not_matter(rng):
@@ -103,4 +127,4 @@ def test_limits_of_the_scatter_are_those_of_its_logarithm(rng):
     history, = tell_histories(rows_of(rng, 30))
     point = history.points[25]
     assert math.sqrt(point.sd_low_deg * point.sd_high_deg) == pytest.approx(
-        history.trends[1].center_deg)
+        history.trends[1].center_deg, rel=0.02)

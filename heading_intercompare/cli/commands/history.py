@@ -42,6 +42,7 @@ from heading_intercompare.report import check_form
 
 SCHEMA = 'heading_intercompare/history/1'
 _DIFFERS_CODE = 1
+_FIGURES = {'mean': 'mean', 'sd': 'standard deviation'}
 _LIMITS = ('mean_low_deg', 'mean_high_deg', 'sd_low_deg', 'sd_high_deg')
 
 
@@ -55,8 +56,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         'this time, such as 2026-03-01; the charts rest on all runs')
     parser.add_argument('--baseline', metavar='K', type=int, default=20,
                         help='number of runs that the charts learn from (default: 20)')
-    parser.add_argument('--one-in', metavar='N', type=float, default=370.0,
-                        help='false alarms of a chart: one in N runs (default: 370)')
+    parser.add_argument('--one-in', metavar='N', type=float, help='false alarms of a chart: one '
+                        'in N runs (default: 370, or more runs, so that the chance of a false '
+                        'alarm in any chart is at most 5 %%)')
     parser.add_argument('--service', metavar='UTC', help='time of a service: say whether the runs '
                         'after it differ from those before')
     parser.add_argument('--json', metavar='F', help="write runs and charts; '-' for stdout")
@@ -94,7 +96,9 @@ def run(arguments: argparse.Namespace) -> int:
     elif arguments.csv == '-':
         _write_csv(histories, sys.stdout, since_ns)
     else:
-        say('\n'.join(_list(histories, changes, since_ns)) or 'no runs', VERDICT_MARKS)
+        lines = (_summarize(histories, changes) if len(histories) > 1 and arguments.ship is None
+                 else _list(histories, changes, since_ns))
+        say('\n'.join(lines) or 'no runs', VERDICT_MARKS)
     differs = (any(change.differs for service_changes in changes for change in service_changes)
                if service_ns is not None
                else any(h.differs for h in histories))
@@ -130,7 +134,7 @@ def _write_corrections(histories: Sequence[History], path: str, since_ns: int | 
 def _check_options(arguments: argparse.Namespace) -> None:
     if arguments.baseline < LEAST_BASELINE:
         raise ValueError(f'--baseline {arguments.baseline}: must be at least {LEAST_BASELINE}')
-    if not 2.0 <= arguments.one_in <= 1e6:
+    if arguments.one_in is not None and not 2.0 <= arguments.one_in <= 1e6:
         raise ValueError(f'--one-in {arguments.one_in:g}: must be from 2 to 1000000')
     if arguments.json == arguments.csv == '-':
         raise ValueError('--json - and --csv -: only one can be on standard output')
@@ -162,8 +166,7 @@ def _list(histories: Sequence[History], changes: Sequence[Sequence[ServiceChange
     """Return the lines on standard output: runs, newest last, then what the charts say."""
     lines = []
     for history, service_changes in zip(histories, changes):
-        lines += [f'{history.ship or "(no ship)"}, settings {history.settings_sha256[:8]}: '
-                  f'{count_words(len(history.points), "run")}',
+        lines += [f'{_name(history)}: {count_words(len(history.points), "run")}',
                   f'  {"start, UTC":16}  {"hours":>7}  {"n":>9}  {"mean/deg":>9}  {"sd/deg":>8}  '
                   'outcome']
         lines += [f'  {_describe(point)}' for point in history.list_since(since_ns)]
@@ -174,12 +177,47 @@ def _list(histories: Sequence[History], changes: Sequence[Sequence[ServiceChange
     return lines
 
 
+def _name(history: History) -> str:
+    return f'{history.ship or "(no ship)"}, settings {history.settings_sha256[:8]}'
+
+
+def _summarize(histories: Sequence[History],
+               changes: Sequence[Sequence[ServiceChange]]) -> list[str]:
+    """Return a line for each history, the worst first, and one for all of them."""
+    width = max(map(len, map(_name, histories)))
+    return [f'{"ship":{width}}  {"runs":>6}  {"newest, UTC":16}  outcome',
+            *(_summarize_history(history, service_changes, width)
+              for history, service_changes in zip(histories, changes)),
+            f'{sum(history.differs for history in histories)} of {len(histories)} differ; '
+            '--ship NAME lists the runs']
+
+
+def _summarize_history(history: History, service_changes: Sequence[ServiceChange],
+                       width: int) -> str:
+    """Return the line of a history: runs, newest run, and what the charts say."""
+    newest = history.points[-1]
+    words = [f'{_FIGURES[trend.figure]} differs since {utc(trend.differs_since_ns)[:16]} UTC by '
+             f'{trend.shift_deg:+.4f} deg' for trend in history.trends
+             if trend.differs_since_ns is not None]
+    words += [change.words for change in service_changes]
+    if history.why_no_chart is not None:
+        words.append('no charts yet')
+    elif newest.outside:
+        words.append(f'{" and ".join(newest.outside)} outside the limits')
+    return (f'{_name(history):{width}}  {len(history.points):>6}  {utc(newest.row.end_ns)[:16]}  '
+            f'{_say_outcome(newest.row)}' + ''.join(f'; {word}' for word in words))
+
+
+def _say_outcome(row: RunRow) -> str:
+    if row.validity_effect == 'holds':
+        return row.outcome.upper()
+    return f'{row.outcome.upper()}, {row.validity_effect.upper()}: {row.conditions}'
+
+
 def _describe(point: Point) -> str:
     row = point.row
     figures = ['-' if figure is None else f'{figure:.4f}' for figure in (row.mean_deg, row.sd_deg)]
-    outcome = row.outcome.upper()
-    if row.validity_effect != 'holds':
-        outcome += f', {row.validity_effect.upper()}: {row.conditions}'
+    outcome = _say_outcome(row)
     if point.outside:
         outcome += f'; {" and ".join(point.outside)} outside the limits'
     hours = (row.end_ns - row.start_ns) / 3.6e12
@@ -195,7 +233,8 @@ def _render(histories: Sequence[History], changes: Sequence[Sequence[ServiceChan
          **({'service': make_plain(service_changes)} if service_changes else {})}
         for history, service_changes in zip(histories, changes)]
     return json.dumps({'schema': SCHEMA, 'software': make_plain(Software()),
-                       'one_in': arguments.one_in, 'histories': plain},
+                       'one_in': histories[0].runs_between if histories else None,
+                       'histories': plain},
                       indent=1, ensure_ascii=False, allow_nan=False) + '\n'
 
 
