@@ -72,8 +72,12 @@ def _describe_table(path: str) -> Iterator[str]:
 
 
 def _describe_logbook(path: str) -> Iterator[str]:
-    runs = Logbook(path).read()
+    book = Logbook(path)
+    runs = book.read()
     yield f'runs: {len(runs)}'
+    head = book.read_head()
+    yield ('chain: none, an older version wrote it' if head is None else
+           f'chain: entry {head.entry} is the newest, SHA-256 {head.sha256}')
     if runs:
         yield f'ships: {", ".join(sorted({run.ship or "(unnamed)" for run in runs}))}'
         yield (f'span: {utc(min(run.start_ns for run in runs))} to '

@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-The file of a logbook: SQLite, one table, a row per run.
+The file of a logbook: SQLite, a row per run, and the chain of their hashes.
 
 Every operation opens the file and closes it again. A transaction is on the disk when `write`
 returns, and a process that is killed leaves either all of it or nothing. The journal is the
@@ -32,10 +32,11 @@ from typing import Any, get_args, get_origin, get_type_hints, Iterator, Sequence
 
 from heading_intercompare.core.typed_reader import read_plain, VerdictError
 
+from .row_chain import append_rows, ChainHead, CREATE, find_break, read_head
 from .run_row import RunRow
 
-VERSION = 2
-"""Version of the table (PRAGMA user_version); version 1 lacks the last four columns."""
+VERSION = 3
+"""Version of the tables (PRAGMA user_version); 1 lacks the last four columns, 2 the chain."""
 #: 'HILB', which `file` and SQLite show (PRAGMA application_id).
 _APPLICATION = 0x48494C42
 
@@ -79,7 +80,9 @@ _WRITE = (f'INSERT INTO runs ({", ".join(_COLUMNS)}) '
           f'VALUES ({", ".join("?" * len(_COLUMNS))}) '
           f'ON CONFLICT ({", ".join(_KEY)}) DO UPDATE SET '
           + ', '.join(f'{name} = {_KEEP.get(name, f"excluded.{name}")}'
-                      for name in _COLUMNS if name not in _KEY))
+                      for name in _COLUMNS if name not in _KEY)
+          + ' RETURNING id')
+_SELECT = 'SELECT * FROM runs'
 
 
 def to_cells(row: RunRow) -> list[Any]:
@@ -98,6 +101,30 @@ def _to_row(cells: dict[str, Any]) -> RunRow:
             raise LogbookError(f'row {cells["id"]}, column {name} ({cells[name]!r:.40}): must be '
                                'a JSON list of numbers') from None
     return RunRow(**{name: lists.get(name, cell) for name, cell in cells.items() if name != 'id'})
+
+
+def _read_cells(connection: sqlite3.Connection, question: str,
+                values: Sequence[Any] = ()) -> list[dict[str, Any]]:
+    """Return rows as their cells by column."""
+    rows = connection.execute(question, values)
+    names = [column[0] for column in rows.description]
+    return [dict(zip(names, row)) for row in rows]
+
+
+def _has_chain(connection: sqlite3.Connection) -> bool:
+    return bool(connection.execute(
+        "SELECT count(*) FROM sqlite_master WHERE name = 'chain'").fetchone()[0])
+
+
+def _renew(connection: sqlite3.Connection) -> None:
+    """Make the tables those of this version; the chain begins with the rows that are there."""
+    there = {row[1] for row in connection.execute('PRAGMA table_info(runs)')}
+    for name in _ADDED:
+        if name not in there:
+            connection.execute(f'ALTER TABLE runs ADD COLUMN {_declare_column(name)}')
+    connection.execute(CREATE)
+    append_rows(connection, _read_cells(connection, f'{_SELECT} ORDER BY id'))
+    connection.execute(f'PRAGMA user_version = {VERSION}')
 
 
 class Logbook:
@@ -130,7 +157,10 @@ class Logbook:
 
         """
         with self._open(write=True) as connection:
-            connection.executemany(_WRITE, map(to_cells, rows))
+            written = [connection.execute(_WRITE, to_cells(row)).fetchone() for row in rows]
+            append_rows(connection, (
+                cells for run_id in written
+                for cells in _read_cells(connection, f'{_SELECT} WHERE id = ?', run_id)))
 
     def check(self) -> None:
         """Raise LogbookError unless rows can be written; create the logbook if it is not there."""
@@ -152,24 +182,26 @@ class Logbook:
         LogbookBusy
             If another process is writing all the time.
         LogbookError
-            If there is no such file, or the file is no logbook, or a logbook of a newer version.
+            If there is no such file, the file is no logbook, or a logbook of a newer version, or
+            a row was changed, put in or taken out by another program.
 
         """
-        where, values = ['1'], []
-        for condition, value in (('end_ns >= ?', since_ns), ('ship = ?', ship)):
-            if value is not None:
-                where.append(condition)
-                values.append(value)
         with self._open(write=False) as connection:
-            columns = ['id', *(name for name in _COLUMNS
-                               if name not in self._list_missing(connection))]
-            rows = connection.execute(
-                f'SELECT {", ".join(columns)} FROM runs WHERE {" AND ".join(where)} '
-                'ORDER BY start_ns, end_ns, ship, id', values)
-            try:
-                return [_to_row(dict(zip(columns, row))) for row in rows]
-            except LogbookError as error:
-                raise LogbookError(f'{self.path}: {error}') from None
+            rows = _read_cells(connection, f'{_SELECT} ORDER BY start_ns, end_ns, ship, id')
+            changed = find_break(connection, rows) if _has_chain(connection) else None
+        try:
+            if changed:
+                raise LogbookError(f'{changed}; what the program wrote is no longer known')
+            return [_to_row(cells) for cells in rows
+                    if (since_ns is None or cells['end_ns'] >= since_ns)
+                    and ship in (None, cells['ship'])]
+        except LogbookError as error:
+            raise LogbookError(f'{self.path}: {error}') from None
+
+    def read_head(self) -> ChainHead | None:
+        """Return the newest entry of the chain; None for a logbook of before version 3."""
+        with self._open(write=False) as connection:
+            return read_head(connection) if _has_chain(connection) else None
 
     @contextmanager
     def _open(self, *, write: bool) -> Iterator[sqlite3.Connection]:
@@ -203,6 +235,7 @@ class Logbook:
             connection.execute(f'PRAGMA application_id = {_APPLICATION}')
             connection.execute(f'PRAGMA user_version = {VERSION}')
             connection.execute(_CREATE)
+            connection.execute(CREATE)
         elif application != _APPLICATION:
             raise LogbookError(f'{self.path}: is not a logbook of heading_intercompare')
         elif version > VERSION:
@@ -210,15 +243,7 @@ class Logbook:
                                f'knows version {VERSION}: a newer heading_intercompare wrote it; '
                                'install that')
         elif write and version < VERSION:
-            for name in self._list_missing(connection):
-                connection.execute(f'ALTER TABLE runs ADD COLUMN {_declare_column(name)}')
-            connection.execute(f'PRAGMA user_version = {VERSION}')
-
-    @staticmethod
-    def _list_missing(connection: sqlite3.Connection) -> list[str]:
-        """Return the columns of version 2 that the table lacks."""
-        there = {row[1] for row in connection.execute('PRAGMA table_info(runs)')}
-        return [name for name in _ADDED if name not in there]
+            _renew(connection)
 
     def _explain(self, error: sqlite3.Error, write: bool) -> LogbookError:
         words = ' '.join(str(error).split())

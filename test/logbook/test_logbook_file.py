@@ -34,6 +34,7 @@ from heading_intercompare.logbook.logbook_file import (
     merge_logbooks,
     VERSION,
 )
+from heading_intercompare.logbook.run_row import RunRow
 
 HERE = Path(__file__).resolve().parent
 
@@ -80,7 +81,7 @@ def test_the_file_names_its_version_and_a_newer_one_is_refused(book):
         assert connection.execute('PRAGMA user_version').fetchone() == (VERSION,)
         connection.execute(f'PRAGMA user_version = {VERSION + 1}')
     for act in (book.read, lambda: book.write([make_row()])):
-        with pytest.raises(LogbookError, match=r'l.sqlite: is a logbook of version 3, .*; '
+        with pytest.raises(LogbookError, match=r'l.sqlite: is a logbook of version 4, .*; '
                            'install that') as found:
             act()
         assert '\n' not in str(found.value)
@@ -97,6 +98,7 @@ def make_old(path, *rows):
         for name in ADDED:
             connection.execute(f'ALTER TABLE runs DROP COLUMN {name}')
         connection.execute('PRAGMA user_version = 1')
+        connection.execute('DROP TABLE chain')
     connection.close()
 
 
@@ -131,8 +133,75 @@ def test_a_cell_that_is_no_list_of_numbers_is_named(book, cell):
     book.write([make_row(0, **ADDED)])
     with sqlite3.connect(book.path) as connection:
         connection.execute('UPDATE runs SET deviation_coefficients_deg = ?', (cell,))
+        connection.execute('DROP TABLE chain')
     with pytest.raises(LogbookError, match='l.sqlite: row 1, column deviation_coefficients_deg '
                        r'\(.*\): must be a JSON list of numbers'):
+        book.read()
+
+
+def forge(book, *commands):
+    """Change a logbook by another program."""
+    with sqlite3.connect(book.path) as connection:
+        for command in commands:
+            connection.execute(command)
+    connection.close()
+
+
+COLUMNS = ', '.join(RunRow.columns())
+
+
+@pytest.mark.parametrize('command, words', [
+    ("UPDATE runs SET outcome = 'compliant' WHERE id = 2",
+     'row 2 was changed after it was written'),
+    ('UPDATE runs SET mean_deg = mean_deg + 1e-9 WHERE id = 3', 'row 3 was changed'),
+    ('UPDATE runs SET bag = NULL WHERE id = 1', 'row 1 was changed'),
+    ('UPDATE runs SET id = 9 WHERE id = 1', 'row 9 was put in by another program'),
+    ('DELETE FROM runs WHERE id = 2', 'row 2 was taken out'),
+    (f"INSERT INTO runs ({COLUMNS}) SELECT {COLUMNS.replace('ship', chr(39) + 'X' + chr(39), 1)} "
+     'FROM runs WHERE id = 1', 'row 4 was put in by another program'),
+    ("UPDATE chain SET row_sha256 = 'ab' WHERE entry = 2", 'entry 2 of its chain does not follow'),
+    ('DELETE FROM chain WHERE entry = 1', 'entry 2 of its chain does not follow'),
+    ('DELETE FROM chain WHERE entry = 3', 'row 3 was put in by another program')])
+def test_a_row_that_another_program_changed_is_named(book, command, words):
+    """Before, one word changed in a row was the outcome of the run ever after."""
+    book.write([make_row(day, bag='trial', outcome='non_compliant') for day in range(3)])
+    assert len(book.read()) == 3
+    forge(book, command)
+    for read in (book.read, lambda: book.read(ship='no ship')):
+        with pytest.raises(LogbookError, match=words):
+            read()
+
+
+def test_every_write_goes_into_the_chain_and_the_same_row_only_once(book, tmp_path):
+    assert book.write([]) is None and book.read_head().entry == 0
+    book.write([make_row(0), make_row(1)])
+    head = book.read_head()
+    book.write([make_row(1)])
+    merge_logbooks(book, [book])
+    assert book.read_head() == head and head.entry == 2
+    book.write([make_row(1, paired=7)])
+    assert book.read_head().entry == 3 and len(book.read()) == 2
+    other = Logbook(tmp_path / 'other')
+    other.write([make_row(0)])
+    other.write([make_row(1)])
+    assert other.read_head() == head
+
+
+def test_whoever_noted_the_newest_hash_sees_a_chain_that_was_made_anew(book, tmp_path):
+    book.write([make_row(0, outcome='non_compliant'), make_row(1)])
+    noted = book.read_head()
+    forged = Logbook(tmp_path / 'forged')
+    forged.write([make_row(0, outcome='compliant'), make_row(1)])
+    assert forged.read() and forged.read_head().sha256 != noted.sha256
+
+
+def test_a_chain_begins_with_the_rows_of_an_old_logbook(book):
+    make_old(book.path, make_row(0), make_row(1))
+    assert book.read_head() is None
+    book.write([make_row(2)])
+    assert book.read_head().entry == 3
+    forge(book, 'UPDATE runs SET n = 5 WHERE id = 1')
+    with pytest.raises(LogbookError, match='row 1 was changed'):
         book.read()
 
 

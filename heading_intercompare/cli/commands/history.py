@@ -234,6 +234,8 @@ def _render(histories: Sequence[History], changes: Sequence[Sequence[ServiceChan
         for history, service_changes in zip(histories, changes)]
     return json.dumps({'schema': SCHEMA, 'software': make_plain(Software()),
                        'one_in': histories[0].runs_between if histories else None,
+                       'chains': {path: head and head._asdict() for path in arguments.logbooks
+                                  for head in (Logbook(path).read_head(),)},
                        'histories': plain},
                       indent=1, ensure_ascii=False, allow_nan=False) + '\n'
 

@@ -98,6 +98,7 @@ def test_json_and_csv_hold_runs_and_limits(books, tmp_path, capsys):
     told = json.loads(capsys.readouterr().out)
     assert told['schema'] == 'heading_intercompare/history/1'
     assert told['one_in'] == pytest.approx(780.3, abs=0.1)
+    assert told['chains'] == {books[0]: Logbook(books[0]).read_head()._asdict()}
     history, = told['histories']
     assert history['trends'][0]['differs_since_ns'] == T0_NS + 30 * DAY_NS
     with table.open(newline='', encoding='utf-8') as file:
