@@ -51,6 +51,7 @@ from heading_intercompare.nodes.alarms.graph_alarms import GraphAlarms
 from heading_intercompare.nodes.interface.parameters import declare
 from heading_intercompare.nodes.interface.places import label_tested, name_place, place_files
 from heading_intercompare.nodes.judging.accounts import Account, HeardAccount, PairerAccount
+from heading_intercompare.nodes.judging.heard_actions import HeardActions
 from heading_intercompare.nodes.judging.now_publisher import NowPublisher
 from heading_intercompare.nodes.judging.pair_intake import PairIntake
 from heading_intercompare.nodes.judging.sensor_judgement import SensorJudgement
@@ -59,6 +60,7 @@ from heading_intercompare.nodes.judging.trial_journal import open_spool, TrialJo
 from heading_intercompare.nodes.launching.process import run
 from heading_intercompare.nodes.presence.graph_node import GraphNode
 from heading_intercompare.nodes.presence.health import Health
+from heading_intercompare.nodes.presence.setting_changes import SettingChanges
 from heading_intercompare.nodes.presence.sole_node import SoleNode
 from heading_intercompare.nodes.spinning.batches import Arrivals
 from heading_intercompare.nodes.spinning.clocks import every
@@ -71,6 +73,7 @@ from .settings import ComplianceNode, Taking
 
 # How long the last messages of a synchronizer that has ended, and of a batch, may be under way.
 _ALONE_S, _HOLD_OFF_S = 0.3, 0.002
+_FOLLOWED = ('window_s', 'stale_s')
 
 
 class Compliance(GraphNode):
@@ -92,6 +95,8 @@ class Compliance(GraphNode):
         All pairs of sensors.
     journal : TrialJournal
         What has come in since the last judged runs.
+    actions : HeardActions
+        What operators did.
     n_pairs : int
         How many pairs of tested sensors have come.
     while_judging
@@ -104,11 +109,13 @@ class Compliance(GraphNode):
     def __init__(self, pairs_here: bool = False, **kwargs: Any) -> None:
         super().__init__('compliance', **kwargs)
         whole, taking, own = declare(
-            self, Settings, Taking, ComplianceNode, followed=('window_s', 'stale_s'))
+            self, Settings, Taking, ComplianceNode, followed=_FOLLOWED)
         sensor = _find_sensor(whole, own.sensor, pairs_here)
         settings = settings_of_tested(whole, sensor or None)
         self._end_wait_s = own.end_wait_s
         self.health = Health(self, keeper=True)
+        SettingChanges(self, self.health, _FOLLOWED)
+        self.actions = HeardActions(self, self.health)
         self.while_judging: Callable[[], None] = lambda: None
         self.comparison = SensorsComparison(
             settings, source='live', keeper=lambda: open_spool(self.health),
@@ -126,7 +133,8 @@ class Compliance(GraphNode):
             if pairs_here else self._hear(settings, taking, label)
             for names, label in labels.items()}
         self._judgements = {names: SensorJudgement(
-            self, self.health, label, self._judges[names], own, accounts[names], self.journal)
+            self, self.health, label, self._judges[names], own, accounts[names], self.journal,
+            self.actions)
             for names, label in labels.items()}
         self._now: NowPublisher | None = None
         if settings.sensors is not None:

@@ -27,6 +27,7 @@ from heading_intercompare.bags.recording.part_states import PartStates, STATES
 from heading_intercompare.bags.recording.resilient_recording import Recording
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import (
+    ACTION_TOPIC,
     describe_origin,
     NOTE_TOPIC,
     Notes,
@@ -144,7 +145,7 @@ class Recorder(GraphNode):
                     self._judged.note_starts(topic, starts)
                 if topic in (REPORT_TOPIC, SENSORS_REPORT_TOPIC):
                     self._report = text_of(messages[-1][0])
-            for data, info in messages if topic == NOTE_TOPIC else ():
+            for data, info in messages if topic in (NOTE_TOPIC, ACTION_TOPIC) else ():
                 for note in self._notes.add(text_of(data), info['received_timestamp']):
                     self.get_logger().info(f'note: {note.text}')
             rows += [(topic, message) for message in self._judged.take(

@@ -34,6 +34,7 @@ from heading_intercompare.nodes.interface.places import label_tested, name_place
 from heading_intercompare.nodes.launching.process import run
 from heading_intercompare.nodes.presence.graph_node import GraphNode
 from heading_intercompare.nodes.presence.health import Health
+from heading_intercompare.nodes.presence.setting_changes import SettingChanges
 from heading_intercompare.nodes.presence.sole_node import SoleNode
 from heading_intercompare.nodes.sending.pair_outlet import PairOutlet
 from heading_intercompare.nodes.spinning.batches import Arrivals
@@ -50,6 +51,7 @@ if TYPE_CHECKING:
 
 # What a driver that has ended said last, such as its losses, may still be under way.
 _LAST_S = 0.3
+_FOLLOWED = ('stale_s',)
 
 
 class Synchronizer(GraphNode):
@@ -75,7 +77,7 @@ class Synchronizer(GraphNode):
     def __init__(self, judge: Compliance | None = None, **kwargs: Any) -> None:
         super().__init__('synchronizer', **kwargs)
         settings, taking, types, self._own = declare(
-            self, PAIRED, Taking, HeadingTypes, SynchronizerNode, followed=('stale_s',))
+            self, PAIRED, Taking, HeadingTypes, SynchronizerNode, followed=_FOLLOWED)
         self.judge, labels = judge, label_tested(settings)
         if judge is None:
             self._makers = {names: PairMaker(Pairer(settings)) for names in labels}
@@ -84,6 +86,7 @@ class Synchronizer(GraphNode):
             self._makers = {names: pair.maker for names, pair in judge.comparison.pairs.items()}
             started_ns = judge.journal.began_ns
         self.health = Health(self)
+        SettingChanges(self, self.health, _FOLLOWED)
         healths = {names: self.health.of_sensor(label) for names, label in labels.items()}
         topics = {names: f'{name_place(label)}pairs' for names, label in labels.items()}
         self._alarms = {names: StreamAlarms(self, health, settings.pairing, taking)

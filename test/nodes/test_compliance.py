@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 import json
 import shutil
 import time
@@ -41,11 +42,15 @@ from std_srvs.srv import Trigger
 from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.app.config import settings_for
 from heading_intercompare.app.inputs import load_config_or_journal
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.bags.rosbag2.provenance import read_notes
 from heading_intercompare.core import pipeline
 from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
 from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.verdict.compare_verdicts import find_differences
+from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.messages.heading_messages import imu_messages, pair_messages
 from heading_intercompare.messages.ledger_messages import encode_ledger
@@ -59,6 +64,7 @@ from heading_intercompare.nodes import compliance
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.interface import qos
 from heading_intercompare.nodes.judging.figures import SCALARS
+from heading_intercompare.nodes.recorder import Recorder
 from heading_intercompare.nodes.synchronizer import Synchronizer
 from heading_intercompare.web.bridge.bridge_records import Tone
 from heading_intercompare.web.bridge.verdict_lamp import light_lamp
@@ -196,7 +202,65 @@ def test_the_window_can_be_changed_while_the_node_runs(ros, rng):
             graph.send(some_pairs(rng, 400, 500))
         ros.spin_until(lambda n=n: graph.heard['rolling'] and abs(
             int(values(graph.heard['rolling'][-1])['n']) - n) <= 5)
-    assert graph.end()['settings']['window_s'] == 100.0
+    graph.end()
+
+
+def test_a_setting_changed_while_the_node_runs_is_said_everywhere(ros, rng, tmp_path, capfd):
+    """The JSON said 600 s while it was 5, and no log, bag or warning told of the change."""
+    graph, recorder = Graph(ros), ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    synchronizer = ros.ours(Synchronizer, subscribers=0)
+    states = ros.listen(DiagnosticArray, '/diagnostics', qos.DIAGNOSTICS_IN)
+    graph.send(some_pairs(rng, 0, 100))
+    before_ns = time.time_ns()
+    for node, name, value in ((graph.node, 'window_s', 5.0), (graph.node, 'stale_s', 3.0),
+                              (synchronizer, 'stale_s', 3600.0), (graph.node, 'window_s', 600.0)):
+        node.set_parameters([Parameter(name, value=value)])
+    words = ['compliance: window_s changed from 600.0 to 5.0 [by unknown operator]',
+             'synchronizer: stale_s changed from 3.0 to 3600.0 [by unknown operator]',
+             'compliance: window_s changed from 5.0 to 600.0 [by unknown operator]']
+    ros.spin_until(lambda: recorder.written >= 3 and len(graph.node.actions.notes) == 3)
+    shown = {status.name: status for message in states for status in message.status}
+    for name in ('compliance', 'synchronizer'):
+        assert shown[f'{name}: settings'].level == DiagnosticStatus.WARN
+    report = graph.end()
+    assert sorted(note['text'] for note in report['operator_actions']) == sorted(words)
+    assert all(note['stamp_ns'] >= before_ns for note in report['operator_actions'])
+    assert all(line in str(graph.node.verdict) for line in words)
+    ros.end(synchronizer, recorder)
+    noted = read_notes(BagReader(tmp_path / 'bag'))
+    assert sorted(note.text for note in noted) == sorted(words)
+    assert {note.stamp_ns for note in noted} == {
+        note['stamp_ns'] for note in report['operator_actions']}
+    logged = capfd.readouterr().err
+    assert all(line.partition(': ')[2] in logged for line in words)
+
+
+def test_the_verdict_is_that_without_a_change_of_a_setting(ros, rng):
+    graph, pairs = Graph(ros), some_pairs(rng, 0, 100)
+    graph.send(pairs)
+    graph.node.set_parameters([Parameter('window_s', value=5.0)])
+    ros.spin_until(lambda: graph.node.actions.notes)
+    graph.end()
+    compliance = pipeline.Compliance(Settings.from_mapping(NORMS), source='live')
+    compliance.update(pairs)
+    compliance.finish()
+    verdict = replace(graph.node.verdict, ledger_problems=(),
+                      runs=compliance.verdict().runs)
+    assert not [*find_differences(verdict, compliance.verdict())]
+    assert Verdict.from_dict(graph.node.verdict.to_dict()) == graph.node.verdict
+
+
+def test_the_warning_of_a_changed_setting_ends_where_it_is_as_at_the_start(ros):
+    graph = Graph(ros)
+    states = ros.listen(DiagnosticArray, '/diagnostics', qos.DIAGNOSTICS_IN)
+
+    def level():
+        return [status.level for message in states for status in message.status
+                if status.name == 'compliance: settings'][-1:]
+    for window_s, expected in ((5.0, DiagnosticStatus.WARN), (600.0, DiagnosticStatus.OK)):
+        graph.node.set_parameters([Parameter('window_s', value=window_s)])
+        graph.call('acknowledge')
+        ros.spin_until(lambda expected=expected: level() == [expected])
 
 
 @EITHER_EXECUTOR

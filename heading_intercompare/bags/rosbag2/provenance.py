@@ -44,6 +44,8 @@ RECORD = 'heading_intercompare'
 """The metadata record with version, settings and sources."""
 
 NOTE_TOPIC = 'operator/note'
+ACTION_TOPIC = 'operator/action'
+"""Topic of what operators did, such as a change of a setting, each as a note."""
 REPORT_TOPIC = 'compliance/report'
 SENSORS_REPORT_TOPIC = 'sensors/report'
 TRUTH_TOPIC = 'truth/heading'
@@ -115,7 +117,8 @@ def _parse_note(line: str, now_ns: int) -> Note:
     return Note(int(moment.timestamp()) * _SECOND_NS + ns, text)
 
 
-def _time(stamp_ns: int) -> str:
+def time_text(stamp_ns: int) -> str:
+    """Return UTC nanoseconds as the time with which a note may begin."""
     seconds, ns = divmod(stamp_ns, _SECOND_NS)
     return f'{datetime.fromtimestamp(seconds, timezone.utc):%Y-%m-%dT%H:%M:%S}.{ns:09d}Z'
 
@@ -177,10 +180,11 @@ class Notes:
             if self._count == _MOST:
                 # This word takes the place of the note.
                 self.left_out += 1
-                note = Note(now_ns, f'too many notes: later ones are only in topic {NOTE_TOPIC}')
+                note = Note(now_ns, f'too many notes: later ones are only in '
+                            f'{NOTE_TOPIC} and {ACTION_TOPIC}')
             elif len(line) > _LONGEST:
                 self.cut += 1
-            self._metadata(f'{_NOTE}{self._count}', {'time': _time(note.stamp_ns),
+            self._metadata(f'{_NOTE}{self._count}', {'time': time_text(note.stamp_ns),
                                                      'text': note.text})
             written.append(note)
         return written
@@ -261,6 +265,6 @@ def read_notes(bag: Readable) -> list[Note]:
             notes.append(_parse_note(match.group(), 0))
     if not notes:
         written = Notes(lambda name, mapping: None)
-        notes = [note for ns, text in read_texts(bag, NOTE_TOPIC)
-                 for note in written.add(text, ns)]
+        notes = [note for topic in (NOTE_TOPIC, ACTION_TOPIC)
+                 for ns, text in read_texts(bag, topic) for note in written.add(text, ns)]
     return sorted(notes, key=lambda note: note.stamp_ns)

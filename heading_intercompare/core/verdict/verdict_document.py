@@ -264,7 +264,12 @@ class Verdict:
     paper_outcome: Outcome = figure('GK as printed, worst of the runs')
     software: Software = figure('the program that judged', default=Software())
     rule_version: int = figure('version of the decision rule', default=RULE_VERSION)
-    settings: Settings = figure('every setting by its dotted name', 'see settings.md')
+    settings: Settings = figure('every setting by its dotted name, as at the start',
+                                'see settings.md')
+    operator_actions: tuple[OperatorNote, ...] | None = figure(
+        'what operators did while the nodes ran, such as changes of settings',
+        'a recording has it among the notes of its input',
+        absent='if nothing, and in the verdict on a recording')
     inputs: Sequence[Input] = figure('where the readings came from', 'empty without files')
     ledger_problems: Sequence[str] = figure('why not every reading is accounted for, in sentences',
                                             'empty if all are', default=())

@@ -173,6 +173,9 @@ def _reasons(verdict: Verdict) -> Iterator[tuple[str, list[str]]]:
         yield f'run {run.run}{of}: {explain(run)}', findings
     if verdict.ledger_problems:
         yield 'the ledger is not complete:', list(verdict.ledger_problems)
+    if verdict.operator_actions:
+        yield 'operators did while the nodes ran:', [
+            f'{utc(note.stamp_ns)} UTC: {note.text}' for note in verdict.operator_actions]
     missing = [f'not judged: {recording.path}: {recording.why_no_run}'
                for recording in verdict.inputs if recording.why_no_run]
     for line in missing if missing or verdict.runs else [NO_RUN]:

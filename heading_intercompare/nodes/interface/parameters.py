@@ -44,7 +44,7 @@ from heading_intercompare.core.declared_settings import (
 #: Parameters hold integers of 64 bits.
 _MOST = 2**63 - 1
 _READ_ONCE = 'read when the node starts: start it again to change it'
-_FOLLOWED = 'a change takes effect at once; the verdict names the value at the start'
+_FOLLOWED = 'a change takes effect at once, and is said in the log, the bag and the verdict'
 
 OF_ROS = ('use_sim_time', 'start_type_description_service')
 """Parameters that every rclpy node declares."""

@@ -45,6 +45,7 @@ DIAGNOSTICS_IN = QoSProfile(depth=1000)
 MARKER = _keep_last(100)
 # Any reliable publisher will do, including `ros2 topic pub`.
 NOTE = QoSProfile(depth=10)
+ACTION = _keep_last(100)
 # Verdicts, alarms and the state of several sensors: the newest message holds all there is to know,
 # so a late subscriber gets that alone. A subscription keeps one from each of many publishers.
 STATE = _keep_last(1)

@@ -48,6 +48,7 @@ from heading_intercompare.nodes.spinning.clocks import stamp_or_now
 from heading_intercompare.report.json import render
 
 from .accounts import Account
+from .heard_actions import HeardActions
 from .report_files import write_report
 from .trial_journal import TrialJournal
 
@@ -133,6 +134,8 @@ class Reporting:
         The fate of every reading.
     journal
         Says what it lacks.
+    actions
+        What operators did while the nodes ran.
 
     Attributes
     ----------
@@ -142,9 +145,10 @@ class Reporting:
     """
 
     def __init__(self, node: Node, place: str, compliance: Compliance, own: ComplianceNode,
-                 health: Health, account: Account, journal: TrialJournal) -> None:
+                 health: Health, account: Account, journal: TrialJournal,
+                 actions: HeardActions) -> None:
         self._node, self._compliance, self._own, self._health = node, compliance, own, health
-        self._account, self._journal = account, journal
+        self._account, self._journal, self._actions = account, journal, actions
         self._verdict = node.create_publisher(
             DiagnosticArray, f'{place}compliance/verdict', qos.STATE,
             event_callbacks=health.of_publisher(f'{place}compliance/verdict'))
@@ -189,8 +193,7 @@ class Reporting:
         """Publish and write what a stop now would give; return its headline, '' without a pair."""
         if self._compliance.newest_ns is None:
             return ''
-        verdict = replace(self._compliance.preview(self._account.ledger),
-                          ledger_problems=tuple(self._problems(True)))
+        verdict = self._complete(self._compliance.preview(self._account.ledger), True)
         text = render(verdict)
         self._intermediate.publish(encode_text(text))
         self._health.logger.info(verdict.headline)
@@ -209,9 +212,9 @@ class Reporting:
     def _conclude(self, complete: bool) -> None:
         """Publish and write the report, unless it is unchanged."""
         self._due = None
-        problems = tuple(self._problems(complete))
         ledger = self._account.ledger
-        verdict = replace(self._compliance.verdict(ledger), ledger_problems=problems)
+        verdict = self._complete(self._compliance.verdict(ledger), complete)
+        problems = verdict.ledger_problems
         earlier = [result.verdict for result in self._compliance.take_earlier(ledger)]
         self._run_log.take(verdict, earlier)
         report = render(verdict)
@@ -224,6 +227,11 @@ class Reporting:
         self._announce(verdict)
         self._report.publish(encode_text(report))
         self._write(report)
+
+    def _complete(self, verdict: Verdict, complete: bool) -> Verdict:
+        """Return a verdict with what the node knows besides the pairs."""
+        return replace(verdict, ledger_problems=tuple(self._problems(complete)),
+                       operator_actions=self._actions.notes or None)
 
     def _problems(self, complete: bool) -> Iterator[str]:
         """Yield what the verdict does not count, in plain sentences."""

@@ -29,6 +29,7 @@ from heading_intercompare.nodes.settings import ComplianceNode
 
 from .accounts import Account
 from .figures import Figures
+from .heard_actions import HeardActions
 from .reporting import Reporting
 from .trial_journal import TrialJournal
 
@@ -51,6 +52,8 @@ class SensorJudgement:
         The fate of every reading.
     journal
         Says what it lacks.
+    actions
+        What operators did while the nodes ran.
 
     Attributes
     ----------
@@ -61,12 +64,13 @@ class SensorJudgement:
     """
 
     def __init__(self, node: Node, health: Health, label: str, compliance: Compliance,
-                 own: ComplianceNode, account: Account, journal: TrialJournal) -> None:
+                 own: ComplianceNode, account: Account, journal: TrialJournal,
+                 actions: HeardActions) -> None:
         self.compliance = compliance
         place, of_sensor = name_place(label), health.of_sensor(label)
         self.alarms = ComparisonAlarms(node, of_sensor, compliance.settings)
         self.reporting = Reporting(node, place, compliance, place_files(own, label), of_sensor,
-                                   account, journal)
+                                   account, journal, actions)
         self._figures = Figures(node, place, compliance, own.scalars_hz, of_sensor.owner)
 
     def take(self, pairs: Pairs) -> None:

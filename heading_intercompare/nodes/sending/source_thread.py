@@ -33,6 +33,7 @@ from heading_intercompare.messages.status_messages import OK, WARN
 from heading_intercompare.nodes.interface.parameters import declare, follow
 from heading_intercompare.nodes.presence.graph_node import GraphNode
 from heading_intercompare.nodes.presence.health import Health
+from heading_intercompare.nodes.presence.setting_changes import SettingChanges
 from heading_intercompare.nodes.sending.driver_motion import DriverMotion
 from heading_intercompare.nodes.sending.publishing import Audience, await_acknowledgement
 from heading_intercompare.nodes.settings import DriverNode, PUBLISHED, Sending, Taking
@@ -40,6 +41,7 @@ from heading_intercompare.nodes.spinning.clocks import every
 
 _PIECE = 50
 _READ_S = 0.2
+_FOLLOWED = ('stale_s',)
 
 
 class Reading:
@@ -167,11 +169,12 @@ class ReadingNode(GraphNode):
         super().__init__(name, **kwargs)
         self._record = record
         self._analysis, self._settings, self._sending, taking, self._own = declare(
-            self, PUBLISHED, DriverSettings, Sending, Taking, DriverNode, followed=('stale_s',))
+            self, PUBLISHED, DriverSettings, Sending, Taking, DriverNode, followed=_FOLLOWED)
         self._allow_silence(taking)
         self._flushed = self._ending = False
         self.health = Health(
             self, priority=Priority.WARNING if record == 'heading' else Priority.CAUTION)
+        SettingChanges(self, self.health, _FOLLOWED)
         self._newest_s = time.monotonic()
 
     def _open(self, *, alone: bool = False) -> None:

@@ -29,6 +29,7 @@ from heading_intercompare.bags.recording.recorder_losses import Counts, Publishe
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
 from heading_intercompare.bags.rosbag2.motion_topics import motion_topics
 from heading_intercompare.bags.rosbag2.provenance import (
+    ACTION_TOPIC,
     NOTE_TOPIC,
     REPORT_TOPIC,
     SENSORS_REPORT_TOPIC,
@@ -228,6 +229,7 @@ def _list_rows(node: Node, reports: Sequence[str],
               for topic, place in headings.items()),
             _Row(MARKER_TOPIC, STATUS_TYPES, qos.MARKER, qos.MARKER, True),
             _Row(NOTE_TOPIC, TEXT_TYPES, qos.NOTE, qos.NOTE, False),
+            _Row(ACTION_TOPIC, TEXT_TYPES, qos.ACTION, qos.ACTION, False),
             *(_Row(topic, TEXT_TYPES, qos.REPORT, qos.REPORT, True) for topic in reports)]
     if resolve_topic(node, TRUTH_TOPIC) not in [resolve_topic(node, topic) for topic in headings]:
         # First: nobody waits for the truth, but its subscription must precede the headings.

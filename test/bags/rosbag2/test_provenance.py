@@ -82,7 +82,8 @@ def test_very_many_notes_end_with_a_word_of_it():
     notes, records = noted(*(f'note {i}' for i in range(1500)))
     assert len(notes) == len(records) == 1000
     assert notes[998].text == 'note 998'
-    assert notes[999].text == 'too many notes: later ones are only in topic operator/note'
+    assert notes[999].text == (
+        'too many notes: later ones are only in operator/note and operator/action')
 
 
 def test_notes_are_read_back_in_the_order_of_their_times_whatever_happens_to_the_bag(tmp_path):
