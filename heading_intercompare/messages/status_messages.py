@@ -51,9 +51,9 @@ ALARMS_TOPIC = 'compliance/alarms'
 MARKS = ('start', 'stop')
 
 
-def encode_mark(kind: str, ns: int) -> bytes:
+def encode_mark(kind: str, ns: int, operator: str | None = None) -> bytes:
     """Return a mark, 'start' or 'stop', as `STATUS_TYPE`; `ns` is the stamp of the newest pair."""
-    return encode_statuses(ns, [Status('marker', OK, kind)])
+    return encode_statuses(ns, [Status('marker', OK, kind, {'operator': operator})])
 
 
 def decode_marks(data: bytes) -> list[tuple[str, int]]:

@@ -28,6 +28,7 @@ from heading_intercompare.drivers.alerts.alert_push import AlertPush
 from heading_intercompare.drivers.alerts.alert_sentences import AlertCommand, read_command
 from heading_intercompare.drivers.alerts.alert_settings import AlertSettings
 from heading_intercompare.drivers.sentences import Rejected
+from heading_intercompare.messages.authors import sign_text
 from heading_intercompare.messages.status_messages import (
     ALARMS_TOPIC,
     decode_statuses,
@@ -49,6 +50,8 @@ from .interface import qos
 from .settings import TOLD
 
 _TURN_S = 0.1
+#: Who acknowledges by a command of the line.
+_BRIDGE = 'bridge alert management'
 
 
 class AlertSender(GraphNode):
@@ -108,7 +111,7 @@ class AlertSender(GraphNode):
         if answer.acknowledge is None:
             return
         if self._acknowledge.get_subscription_count():
-            self._acknowledge.publish(encode_text(answer.acknowledge))
+            self._acknowledge.publish(encode_text(sign_text(answer.acknowledge, _BRIDGE)))
         else:
             self._send(line, [self._alerts.refuse(command, now_ns)])
 

@@ -22,6 +22,7 @@ import time
 from typing import Any, Callable, Mapping, Sequence
 
 from diagnostic_msgs.msg import DiagnosticArray
+from diagnostic_msgs.srv import AddDiagnostics
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
@@ -39,6 +40,7 @@ from heading_intercompare.core.sensors.pair_settings import settings_of_tested
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Verdict
+from heading_intercompare.messages.authors import sign_text, split_author, UNKNOWN_OPERATOR
 from heading_intercompare.messages.ledger_messages import decode_ledger
 from heading_intercompare.messages.status_messages import (
     decode_marks,
@@ -53,11 +55,13 @@ from heading_intercompare.nodes.interface.places import label_tested, name_place
 from heading_intercompare.nodes.judging.accounts import Account, HeardAccount, PairerAccount
 from heading_intercompare.nodes.judging.heard_actions import HeardActions
 from heading_intercompare.nodes.judging.now_publisher import NowPublisher
+from heading_intercompare.nodes.judging.operator_actions import OPERATOR_SERVICE
 from heading_intercompare.nodes.judging.pair_intake import PairIntake
 from heading_intercompare.nodes.judging.sensor_judgement import SensorJudgement
 from heading_intercompare.nodes.judging.sensors_reporting import SensorsReporting
 from heading_intercompare.nodes.judging.trial_journal import open_spool, TrialJournal
 from heading_intercompare.nodes.launching.process import run
+from heading_intercompare.nodes.presence.action_publisher import ActionPublisher
 from heading_intercompare.nodes.presence.graph_node import GraphNode
 from heading_intercompare.nodes.presence.health import Health
 from heading_intercompare.nodes.presence.setting_changes import SettingChanges
@@ -158,9 +162,14 @@ class Compliance(GraphNode):
         self._acknowledged = self.create_publisher(String, ACKNOWLEDGE_TOPIC, qos.ACKNOWLEDGE)
         subscribe(self, DiagnosticArray, MARKER_TOPIC, qos.MARKER, self.health, decode_marks,
                   self._mark)
-        for name in ('start', 'stop'):
-            self.create_service(Trigger, f'~/{name}_run', partial(self._command, name))
-        self.create_service(Trigger, '~/acknowledge', self._acknowledge)
+        self._action_publisher = ActionPublisher(self, self.health)
+        self._commands: dict[str, Callable[[str], str]] = {
+            'start': partial(self._command, 'start'), 'stop': partial(self._command, 'stop'),
+            'acknowledge': self._acknowledge}
+        for service, what in (('start_run', 'start'), ('stop_run', 'stop'),
+                              ('acknowledge', 'acknowledge')):
+            self.create_service(Trigger, f'~/{service}', partial(self._obey, what))
+        self.create_service(AddDiagnostics, OPERATOR_SERVICE, self._obey_operator)
         self.create_service(Trigger, '~/report', self._report)
         every(self, 1.0, self._beat)
 
@@ -261,25 +270,40 @@ class Compliance(GraphNode):
                     judgement.alarms.start_run()
         self.journal.tick(self.sole.clear)
 
-    def _command(self, kind: str, _: Trigger.Request,
-                 response: Trigger.Response) -> Trigger.Response:
+    def _obey(self, what: str, _: Trigger.Request,
+              response: Trigger.Response) -> Trigger.Response:
+        response.success, response.message = True, self._commands[what](UNKNOWN_OPERATOR)
+        return response
+
+    def _obey_operator(self, request: AddDiagnostics.Request,
+                       response: AddDiagnostics.Response) -> AddDiagnostics.Response:
+        """Do what a text says, in the name of the operator at its end."""
+        what, operator = split_author(request.load_namespace)
+        response.success = what in self._commands
+        response.message = self._commands[what](operator) if response.success else (
+            f'{what!r:.60}: must be one of {", ".join(self._commands)}, and then [by NAME]')
+        return response
+
+    def _command(self, kind: str, operator: str) -> str:
         """Set a mark after the newest pair of all; pairs up to it belong to the run before."""
         self._drain()
         did = explain_mark(kind, next(iter(self._judges.values())).keep().cutter)
         stamp_ns = self.newest_ns or 0
         self._mark([(kind, stamp_ns)])
-        self._marker.publish(encode_mark(kind, stamp_ns))
-        response.success, response.message = True, f'{kind} after the pair of {stamp_ns} ns: {did}'
+        self._marker.publish(encode_mark(kind, stamp_ns, operator))
+        words = f'{kind} after the pair of {stamp_ns} ns: {did}'
+        self._action_publisher.publish(words, operator)
         for judgement in self._judgements.values():
             judgement.reporting.look()
-        return response
+        return words
 
-    def _acknowledge(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
-        self._acknowledged.publish(encode_text(ALL))
+    def _acknowledge(self, operator: str) -> str:
+        self._acknowledged.publish(encode_text(sign_text(ALL, operator)))
         n = self.health.acknowledge() + sum(panel.acknowledge() for panel in self.panels)
-        response.success = True
-        response.message = f'{count_words(n, "alert")} acknowledged'
-        return response
+        words = f'{count_words(n, "alert")} acknowledged'
+        if n:
+            self._action_publisher.publish(words, operator)
+        return words
 
     def _report(self, _: Trigger.Request, response: Trigger.Response) -> Trigger.Response:
         headlines = [headline for judgement in self._judgements.values()

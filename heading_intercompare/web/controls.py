@@ -33,11 +33,11 @@ class Controls:
     look
         Returns the newest view, and its age in seconds.
     act
-        ``act(what, text)`` begins an action and returns a future with the answer in words.
+        ``act(what, text, operator)`` begins an action and returns a future with the answer.
         `what` is 'start', 'stop', 'acknowledge' (of the alarm `text`, all if empty) or 'note'
-        (`text`).
+        (`text`); `operator` is the name of the person, '' if it is not known.
 
     """
 
     look: Callable[[], tuple[BridgeView, float]]
-    act: Callable[[str, str], 'Future[str]']
+    act: Callable[[str, str, str], 'Future[str]']

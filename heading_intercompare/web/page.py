@@ -422,10 +422,10 @@ class _Page:
             self._run_buttons[what].classes(remove='sure')
 
     async def _keep_note(self) -> None:
-        text, name = (field.value or '' for field in (self._note, self._name))
-        if not text.strip():
+        text = (self._note.value or '').strip()
+        if not text:
             self._answer.set_text('the note is empty')
-        elif await self._act('note', ': '.join(filter(None, (name.strip(), text.strip())))):
+        elif await self._act('note', text):
             self._note.set_value('')
 
     async def _act(self, what: str, text: str) -> bool:
@@ -437,8 +437,8 @@ class _Page:
                                   'start')
             return False
         try:
-            answer = await asyncio.wait_for(
-                asyncio.wrap_future(self._controls.act(what, text)), _PATIENCE_S)
+            action = self._controls.act(what, text, self._name.value or '')
+            answer = await asyncio.wait_for(asyncio.wrap_future(action), _PATIENCE_S)
         except asyncio.TimeoutError:
             self._answer.set_text(f'no answer in {_PATIENCE_S:g} s: is the graph running?')
             return False

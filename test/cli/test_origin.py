@@ -29,14 +29,15 @@ from heading_intercompare.cli import main
 from heading_intercompare.core.version import VERSION
 
 S = 1_000_000_000
-NOTES = ['--note', 'MV Example', '--note', '2014-08-01T00:00:02Z course change']
+NOTES = ['--note', 'MV Example', '--note', '2014-08-01T00:00:02Z course change',
+         '--operator', 'J. Smith']
 
 
 def assert_noted(bag, before_ns):
     """Both notes are there: one with its own time, one with the time the bag was made."""
     event, ship = read_notes(BagReader(bag))
-    assert event == (1406851202 * S, 'course change')
-    assert ship.text == 'MV Example' and before_ns <= ship.stamp_ns <= time.time_ns()
+    assert event == (1406851202 * S, 'course change [by J. Smith]')
+    assert ship.text == 'MV Example [by J. Smith]' and before_ns <= ship.stamp_ns <= time.time_ns()
 
 
 @pytest.fixture
@@ -71,7 +72,7 @@ def test_an_import_names_its_logs_with_their_sha256_and_what_was_not_taken(logs,
     capsys.readouterr()
     assert main(['info', str(tmp_path / 'bag')]) == 0
     text = capsys.readouterr().out
-    assert '  ts.sentence: HEHDT\n' in text and 'UTC  course change\n' in text
+    assert '  ts.sentence: HEHDT\n' in text and 'UTC  course change [by J. Smith]\n' in text
 
 
 def test_a_simulation_names_scenario_and_seed_and_holds_the_truth(tmp_path, capsys):
@@ -111,3 +112,23 @@ def test_a_bag_whose_name_is_not_utf_8_is_refused(command, tmp_path, capsys):
     err = capsys.readouterr().err
     assert "b\\udcff' must be UTF-8" in err and err.count('\n') == 1
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize('login, author', [('mate', 'mate'), (None, 'unknown operator')])
+def test_a_note_without_a_name_is_that_of_the_login(login, author, tmp_path, monkeypatch, capsys):
+    def find_login():
+        if login is None:
+            raise KeyError('getpwuid(): uid not found')
+        return login
+    monkeypatch.setattr('getpass.getuser', find_login)
+    (tmp_path / 'trial.yaml').write_text('duration_s: 20\nlegs: 0 350 12; 9 20 12\n')
+    assert main(['simulate', '--scenario', str(tmp_path / 'trial.yaml'), '-o',
+                 str(tmp_path / 'bag'), *NORMS, '--note', 'one\ntwo']) == 0
+    assert [note.text for note in read_notes(BagReader(tmp_path / 'bag'))] == [
+        f'one [by {author}]', f'two [by {author}]']
+    capsys.readouterr()
+
+
+def test_a_name_that_is_no_text_is_refused(tmp_path, capsys):
+    assert main(['note', 'rough sea', '--operator', 'a\udcff']) == 2
+    assert 'error: --operator' in capsys.readouterr().err

@@ -19,12 +19,27 @@ from __future__ import annotations
 import pytest
 
 from heading_intercompare.messages.errors import MessageError
-from heading_intercompare.messages.status_messages import decode_marks, encode_mark, MARKS
+from heading_intercompare.messages.status_messages import (
+    decode_marks,
+    decode_statuses,
+    encode_mark,
+    encode_statuses,
+    MARKS,
+    OK,
+    Status,
+)
 
 
 @pytest.mark.parametrize('kind', MARKS)
 def test_a_mark_arrives_with_its_stamp(kind):
     assert decode_marks(encode_mark(kind, 123_456_789_012)) == [(kind, 123_456_789_012)]
+
+
+def test_a_mark_names_its_operator_and_one_without_a_name_has_the_bytes_of_before():
+    assert decode_marks(encode_mark('stop', 7, 'J. Smith')) == [('stop', 7)]
+    _, (status,) = decode_statuses(encode_mark('stop', 7, 'J. Smith'))
+    assert status.values == {'operator': 'J. Smith'}
+    assert encode_mark('stop', 7) == encode_statuses(7, [Status('marker', OK, 'stop')])
 
 
 def test_a_mark_that_is_cut_is_refused():

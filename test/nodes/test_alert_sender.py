@@ -32,12 +32,14 @@ from office import Office
 import pytest
 from rclpy.node import Node
 from ros_domain import DOMAIN
+from std_msgs.msg import String
 import yaml
 
 from heading_intercompare.core.alarms.alarm import AlarmState, Priority, Rule, Sign
 from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.nodes.alarms.alarm_panel import AlarmPanel
 from heading_intercompare.nodes.alert_sender import AlertSender
+from heading_intercompare.nodes.interface import qos
 from heading_intercompare.nodes.presence.health import Health
 
 S_NS = 10 ** 9
@@ -133,9 +135,13 @@ def test_an_alert_is_told_acknowledged_by_the_bridge_and_over(ros, bridge, panel
     assert (identifier, instance) == ('10005', '1')
     assert bridge.wait('compliance: jump is here', at=13)[:3] == ['IIALF', '2', '2']
     assert bridge.wait('JUMP', at=13)[4:7] == ['010000.00', 'B', 'W']
+    actions = ros.listen(String, 'operator/action', qos.ACTION)
     bridge.command('A', identifier)
     bridge.wait_for_state('JUMP', 'A')
     assert panel['jump'].state is AlarmState.ACKNOWLEDGED
+    ros.spin_until(lambda: actions)
+    assert actions[0].data.endswith(
+        'alarm acknowledged: jump [by bridge alert management]')
     see(panel, 3700, jump=False)
     bridge.wait_for_state('JUMP', 'N')
     assert bridge.states('JUMP') == ['V', 'A', 'N']

@@ -23,6 +23,7 @@ import time
 
 from deadlines import DEADLINE_S, Stopwatch
 from diagnostic_msgs.msg import DiagnosticArray, DiagnosticStatus
+from diagnostic_msgs.srv import AddDiagnostics
 from geometry_msgs.msg import TwistStamped
 from journals import plain
 from nodes.inside_nodes import judge_of, judgement_of, pairer_of
@@ -42,6 +43,7 @@ from std_srvs.srv import Trigger
 from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.app.config import settings_for
 from heading_intercompare.app.inputs import load_config_or_journal
+from heading_intercompare.bags.recording.recorded_headings import read_marks
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import read_notes
 from heading_intercompare.core import pipeline
@@ -118,6 +120,14 @@ class Graph:
         client = self.ros.plain.create_client(Trigger, f'compliance/{name}')
         self.ros.spin_until(client.service_is_ready)
         future = client.call_async(Trigger.Request())
+        self.ros.spin_until(future.done)
+        return future.result()
+
+    def act(self, text):
+        """Ask the node for an action in the name of an operator."""
+        client = self.ros.plain.create_client(AddDiagnostics, 'compliance/operator_action')
+        self.ros.spin_until(client.service_is_ready)
+        future = client.call_async(AddDiagnostics.Request(load_namespace=text))
         self.ros.spin_until(future.done)
         return future.result()
 
@@ -233,6 +243,43 @@ def test_a_setting_changed_while_the_node_runs_is_said_everywhere(ros, rng, tmp_
         note['stamp_ns'] for note in report['operator_actions']}
     logged = capfd.readouterr().err
     assert all(line.partition(': ')[2] in logged for line in words)
+
+
+@pytest.mark.parametrize('asked, author', [
+    (('start_run', 'stop_run'), 'unknown operator'),
+    (('start [by J. Smith]', 'stop [by J. Smith]'), 'J. Smith')])
+def test_each_mark_has_its_operator_in_the_bag_and_in_the_verdict(
+        ros, rng, tmp_path, asked, author):
+    """A touch at hour 11 took 11 hours from the record, and nobody knew whose it was."""
+    graph, recorder = Graph(ros), ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    pairs = some_pairs(rng, 0, 300)
+    for at, name in zip((100, 200), asked):
+        graph.send(pairs[at - 100:at])
+        assert (graph.call(name) if '_' in name else graph.act(name)).success
+    graph.send(pairs[200:])
+    ros.spin_until(lambda: len(graph.node.actions.notes) == 2)
+    report = graph.end()
+    ros.end(recorder)
+    texts = [note['text'] for note in report['operator_actions']]
+    assert [text.partition(' after')[0] for text in texts] == [
+        'compliance: start', 'compliance: stop']
+    assert all(text.endswith(f' [by {author}]') for text in texts)
+    bag = BagReader(tmp_path / 'bag')
+    assert [note.text for note in read_notes(bag)] == texts
+    assert [decode_statuses(message.data)[1][0].values for message in bag.messages(
+        ['compliance/marker'])] == [{'operator': author}] * 2
+    marks = [*zip(('start', 'stop'), (int(pairs.stamp_ns[at]) for at in (99, 199)))]
+    assert [*read_marks(bag)] == marks
+    assert [without_ledger(run) for run in report['runs']] == [
+        without_ledger(run) for run in offline(pairs, marks)['runs']]
+
+
+@pytest.mark.parametrize('wrong', ['', 'pause [by J. Smith]', '[by J. Smith]'])
+def test_an_action_that_is_none_is_refused(ros, wrong):
+    graph = Graph(ros)
+    answer = graph.act(wrong)
+    assert not answer.success and 'must be one of start, stop, acknowledge' in answer.message
+    assert not graph.node.actions.notes and not graph.heard['marker']
 
 
 def test_the_verdict_is_that_without_a_change_of_a_setting(ros, rng):
@@ -799,7 +846,7 @@ def test_a_mark_survives_a_kill_at_once(ros, rng, tmp_path):
     pairs = some_pairs(rng, 0, 2000)
     trial = Killed(ros, tmp_path)
     trial.send(pairs[:1000])
-    assert trial.node._command('start', Trigger.Request(), Trigger.Response()).success
+    assert trial.node._command('start', 'J. Smith').startswith('start after')
     kill(ros, trial.node, trial.node.journal)
     trial.start()
     trial.send(pairs[1000:])

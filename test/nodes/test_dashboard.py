@@ -52,9 +52,9 @@ def see(dashboard):
     return dashboard.page.controls.look()[0]
 
 
-def do(ros, dashboard, what, text=''):
+def do(ros, dashboard, what, text='', operator='J. Smith'):
     """Act as the page would; return the answer."""
-    answer = dashboard.page.controls.act(what, text)
+    answer = dashboard.page.controls.act(what, text, operator)
     ros.spin_until(answer.done)
     return answer.result()
 
@@ -108,7 +108,16 @@ def test_a_run_is_stopped_and_started_from_the_page(ros, graph):
     assert do(ros, graph, 'stop').startswith('stop after the pair of')
     ros.spin_until(lambda: see(graph).lamp.given_ns is not None and see(graph).run.number == 0)
     assert see(graph).lamp.what == 'end of run 1' and see(graph).lamp.word != 'NONE YET'
-    assert do(ros, graph, 'start').startswith('start after the pair of')
+    marks = ros.listen(DiagnosticArray, 'compliance/marker', qos.MARKER)
+    actions = ros.listen(String, 'operator/action', qos.ACTION)
+    assert do(ros, graph, 'start', operator='').startswith('start after the pair of')
+    ros.spin_until(lambda: len(marks) == len(actions) == 2)
+    for mark, action, kind, name in zip(marks, actions, ('stop', 'start'),
+                                        ('J. Smith', 'unknown operator')):
+        assert mark.status[0].message == kind
+        assert {pair.key: pair.value for pair in mark.status[0].values} == {'operator': name}
+        assert f' compliance: {kind} after the pair of ' in action.data
+        assert action.data.endswith(f' [by {name}]')
 
 
 def test_all_alarms_are_acknowledged_by_the_service_of_compliance(ros, graph):
@@ -125,7 +134,7 @@ def test_one_alarm_is_acknowledged_by_its_name(ros, dashboard):
     name = see(dashboard).alarms[0].name
     assert do(ros, dashboard, 'acknowledge', name) == f'{name}: acknowledged'
     ros.spin_until(lambda: heard)
-    assert heard[0].data == 'compliance: jump'
+    assert heard[0].data == 'compliance: jump [by J. Smith]'
 
 
 def test_a_note_goes_to_the_recorder_and_without_one_the_page_says_so(ros, dashboard):
@@ -134,7 +143,7 @@ def test_a_note_goes_to_the_recorder_and_without_one_the_page_says_so(ros, dashb
     ros.spin_until(lambda: dashboard.count_subscribers('operator/note'))
     assert do(ros, dashboard, 'note', 'rough sea') == 'the note was sent to the recorder'
     ros.spin_until(lambda: heard)
-    assert heard[0].data == 'rough sea'
+    assert heard[0].data == 'rough sea [by J. Smith]'
 
 
 @pytest.mark.parametrize('what', ['start', 'stop', 'acknowledge'])

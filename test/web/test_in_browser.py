@@ -280,6 +280,16 @@ def test_an_action_needs_the_token(page):
     await_text(page, '.k-answer', '^the note was sent to the recorder')
 
 
+def test_the_browser_keeps_the_name_of_the_operator(page):
+    page.fill('.k-name input', 'J. Smith')
+    page.reload()
+    page.wait_for_function('document.querySelector(".k-name input").value === "J. Smith"')
+    page.fill('.k-token input', TOKEN)
+    page.fill('.k-note input', 'calm sea')
+    page.click('.k-keep')
+    await_text(page, '.k-answer', '^the note was sent to the recorder')
+
+
 def test_a_silent_sensor_goes_stale_raises_an_alarm_and_is_acknowledged(page, ship):
     await_text(page, '.k-ts_heading', r'^\d{3}')
     page.fill('.k-token input', TOKEN)

@@ -30,6 +30,7 @@ from heading_intercompare.core.alarms.alarm import (
     Rule,
     Sign,
 )
+from heading_intercompare.messages.authors import split_author
 from heading_intercompare.messages.status_messages import (
     ALARMS_TOPIC,
     decode_text,
@@ -40,6 +41,7 @@ from heading_intercompare.messages.status_messages import (
     WARN,
 )
 from heading_intercompare.nodes.interface import qos
+from heading_intercompare.nodes.presence.action_publisher import ActionPublisher
 from heading_intercompare.nodes.presence.health import Health
 from heading_intercompare.nodes.spinning.clocks import stamp_or_now
 from heading_intercompare.nodes.taking.raw_subscription import subscribe
@@ -87,6 +89,7 @@ class AlarmPanel:
             event_callbacks=health.of_publisher(ALARMS_TOPIC))
         subscribe(node, String, ACKNOWLEDGE_TOPIC, qos.ACKNOWLEDGE, health, decode_text,
                   self._hear)
+        self._actions = ActionPublisher(node, health)
         self._show(publish=True)
 
     def add(self, rules: Iterable[Rule]) -> None:
@@ -110,15 +113,21 @@ class AlarmPanel:
 
     def acknowledge(self, name: str | None = None) -> int:
         """Acknowledge one alarm, or all; return how many there were."""
+        return len(self._acknowledge(name))
+
+    def _acknowledge(self, name: str | None) -> list[Alarm]:
         changed = self._table.acknowledge(name, stamp_or_now(self._node, self._now_ns))
         self._note(changed)
-        return len(changed)
+        return changed
 
     def _hear(self, text: str) -> None:
         """Acknowledge the alarm that a message names: `jump`, `compliance: jump`, or `all`."""
-        node, colon, name = text.strip().rpartition(':')
+        words, operator = split_author(text)
+        node, colon, name = words.strip().rpartition(':')
         if not colon or node.strip() == self._health.name:
-            self.acknowledge(None if name.strip() == ALL else name.strip())
+            changed = self._acknowledge(None if name.strip() == ALL else name.strip())
+            for alarm in changed:
+                self._actions.publish(f'alarm acknowledged: {alarm.rule.name}', operator)
 
     def _note(self, changed: Iterable[Alarm]) -> None:
         changed = list(changed)

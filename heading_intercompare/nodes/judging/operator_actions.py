@@ -21,17 +21,25 @@ from functools import partial
 from queue import SimpleQueue
 from typing import Any
 
+from diagnostic_msgs.srv import AddDiagnostics
 from rclpy.node import Node
 from std_msgs.msg import String
-from std_srvs.srv import Trigger
 
 from heading_intercompare.bags.rosbag2.provenance import NOTE_TOPIC
+from heading_intercompare.messages.authors import sign_text
 from heading_intercompare.messages.status_messages import encode_text
 from heading_intercompare.nodes.alarms.alarm_panel import ACKNOWLEDGE_TOPIC
 from heading_intercompare.nodes.interface import qos
 from heading_intercompare.nodes.spinning.clocks import every
 
 _PERIOD_S = 0.05
+
+OPERATOR_SERVICE = 'compliance/operator_action'
+"""
+The service of the node that judges which also takes the name of the operator.
+
+Its type, of another purpose, is the only standard one that takes a text and answers with one.
+"""
 
 
 class OperatorActions:
@@ -46,15 +54,13 @@ class OperatorActions:
     """
 
     def __init__(self, node: Node) -> None:
-        self._callers = {what: node.create_client(Trigger, f'compliance/{service}')
-                         for what, service in (('start', 'start_run'), ('stop', 'stop_run'),
-                                               ('acknowledge', 'acknowledge'))}
+        self._caller = node.create_client(AddDiagnostics, OPERATOR_SERVICE)
         self._acknowledge = node.create_publisher(String, ACKNOWLEDGE_TOPIC, qos.ACKNOWLEDGE)
         self._note = node.create_publisher(String, NOTE_TOPIC, qos.NOTE)
-        self._asked: SimpleQueue[tuple[str, str, Future[str]]] = SimpleQueue()
+        self._asked: SimpleQueue[tuple[str, str, str, Future[str]]] = SimpleQueue()
         every(node, _PERIOD_S, self._serve)
 
-    def ask(self, what: str, text: str) -> Future[str]:
+    def ask(self, what: str, text: str, operator: str) -> Future[str]:
         """
         Ask for an action, from any thread.
 
@@ -64,6 +70,8 @@ class OperatorActions:
             The action.
         text
             The note; or the alarm to acknowledge, all if empty.
+        operator
+            Name of the person who asks; '' if it is not known.
 
         Returns
         -------
@@ -72,30 +80,30 @@ class OperatorActions:
 
         """
         answer: Future[str] = Future()
-        self._asked.put((what, text, answer))
+        self._asked.put((what, text, operator, answer))
         return answer
 
     def _serve(self) -> None:
         while not self._asked.empty():
-            what, text, answer = self._asked.get()
+            what, text, operator, answer = self._asked.get()
             if not answer.set_running_or_notify_cancel():
                 continue
             if what == 'note' or text:
-                self._tell(what, text, answer)
-            elif not self._callers[what].service_is_ready():
+                self._tell(what, text, operator, answer)
+            elif not self._caller.service_is_ready():
                 answer.set_result('the compliance node does not answer: is it running?')
             else:
-                self._callers[what].call_async(Trigger.Request()).add_done_callback(
-                    partial(self._finish, answer))
+                request = AddDiagnostics.Request(load_namespace=sign_text(what, operator))
+                self._caller.call_async(request).add_done_callback(partial(self._finish, answer))
 
-    def _tell(self, what: str, text: str, answer: Future[str]) -> None:
+    def _tell(self, what: str, text: str, operator: str, answer: Future[str]) -> None:
         """Publish a note, or the name of an alarm to acknowledge."""
         publisher, done, nobody = (
             (self._note, 'the note was sent to the recorder', 'no recorder listens: no note kept')
             if what == 'note' else
             (self._acknowledge, f'{text}: acknowledged', 'no node listens'))
         if publisher.get_subscription_count():
-            publisher.publish(encode_text(text))
+            publisher.publish(encode_text(sign_text(text, operator)))
             answer.set_result(done)
         else:
             answer.set_result(nobody)

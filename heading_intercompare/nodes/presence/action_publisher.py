@@ -44,9 +44,12 @@ class ActionPublisher:
         self._health = health
         self._publisher = node.create_publisher(String, ACTION_TOPIC, qos.ACTION)
 
-    def publish(self, words: str, operator: str = '') -> None:
+    def publish(self, words: str, operator: str = '', *, warn: bool = False) -> None:
         """Say in words what an operator did; an empty name is that of an unknown one."""
-        text = sign_text(words, operator)
-        self._health.logger.warning(text)
+        text, logger = sign_text(words, operator), self._health.logger
+        if warn:
+            logger.warning(text)
+        else:
+            logger.info(text)
         self._publisher.publish(encode_text(
             f'{time_text(time.time_ns())} {self._health.name}: {text}'))

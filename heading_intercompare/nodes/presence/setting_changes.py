@@ -55,7 +55,7 @@ class SettingChanges:
         if value == before:
             return
         words = f'{name} changed from {before} to {value}'
-        self._actions.publish(words)
+        self._actions.publish(words, warn=True)
         self._health.note('settings', WARN, words, latch=True, log=False)
         if self._values == self._first:
             self._health.note('settings', OK, 'as at the start', log=False)

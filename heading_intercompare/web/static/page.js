@@ -1,4 +1,4 @@
-/* What only the browser knows: its palette, whether the page is live, sound, and the zoom. */
+/* What only the browser knows: its palette, the operator's name, whether the page is live, sound, and the zoom. */
 (() => {
   const root = document.documentElement;
   const PALETTES = ['day', 'dusk', 'night'];
@@ -18,6 +18,12 @@
     root.dataset.palette = name;
     press(name);
     remember('palette', name);
+  };
+
+  const keepName = field => {
+    field.addEventListener('input', () => remember('operator', field.value));
+    field.value = recall('operator') || '';
+    field.dispatchEvent(new Event('input', {bubbles: true}));
   };
 
   let audio = null, silentUntil = 0, lastSound = 0;
@@ -71,6 +77,7 @@
     const waiting = setInterval(() => {
       if (!document.querySelector('.k-day')) return;
       press(root.dataset.palette);
+      keepName(document.querySelector('.k-name input'));
       clearInterval(waiting);
     }, 100);
   });

@@ -105,7 +105,9 @@ def test_a_late_subscriber_gets_one_message_of_each_node_with_all_its_alarms(ros
 
 @pytest.mark.parametrize('text, jump, burst', [
     ('jump', True, False), (' watcher: jump\n', True, False), ('all', True, True),
-    ('watcher: all', True, True), ('other: jump', False, False), ('', False, False)])
+    ('watcher: all', True, True), ('jump [by J. Smith]', True, False),
+    ('watcher: all [by Mate: 2/O]', True, True), ('other: jump', False, False),
+    ('', False, False)])
 def test_a_message_acknowledges_the_alarm_that_it_names(shown, text, jump, burst):
     shown.see(1, jump=True, burst=True)
     publisher = shown.ros.plain.create_publisher(String, 'compliance/acknowledge', qos.ACKNOWLEDGE)
@@ -120,6 +122,22 @@ def test_a_message_acknowledges_the_alarm_that_it_names(shown, text, jump, burst
     over_s = time.monotonic() + 0.3
     shown.ros.spin_until(lambda: time.monotonic() > over_s)
     assert states() == [done[jump], done[burst]]
+
+
+@pytest.mark.parametrize('text, names, author', [
+    ('all [by J. Smith]', ['jump', 'burst'], 'J. Smith'), ('jump', ['jump'], 'unknown operator')])
+def test_an_acknowledgement_is_an_action_of_its_operator(shown, text, names, author):
+    shown.see(1, jump=True, burst=True)
+    heard = shown.ros.listen(String, 'operator/action', qos.ACTION)
+    publisher = shown.ros.plain.create_publisher(String, 'compliance/acknowledge', qos.ACKNOWLEDGE)
+    shown.ros.spin_until(lambda: publisher.get_subscription_count() == 1)
+    # The second one finds nothing to acknowledge, and is no action.
+    publisher.publish(String(data=text))
+    publisher.publish(String(data=text))
+    shown.ros.spin_until(lambda: len(heard) == len(names))
+    shown.ros.spin_until(lambda: shown.ros.executor.spin_once(0.2) is None)
+    assert [message.data.partition(' ')[2] for message in heard] == [
+        f'watcher: alarm acknowledged: {name} [by {author}]' for name in names]
 
 
 def test_a_change_is_logged_once_or_told_instead(shown, capfd):

@@ -57,14 +57,17 @@ def test_a_note_reaches_the_bag_that_is_recorded(tmp_path, place):
                    'ROS_AUTOMATIC_DISCOVERY_RANGE': 'LOCALHOST'}
     command = [sys.executable, '-m', 'heading_intercompare']
     recorder = subprocess.Popen(
-        [*command, 'record', *place, '-o', 'bag', '--config', 'mine.yaml', '--note', 'MV Example'],
+        [*command, 'record', *place, '-o', 'bag', '--config', 'mine.yaml', '--note', 'MV Example',
+         '--operator', 'J. Smith'],
         env=environment, cwd=tmp_path, stderr=subprocess.PIPE, text=True)
     try:
         # The command waits 5 s for a recorder, which takes longer to load on a loaded machine.
         wait_for((tmp_path / 'bag' / 'metadata.yaml').exists)
-        done = subprocess.run([*command, 'note', *place, 'course', 'change'], env=environment,
+        done = subprocess.run([*command, 'note', *place, '--operator', 'Mate', 'course',
+                               'change'], env=environment,
                               cwd=tmp_path, capture_output=True, text=True, timeout=DEADLINE_S)
-        assert (done.returncode, done.stdout) == (0, 'noted: course change\n'), done.stderr
+        assert (done.returncode, done.stdout) == (
+            0, 'noted: course change [by Mate]\n'), done.stderr
         recorder.send_signal(signal.SIGINT)
         said = recorder.communicate(timeout=DEADLINE_S)[1]
     finally:
@@ -73,7 +76,8 @@ def test_a_note_reaches_the_bag_that_is_recorded(tmp_path, place):
     assert recorder.returncode == 0 and 'note: course change' in said
     bag = BagReader(tmp_path / 'bag')
     assert bag.incomplete is None
-    assert [note.text for note in read_notes(bag)] == ['MV Example', 'course change']
+    assert [note.text for note in read_notes(bag)] == [
+        'MV Example [by J. Smith]', 'course change [by Mate]']
     assert [(a.name, a.data) for a in bag.attachments()] == [
         ('mine.yaml', (tmp_path / 'mine.yaml').read_bytes())]
     assert [name for name in bag.topics if name.endswith('note')] == [
