@@ -297,9 +297,14 @@ class Compliance:
                 for runs in (*self._closed, self._runs)}
 
     def run_figures(self) -> dict[str, Any]:
-        """Return the figures of the run in progress; ``n`` is 0 outside runs."""
+        """
+        Return the figures of the run in progress; ``n`` is 0 outside runs.
+
+        Unless a mark was set (``marked``), the first start takes all before it out of the record.
+        """
         run = self._run
-        result: dict[str, Any] = {'run': self.finished_runs + 1 if run else 0}
+        result: dict[str, Any] = {'run': self.finished_runs + 1 if run else 0,
+                                  'marked': self._cutter.state.marked}
         if run is None:
             return {**result, 'n': 0}
         result |= {'start_ns': run.start_ns, 'newest_ns': run.end_ns,

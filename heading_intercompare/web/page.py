@@ -25,7 +25,6 @@ from typing import Any, Sequence
 from nicegui import ui
 
 from heading_intercompare.core.count_words import count_words
-from heading_intercompare.core.decision.coverage import span_words
 from heading_intercompare.web.bridge.bridge_records import (
     AlertView,
     JudgedDayView,
@@ -40,6 +39,7 @@ from heading_intercompare.web.bridge.view_texts import (
     big_difference,
     clock,
     compass_words,
+    mark_words,
     node_words,
     Said,
     sensor_words,
@@ -410,10 +410,7 @@ class _Page:
         button = self._run_buttons[what]
         button.set_text(f'Tap again: {"a new run begins" if what == "start" else "the run ends"}')
         button.classes(add='sure')
-        self._answer.set_text(
-            'no run is in progress' if not run.number else
-            f'run {run.number} would end here, after {span_words(run.span_s or 0.0)} with '
-            f'{run.n:,} differences, and be judged as it is')
+        self._answer.set_text(mark_words(what, run))
 
     def _forget_tap(self) -> None:
         self._sure = '', 0.0

@@ -250,7 +250,8 @@ def test_the_figures_of_the_run_in_progress_are_those_at_its_end(rng):
     assert progress['n'] == run.n
     assert progress['variance_deg2'] == pytest.approx(run.variance_deg2, rel=1e-12)
     assert progress['n_plus'] == run.count_criterion.n_plus
-    assert comparison.compliance.run_figures() == {'run': 0, 'n': 0}
+    assert comparison.compliance.run_figures() == {
+        'run': 0, 'marked': False, 'n': 0}
 
 
 LIVE = ('nu', 'f', 'slow_allowance_deg2', 'lower_bound_deg2', 'upper_bound_deg2',

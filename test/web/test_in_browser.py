@@ -264,8 +264,9 @@ def test_the_browser_keeps_the_palette(page, name, ground):
 
 
 def test_an_action_needs_the_token(page):
+    await_text(page, '.k-run', r'^run \d')
     page.click('.k-start')
-    await_text(page, '.k-answer', 'differences, and be judged as it is$')
+    await_text(page, '.k-answer', r'all before it out of the record: run \d+, .* differences')
     await_text(page, '.k-start', '^Tap again: a new run begins$')
     page.click('.k-start')
     assert 'refused: the token is wrong' in await_text(page, '.k-answer', 'refused')

@@ -266,6 +266,8 @@ class RunView:
         When the clock ends the run.
     start_ns
         Stamp of its first pair.
+    marked
+        Whether a mark was set; the first start takes all before it out of the record.
 
     """
 
@@ -279,6 +281,7 @@ class RunView:
     stale: bool = True
     ends_ns: int | None = None
     start_ns: int | None = None
+    marked: bool = True
 
 
 @dataclass(frozen=True, slots=True)

@@ -425,13 +425,16 @@ class Bridge:
         if age_s is None:
             return RunView()
         number, n = integer(values.get('run')) or 0, integer(values.get('n')) or 0
+        marked = values.get('marked') != 'false'
         if not number:
-            return RunView(lacking='no run is in progress', age_s=age_s, stale=stale)
+            return RunView(lacking='no run is in progress', age_s=age_s, stale=stale,
+                           marked=marked)
         needed_s = real(values.get('needed_s'))
         std_deg, limit_deg2 = real(values.get('std_deg')), real(values.get('limit_deg2'))
         beyond = std_deg is not None and limit_deg2 is not None and std_deg ** 2 > limit_deg2
         return RunView(
             number=number, n=n, span_s=real(values.get('span_s')), needed_s=needed_s,
+            marked=marked,
             next_look_ns=integer(values.get('next_look_ns')),
             ends_ns=integer(values.get('ends_ns')), start_ns=integer(values.get('start_ns')),
             lacking='waits until the alert is over' if validity.tone is Tone.BAD else

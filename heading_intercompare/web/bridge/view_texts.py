@@ -23,7 +23,7 @@ from heading_intercompare.core.decision.coverage import span_words
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.web.figures.stream_watch import SensorView
 
-from .bridge_records import AlertView, NodeView, Tone
+from .bridge_records import AlertView, NodeView, RunView, Tone
 
 if TYPE_CHECKING:
     from .bridge_view import BridgeView
@@ -144,6 +144,30 @@ def lacking_words(n: int, needed_s: float | None, beyond: bool = False) -> str:
     if needed_s <= 0.0:
         return f'enough to {"reject" if beyond else "accept"} if it goes on like this'
     return f'{span_words(needed_s)} more if it goes on like this'
+
+
+def mark_words(kind: str, run: RunView) -> str:
+    """
+    Return what a mark would do to the run in progress, for a person who is about to set it.
+
+    Parameters
+    ----------
+    kind : {'start', 'stop'}
+        Of the mark.
+    run
+        The run in progress.
+
+    """
+    if run.age_s is None:
+        return 'it is not known whether a run is in progress: none was heard yet'
+    size = f'{span_words(run.span_s or 0.0)} with {run.n:,} differences'
+    if kind == 'start' and not run.marked:
+        newest = f'run {run.number}, {size}, and ' if run.number else ''
+        return ('the first start takes all before it out of the record: '
+                f'{newest}each earlier run would not count')
+    if not run.number:
+        return 'no run is in progress'
+    return f'run {run.number} would end here, after {size}, and be judged as it is'
 
 
 def size_words(size: int | None) -> str:

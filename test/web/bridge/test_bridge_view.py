@@ -137,6 +137,19 @@ def test_figures_between_looks_colour_nothing_as_good_and_name_no_outcome(rng):
     assert 'compliant' not in repr(view).lower() and 'Tone.GOOD' not in repr(view)
 
 
+@pytest.mark.parametrize('marks, marked', [((), False), (('start',), True), (('stop',), True)])
+def test_the_page_knows_whether_a_mark_was_set(rng, marks, marked):
+    judge = Compliance(Settings.from_mapping(NORMS))
+    stamps = T0 + np.arange(100) * S
+    judge.update(Pairs.of(stamps[:50], np.full(50, 90.1), np.full(50, 90.0)))
+    for kind in marks:
+        judge.mark(kind, int(stamps[49]))
+    judge.update(Pairs.of(stamps[50:], np.full(50, 90.1), np.full(50, 90.0)))
+    bridge = lit(make())
+    bridge.take_run(*decode_statuses(encode_figures('run', judge.run_figures(), T0)), 0.0)
+    assert bridge.view(0.0).run.marked is marked
+
+
 def test_the_lamp_takes_the_messages_that_compliance_publishes(rng):
     judge = Compliance(Settings.from_mapping({**NORMS, 'risk.min_duration_s': 10.0}))
     stamps = T0 + np.arange(6000) * S

@@ -33,6 +33,7 @@ from heading_intercompare.web.bridge.sensors_panel import SensorRow
 from heading_intercompare.web.bridge.view_texts import (
     alert_words,
     big_difference,
+    mark_words,
     node_words,
     stamp_words,
     tell,
@@ -50,6 +51,24 @@ def test_before_anything_is_heard_no_place_shows_a_figure():
     assert said['difference_state'].text == 'no pair yet'
     assert said['lamp'].text == '… NONE YET' and said['run'].text == 'no run'
     assert said['graph'].text == 'nothing heard from the graph yet'
+
+
+_SIZE = '11.0 h with 396,000 differences'
+
+
+@pytest.mark.parametrize('kind, number, marked, words', [
+    ('start', 3, False, 'the first start takes all before it out of the record: '
+     f'run 3, {_SIZE}, and each earlier run would not count'),
+    ('start', 0, False, 'the first start takes all before it out of the record: '
+     'each earlier run would not count'),
+    ('start', 3, True, f'run 3 would end here, after {_SIZE}, and be judged as it is'),
+    ('stop', 3, False, f'run 3 would end here, after {_SIZE}, and be judged as it is'),
+    ('start', 0, True, 'no run is in progress'), ('stop', 0, False, 'no run is in progress')])
+def test_the_first_tap_says_what_would_not_count(kind, number, marked, words):
+    """The page promised that the run be judged as it is; the first start discarded 11 hours."""
+    run = RunView(number=number, n=396_000, span_s=39_600.0, age_s=0.5, marked=marked)
+    assert mark_words(kind, run) == words
+    assert mark_words(kind, RunView()).startswith('it is not known whether')
 
 
 def test_a_live_sensor_shows_heading_age_rate_and_offset():
