@@ -73,6 +73,8 @@ class Received(NamedTuple):
         stamped by the kernel and do not wait.
     file
         The file of a log that begins with this line.
+    sender
+        Address of the host that sent a datagram.
 
     """
 
@@ -80,6 +82,7 @@ class Received(NamedTuple):
     stamp_ns: int | None
     late_s: float = 0.0
     file: str | None = None
+    sender: str = ''
 
 
 #: One sentence: time of receipt [ns], the bytes before it, its text, whether it had a checksum,

@@ -21,6 +21,7 @@ import os
 from os import PathLike
 from typing import Iterator
 
+from heading_intercompare.core.count_words import count_words
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.units.angle_units import AngleWatch
 
@@ -119,6 +120,8 @@ class LogReader:
                 talkers = (self._nmea.chosen.talker, *self._nmea.turns)
                 words.append(f'{" and ".join(talkers)} send in turns: if they are one receiver, '
                              f'take all its headings with `talker` {",".join(talkers)}')
+            if n_missing := self._nmea.numbers.n_missing:
+                words.append(f'{count_words(n_missing, "line")} missing by the numbers n:')
             words += filter(None, (self._nmea.days.origin, self._nmea.undone))
         return words + [f'{path} ends too early' for path in self._files.cut] + [
             f'{path} is a link that leads nowhere' for path in self._files.dangling]

@@ -29,6 +29,7 @@ from typing import Mapping
 from heading_intercompare.core.records import Headings
 
 from .framing import Frame, Framer
+from .line_numbers import LineNumbers, SenderTurns
 from .log_lines.days import Days
 from .log_lines.line_stamps import LineStamps, STAMP_REASONS
 from .log_lines.line_words import WordCounts
@@ -139,6 +140,10 @@ class NmeaDecoder:
     lines
         Sentences, and lines without one, seen so far: the headings returned, those held while
         listening, and the sum of `counts`.
+    numbers : LineNumbers
+        The numbers of the lines.
+    senders : SenderTurns
+        Who sent the headings of the chosen sentence.
 
     Notes
     -----
@@ -210,6 +215,10 @@ class NmeaDecoder:
         self._psxn_quality = b''
         self._n_headings = self._n_others = self._n_chosen = 0
         self._turns = TalkerTurns()
+        self.numbers, self.senders = LineNumbers(), SenderTurns()
+        self._sender = ''
+        #: By kind: stamp, heading and reason of old lines, which a restart lets count.
+        self._old: dict[tuple[str, bytes], list[tuple[int, float, str]]] = {}
         self._read = (self._read_valid if self._validity else self._read_receipt
                       if self._bursts is None else self._read_stream)
 
@@ -230,7 +239,8 @@ class NmeaDecoder:
         other kinds; `other_sentence.KIND`, `other_talker.XX`: headings that were not chosen;
         `other_instrument`; `too_few_fields`, `empty_heading`, `bad_field`, `out_of_range`,
         `not_true`, `invalid_mode.X` (THS), `no_variation` (HDG, VHW, HDM), `invalid_quality` (a
-        sentence of a maker, or the PSXN,20 before a PSXN,23, says so); `no_stamp`, `bad_stamp`,
+        sentence of a maker, or the PSXN,20 before a PSXN,23, says so); `repeated`, `old_number`
+        (the number of the line, see `LineNumbers`); `no_stamp`, `bad_stamp`,
         `no_date` (a time of day), `ambiguous_date` (day or month first), `burst` (readings of a
         stream or of a log without a stamp of their own), `no_validity_time`, `bad_time` (a ZDA,
         RMC or GGA).
@@ -276,7 +286,8 @@ class NmeaDecoder:
     @property
     def lines(self) -> int:
         """Sentences, and lines without one, seen so far."""
-        return sum(self._counts.values()) + self._n_headings + self._listening.n_held
+        return (sum(self._counts.values()) + self._n_headings + self._listening.n_held
+                + sum(map(len, self._old.values())))
 
     @property
     def chosen(self) -> Name | None:
@@ -284,7 +295,7 @@ class NmeaDecoder:
         return self._listening.chosen
 
     def feed(self, data: bytes, received_ns: int | None, late_s: float = 0.0,
-             file: str | None = None) -> Headings:
+             file: str | None = None, sender: str = '') -> Headings:
         """
         Take bytes and return the headings that they complete.
 
@@ -298,6 +309,8 @@ class NmeaDecoder:
             Longest time for which the bytes may have waited to be read, seconds.
         file
             The file of a log that begins with these bytes.
+        sender
+            Address of the host that sent a datagram.
 
         Returns
         -------
@@ -307,6 +320,8 @@ class NmeaDecoder:
         """
         if file is not None:
             self._stamps.begin_file(file)
+            self.numbers.begin_file()
+        self._sender = sender
         frames = self._framer.feed(data, received_ns)
         if self._bursts is not None and received_ns is not None:
             self._late_s = {received_ns: late_s, **dict(list(self._late_s.items())[:1])}
@@ -323,6 +338,8 @@ class NmeaDecoder:
         for frame in self._framer.flush():
             self._take(frame)
         self._count_choice(self._listening.choose())
+        for kind in [*self._old]:
+            self._decide(kind, restarted=False)
         return self._drain()
 
     def _count_choice(self, held: Mapping[Name, Heard]) -> None:
@@ -361,6 +378,10 @@ class NmeaDecoder:
         if not (checked or self._lenient or may_lack_checksum(name, self._own_sentence)):
             self._counts['no_checksum'] += 1
             return
+        refused = self.numbers.refuse(prefix, text, received_ns)
+        if name is None and refused:
+            self._counts['not_heading'] += 1
+            return
         if name is None:
             self._counts[self._note(text, prefix, suffix, received_ns)] += 1
             return
@@ -380,14 +401,42 @@ class NmeaDecoder:
             counts, rows = heard.counts, heard.rows
         self._n_chosen += 1
         try:
+            if refused:
+                self._hold(refused, name, text, prefix, suffix, received_ns)
+                return
             stamp_ns, heading_deg = self._read(name, text, prefix, suffix, received_ns)
         except Rejected as rejected:
             if rejected.reason not in STAMP_REASONS:
                 self._stamps.pass_by(prefix, suffix, name)
             counts[rejected.reason] += 1
             return
+        if self.numbers.kind in self._old:
+            self._decide(self.numbers.kind, self.numbers.restarted)
+        self.senders.hear(f'{self._sender} {self.numbers.source}'.strip())
         rows.stamp_ns.append(stamp_ns)
         rows.values[0].append(heading_deg)
+
+    def _hold(self, reason: str, name: Name, text: bytes, prefix: bytes, suffix: bytes,
+              received_ns: int | None) -> None:
+        """Hold an old line until its numbers go on; raises Rejected if it has no stamp."""
+        kind, stamp_ns = self.numbers.kind, received_ns
+        if self._stamp_format != 'none':
+            stamp_ns = self._near_ns(prefix, suffix)
+        if (name != self.chosen or kind is None or stamp_ns is None or self._validity
+                or self._bursts is not None):
+            raise Rejected(reason)
+        self._old.setdefault(kind, []).append((stamp_ns, self._heading(name, text), reason))
+        self._stamps.pass_by(prefix, suffix, name)
+
+    def _decide(self, kind: tuple[str, bytes], restarted: bool) -> None:
+        """Return the lines that were held if the numbers began elsewhere; otherwise count them."""
+        rows = self._listening.rows
+        for stamp_ns, heading_deg, reason in self._old.pop(kind):
+            if restarted:
+                rows.stamp_ns.append(stamp_ns)
+                rows.values[0].append(heading_deg)
+            else:
+                self._counts[reason] += 1
 
     def _open_burst(self, prefix: bytes, text: bytes) -> None:
         """Take a line without a sentence, which may be a stamp, or the line UNIXD of UHDAS."""

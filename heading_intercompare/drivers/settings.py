@@ -303,6 +303,12 @@ class DriverSettings(Checked):
                        if self.deviation_table else ())
 
     @property
+    def takes_several(self) -> bool:
+        """Whether the readings of several talkers or instruments are taken as those of one."""
+        talker = self.talker or ''
+        return 'any' in (talker, self.instrument) or ',' in talker
+
+    @property
     def described_sentence(self) -> OwnSentence | None:
         """Return the sentence that the user describes."""
         return read_own_sentence(self.own_sentence)

@@ -171,7 +171,7 @@ class UdpSource:
                     continue
                 is_listed = host in self._senders or len(self._senders) < _MOST_SENDERS
                 self._senders[host if is_listed else _OTHERS] += 1
-                datagrams.append(Received(data, self._stamp_ns(ancillary)))
+                datagrams.append(Received(data, self._stamp_ns(ancillary), sender=host))
         self._count_drops()
         return datagrams
 

@@ -32,7 +32,8 @@ from heading_intercompare.core.records import Losses
 from .errors import MessageError
 from .status_messages import decode_statuses, encode_statuses, OK, Status, WARN
 
-LOST_AS = ('lost.on_the_way', 'lost.at_source', 'lost.before_start', 'rejected.burst')
+LOST_AS = ('lost.on_the_way', 'lost.at_source', 'lost.before_start', 'rejected.burst',
+           'rejected.repeated', 'rejected.old_number')
 """What may have become of the readings: the keys of the ledger without the sensor."""
 
 _FIGURES = ('stamp_ns', 'since_ns', 'count')

@@ -56,7 +56,7 @@ class NmeaDriver(ReadingNode):
         self._decoder = NmeaDecoder(settings)
         self._open()
         from_file = self._reading.from_file
-        self.alarms = SentenceAlarms(self, self.health, settings.talker)
+        self.alarms = SentenceAlarms(self, self.health, settings)
         self._publisher = self.create_publisher(
             Imu, settings.topic, qos.HEADINGS_OUT,
             event_callbacks=self.health.of_publisher(settings.topic))
@@ -90,9 +90,12 @@ class NmeaDriver(ReadingNode):
         if len(headings):
             self._newest_ns = int(headings.stamp_ns[-1])
         headings = self._waiting.add(headings)
-        dropped = self._reading.source.counts.get('kernel_dropped', 0)
-        self._lost.count({'lost.at_source': dropped + self._waiting.overrun,
-                          'rejected.burst': self._decoder.count('burst')}, headings)
+        # A datagram that the kernel dropped is missing in the numbers of the lines, too.
+        missing = max(self._reading.source.counts.get('kernel_dropped', 0),
+                      self._decoder.numbers.n_missing)
+        self._lost.count({'lost.at_source': missing + self._waiting.overrun,
+                          **{f'rejected.{reason}': self._decoder.count(reason)
+                             for reason in ('burst', 'repeated', 'old_number')}}, headings)
 
     def _publish_waiting(self) -> bool:
         clear = self._ending or self._audience.is_there() and self._audience.sole.clear
@@ -125,7 +128,7 @@ class NmeaDriver(ReadingNode):
                  or self._decoder.undone)
         if words:
             self.health.note('stamps', WARN, words)
-        self.alarms.look(self._counts, self._published)
+        self.alarms.look(self._counts, self._published, self._decoder)
 
     def _describe(self, n_published: int, age_s: float) -> dict[str, object]:
         now_s = time.monotonic()
@@ -133,7 +136,8 @@ class NmeaDriver(ReadingNode):
         self._beat_s, self._published_before = now_s, n_published
         return {'sentence': self._decoder.chosen, 'published': n_published, 'rate_hz': rate_hz,
                 'age_s': age_s, 'stamp_beyond_2038': self._beyond or None,
-                'overrun': self._waiting.overrun or None, **self._counts}
+                'overrun': self._waiting.overrun or None,
+                'missing_lines': self._decoder.numbers.n_missing or None, **self._counts}
 
     def end(self) -> None:
         """Stop reading; `ended` becomes True once everything received is published."""

@@ -286,6 +286,12 @@ class Line:
         self.driver = ros.ours(NmeaDriver, source=f'udp://127.0.0.1:{self.port}', learn_s=0.0)
         self.socket = socket.socket(socket.AF_INET, socket.SOCK_DGRAM)
 
+    def send_from(self, host, data):
+        """Send a sentence from another address."""
+        with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+            sender.bind((host, 0))
+            sender.sendto(data, ('127.0.0.1', self.port))
+
     def send_until(self, condition, *more):
         """Send a good sentence and more, ten times a second, until a condition holds; time it."""
         def step():
@@ -297,6 +303,22 @@ class Line:
         watch = Stopwatch()
         self.ros.spin_until(step)
         return watch.passed_s
+
+
+def test_a_second_sender_of_the_same_talker_is_named(ros):
+    line = Line(ros)
+    try:
+        panel = line.driver.alarms.panel
+        line.send_until(lambda: line.driver._published > 5)
+        assert not panel['second_sender'].state.active
+
+        def forge():
+            line.send_from('127.0.0.2', sentence(87.0))
+            return panel['second_sender'].state.active
+        assert line.send_until(forge) < 3.5
+        assert '127.0.0.1' in (words := panel['second_sender'].words) and '127.0.0.2' in words
+    finally:
+        line.socket.close()
 
 
 @pytest.mark.parametrize('name, more', [

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 import socket
 import threading
 import time
@@ -33,6 +34,7 @@ from rclpy.serialization import serialize_message
 from sensor_msgs.msg import Imu
 
 from heading_intercompare.core.declared_settings import SettingsError
+from heading_intercompare.drivers.alerts.alert_sentences import tag
 from heading_intercompare.drivers.settings import DriverError
 from heading_intercompare.drivers.sources import UdpSource
 from heading_intercompare.messages.ledger_messages import decode_losses
@@ -241,6 +243,28 @@ def test_what_the_kernel_dropped_is_told_with_the_stamp_of_the_next_heading(ros)
     # The last ones were dropped after the last heading.
     assert losses_from(told) == [('lost.at_source', (stamps[2], stamps[1], 100)),
                                  ('lost.at_source', (stamps[2], stamps[2], 200))]
+
+
+def test_lines_that_come_a_second_time_and_gaps_of_their_numbers_are_told(ros):
+    """Each datagram comes by two paths; then three lines are missing."""
+    port = free_port()
+    node = ros.ours(NmeaDriver, source=f'udp://127.0.0.1:{port}', sentence='HDT')
+    heard = ros.listen(Imu, 'ts/heading', qos.PAIRS_TAKEN)
+    told = ros.listen(DiagnosticArray, 'ts/heading/lost', qos.LOST)
+    ros.spin_until(lambda: node.count_subscribers('ts/heading/lost'))
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
+        for n in [*range(1, 21), *range(24, 31)]:
+            data = tag(['s:HE0001', f'n:{n}']) + sentence(10.0 + n).encode()
+            for _ in range(1 + (n > 15)):
+                sender.sendto(data, ('127.0.0.1', port))
+    ros.spin_until(lambda: len(heard) == 27)
+    ros.end(node)
+    ros.spin_until(lambda: sum(row[2] for _, row in losses_from(told)) == 15)
+    counts = Counter()
+    for lost_as, (_, _, n) in losses_from(told):
+        counts[lost_as] += n
+    assert counts == {'rejected.repeated': 12, 'lost.at_source': 3}
+    assert node._decoder.numbers.n_missing == 3
 
 
 def test_a_burst_is_told_with_the_stamp_of_the_next_heading(ros):

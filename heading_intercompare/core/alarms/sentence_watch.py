@@ -12,11 +12,11 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What the counts of a driver say about its line: damaged sentences, a second talker, bursts."""
+"""What a driver counts says about its line: damaged sentences, a second talker or sender."""
 
 from __future__ import annotations
 
-from typing import Mapping
+from typing import Mapping, Sequence
 
 from heading_intercompare.core.statistics.recent_count import RecentCount
 
@@ -24,7 +24,8 @@ from .alarm import Priority, Rule, Sign
 
 SENTENCE_RULES = (
     Rule('checksum', Priority.CAUTION, 10.0), Rule('second_talker', Priority.WARNING, 10.0),
-    Rule('burst', Priority.CAUTION, 10.0), Rule('dropped', Priority.CAUTION, 10.0))
+    Rule('second_sender', Priority.CAUTION, 10.0), Rule('burst', Priority.CAUTION, 10.0),
+    Rule('dropped', Priority.CAUTION, 10.0))
 """The alarms of a driver."""
 
 _SPAN_S = 10.0
@@ -32,6 +33,12 @@ _SPAN_S = 10.0
 _FEWEST, _SHARE, _RARE = 5, 0.1, 0.01
 _DAMAGED = ('bad_checksum', 'no_checksum', 'cut')
 _TALKER = 'other_talker.'
+#: Changes of the sender in the span: one that takes over, and a single stray reading, have two.
+_CHANGES = 3
+#: Lines with an old number in the span; a sender that restarts has eight.
+_OLD = 9
+#: Counts that only the alarms see.
+SENDER_CHANGES, LATE_REPEATS = 'sender_changes', 'late_repeats'
 
 
 class SentenceWatch:
@@ -42,25 +49,30 @@ class SentenceWatch:
     ----------
     talker
         The talker that the user chose. Others are expected then.
+    senders_expected
+        The user takes the readings of several senders.
 
     """
 
-    def __init__(self, talker: str | None) -> None:
-        self._talker = talker
+    def __init__(self, talker: str | None, senders_expected: bool = False) -> None:
+        self._talker, self._senders_expected = talker, senders_expected
         self._recent: dict[str, RecentCount] = {}
 
-    def look(self, counts: Mapping[str, int], headings: int, now_s: float) -> dict[str, Sign]:
+    def look(self, counts: Mapping[str, int], headings: int, now_s: float,
+             senders: Sequence[str] = ()) -> dict[str, Sign]:
         """
         Return the signs at a time.
 
         Parameters
         ----------
         counts
-            What gave no heading so far, by reason.
+            What gave no heading so far, by reason; and changes of the sender.
         headings
             Headings so far.
         now_s
             A steady clock, seconds; increases from call to call.
+        senders
+            The last two senders of readings.
 
         """
         damaged = self._grow('damaged', sum(counts.get(key, 0) for key in _DAMAGED), now_s)
@@ -70,6 +82,9 @@ class SentenceWatch:
         return {
             'checksum': _judge_checksum(damaged, good),
             'second_talker': self._judge_talkers({t: n for t, n in others.items() if n}),
+            'second_sender': self._judge_senders(
+                {key: self._grow(key, counts.get(key, 0), now_s)
+                 for key in (SENDER_CHANGES, LATE_REPEATS, 'old_number')}, ' and '.join(senders)),
             'burst': _judge_count(self._grow('burst', counts.get('burst', 0), now_s),
                                   'readings came in a burst, without a time of receipt'),
             'dropped': _judge_count(
@@ -78,6 +93,16 @@ class SentenceWatch:
 
     def _grow(self, key: str, total: int, now_s: float) -> int:
         return self._recent.setdefault(key, RecentCount(_SPAN_S)).take(total, now_s)
+
+    def _judge_senders(self, figures: Mapping[str, int], names: str) -> Sign:
+        changes, late, old = figures.values()
+        if changes >= _CHANGES and not self._senders_expected:
+            return Sign(True, f'the readings of one talker come from several senders: {names}; '
+                        'take one with ?from=ADDRESS or instrument, or remove the other', figures)
+        if late >= _FEWEST or old >= _OLD:
+            return Sign(True, 'somebody sends old lines of the sensor a second time: their '
+                        'numbers n: passed; the driver rejects them', figures)
+        return Sign(None if changes or late or old else False)
 
     def _judge_talkers(self, others: Mapping[str, int]) -> Sign:
         n = sum(others.values())

@@ -37,8 +37,9 @@ from heading_intercompare.core.declared_figures import figure, no_key
 from heading_intercompare.core.raw_streams.decimal_steps import DECIMAL_STEPS
 from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
 
-REASONS = ('invalid', 'out_of_range', 'no_stamp', 'stamp_not_increasing', 'jump', 'burst')
-"""Reasons to reject a reading before pairing; its driver rejects a `burst`."""
+REASONS = ('invalid', 'out_of_range', 'no_stamp', 'stamp_not_increasing', 'jump', 'burst',
+           'repeated', 'old_number')
+"""Reasons to reject a reading before pairing; its driver rejects the last three."""
 
 APART_DEG2 = 1e-9
 """Unit of the squared distances between values interpolated in two ways, square degrees."""
@@ -82,6 +83,8 @@ class LedgerKey(str, Enum):
     TS_STAMP_NOT_INCREASING = 'ts_rejected.stamp_not_increasing'
     TS_JUMP = 'ts_rejected.jump'
     TS_BURST = 'ts_rejected.burst'
+    TS_REPEATED = 'ts_rejected.repeated'
+    TS_OLD_NUMBER = 'ts_rejected.old_number'
     TS_LOST_ON_THE_WAY = 'ts_lost.on_the_way'
     TS_LOST_AT_SOURCE = 'ts_lost.at_source'
     TS_LOST_BEFORE_START = 'ts_lost.before_start'
@@ -96,6 +99,8 @@ class LedgerKey(str, Enum):
     RS_STAMP_NOT_INCREASING = 'rs_rejected.stamp_not_increasing'
     RS_JUMP = 'rs_rejected.jump'
     RS_BURST = 'rs_rejected.burst'
+    RS_REPEATED = 'rs_rejected.repeated'
+    RS_OLD_NUMBER = 'rs_rejected.old_number'
     RS_LOST_ON_THE_WAY = 'rs_lost.on_the_way'
     RS_LOST_AT_SOURCE = 'rs_lost.at_source'
     RS_LOST_BEFORE_START = 'rs_lost.before_start'
@@ -251,8 +256,9 @@ class LedgerSegment:
         return sum(n for key, n in self.counts.items() if key.stream == stream and not key.lost)
 
     def reported(self, stream: str) -> int:
-        """Return how many of the readings that came do not only repeat a held value."""
-        return self.received(stream) - self.counts.get(LedgerKey.of_held(stream), 0)
+        """Return how many of the readings that came repeat neither a held value nor a line."""
+        return (self.received(stream) - self.counts.get(LedgerKey.of_held(stream), 0)
+                - self.rejected(stream).get('repeated', 0))
 
     def changes(self, stream: str) -> dict[int, int]:
         """Return the changes of value of ``'ts'`` or ``'rs'`` by step, see `StepCount`."""
@@ -269,6 +275,10 @@ class LedgerSegment:
         """Return how many readings of ``'ts'`` or ``'rs'`` were rejected, by reason."""
         return {reason: n for reason in REASONS
                 if (n := self.counts.get(LedgerKey.of_rejected(stream, reason)))}
+
+    def refused(self, stream: str) -> dict[str, int]:
+        """Return what was rejected, by reason, without lines whose first copy was taken."""
+        return {reason: n for reason, n in self.rejected(stream).items() if reason != 'repeated'}
 
     def lost(self, stream: str) -> dict[str, int]:
         """Return what of ``'ts'`` or ``'rs'`` was lost, by where: at the source datagrams."""

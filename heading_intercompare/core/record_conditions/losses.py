@@ -70,7 +70,7 @@ def warn_of_rejected(share: LedgerSegment) -> list[str]:
     """Return in words which sensors had more than 1 % of the readings of a run rejected."""
     words = []
     for stream in ('ts', 'rs'):
-        rejected, received = share.rejected(stream), share.received(stream)
+        rejected, received = share.refused(stream), share.received(stream)
         n = sum(rejected.values())
         if n > _REJECTED_SHARE * received:
             why = ', '.join(f'{count} {reason}' for reason, count in rejected.items())
@@ -135,7 +135,7 @@ def _ledger_shares(account: RunAccount, share: LedgerSegment,
         lost = inside.lost(stream)
         missing = {'lost on the way': lost.get('on_the_way', 0),
                    'lost at the source': inside.lost_at_source(stream),
-                   'rejected': sum(inside.rejected(stream).values()) + after,
+                   'rejected': sum(inside.refused(stream).values()) + after,
                    'without partner': unpaired.get(stream, 0)}
         # What came before the first reading lies in no run.
         sent = (inside.reported(stream) + missing['lost on the way']

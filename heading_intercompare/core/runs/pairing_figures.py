@@ -65,7 +65,8 @@ class PairingFigures:
                                               '1 if the TS is not interpolated')
     lost: LostReadings = figure('readings that were sent and never came, by sensor and by where',
                                 '`on_the_way`: gaps in the numbers of the publisher; `at_source`: '
-                                'datagrams that the kernel dropped before the driver read them; '
+                                'datagrams that the kernel dropped before the driver read them, '
+                                'or lines missing by their numbers; '
                                 '`before_start`: published before the first reading taken, in the '
                                 'first run')
     ts_unbridged: int = figure('of these beside a gap of the RS', 'TS readings')

@@ -50,7 +50,7 @@ _NAMES = ('ts_frozen', 'rs_frozen', 'rotated', 'mirrored', 'jump', 'outliers', '
           'clock_step', 'mean_difference', 'reference', 'resolution', 'repeated_readings',
           'motion', 'ts_silent', 'rs_silent', 'checksum', 'second_talker', 'burst', 'dropped',
           'not_recorded', 'not_written', 'two_publishers', 'mismatch', 'lost_on_the_way',
-          'overload')
+          'overload', 'second_sender')
 _FIRST = 10001
 _IDENTIFIERS = {name: _FIRST + number for number, name in enumerate(_NAMES)}
 #: Those of other alarms are made from their names.

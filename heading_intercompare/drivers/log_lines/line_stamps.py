@@ -18,8 +18,7 @@ from __future__ import annotations
 
 from collections import deque
 from datetime import datetime, timedelta, timezone, tzinfo
-from functools import lru_cache, reduce
-from operator import xor
+from functools import lru_cache
 import re
 from typing import Callable, Iterable, NamedTuple
 from zoneinfo import ZoneInfo
@@ -38,10 +37,10 @@ from .line_formats import (
     read_own,
     read_zone,
 )
+from .tag_blocks import tag_blocks
 from .times import DAY_NS, fraction_ns, SECOND_NS
 
 _TAGS = re.compile(rb'(?:\\[^\\]*\\\s*)+\Z|\\[a-z]:[^\\]*\Z')
-_TAG = re.compile(rb'\\([^\\*]*)\*([0-9A-Fa-f]{2})\\')
 _NUMERIC_DATE = re.compile(rb'(?<![0-9A-Za-z.+-])(\d{1,2})[/.-](\d{1,2})[/.-]\d{4}(?!\d)')
 _OFFSET = re.compile(r'([+-])(\d\d):?(\d\d)\Z')
 _DIGIT = re.compile(rb'\d').search
@@ -396,13 +395,10 @@ class LineStamps:
 
     def _find_tag(self, prefix: bytes) -> Found | None:
         """Return the time `c:` of the last TAG block that has one and a correct checksum."""
-        for text, checksum in reversed(_TAG.findall(prefix)):
-            if reduce(xor, text, 0) == int(checksum, 16):
-                for field in text.split(b','):
-                    if field.startswith(b'c:'):
-                        match = _EPOCH.match(field[2:])
-                        words = b','.join(part for part in text.split(b',')
-                                          if part.startswith(b's:'))
-                        return match and Found('tag', self._read(match, _BY_NAME['epoch']).ns,
-                                               words)
+        for fields in tag_blocks(prefix):
+            for field in fields:
+                if field.startswith(b'c:'):
+                    match = _EPOCH.match(field[2:])
+                    words = b','.join(part for part in fields if part.startswith(b's:'))
+                    return match and Found('tag', self._read(match, _BY_NAME['epoch']).ns, words)
         return None

@@ -25,6 +25,7 @@ import numpy as np
 from heading_intercompare.core.motion.moved_rows import MovedRow
 from heading_intercompare.core.records import Motion
 from heading_intercompare.drivers.framing import Frame, Framer
+from heading_intercompare.drivers.line_numbers import LineNumbers
 from heading_intercompare.drivers.log_lines.log_clocks import choose_time_sentences, start_stamps
 from heading_intercompare.drivers.log_lines.log_files import LogFiles
 from heading_intercompare.drivers.log_lines.log_order import open_log
@@ -83,11 +84,13 @@ class MotionLines:
         self._times = StreamTimes(days, choose_time_sentences(files, rule))
         is_udp = rule.source is not None and rule.address.scheme == 'udp'
         self._framer = Framer(datagrams=is_udp, with_lines=self._is_log)
+        self._numbers = LineNumbers()
         self._last_ns: int | None = None
 
     def begin_file(self, name: str) -> None:
         """Begin with another file of a log."""
         self._stamps.begin_file(name)
+        self._numbers.begin_file()
         self._last_ns = None
 
     def feed(self, data: bytes, received_ns: int | None = None) -> Iterator[MotionLine]:
@@ -100,6 +103,9 @@ class MotionLines:
 
     def _take(self, frames: Iterable[Frame]) -> Iterator[MotionLine]:
         for received_ns, prefix, text, checked, suffix in frames:
+            if refused := self._numbers.refuse(prefix, text, received_ns):
+                self._counts[refused] += 1
+                continue
             stamp_ns = self._stamp(prefix, text, suffix, received_ns)
             name = self._family.identify(text)
             if name is None or name.kind not in self._family.parsers:
@@ -223,7 +229,7 @@ class MotionDecoder:
         return dict(sorted(self._counts.items()))
 
     def feed(self, data: bytes, received_ns: int | None, late_s: float = 0.0,
-             file: str | None = None) -> Motion:
+             file: str | None = None, sender: str = '') -> Motion:
         """Take bytes and return the motion that they complete; see `NmeaDecoder.feed`."""
         if file is not None:
             self._lines.begin_file(file)

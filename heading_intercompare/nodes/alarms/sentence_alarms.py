@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The alarms of a driver: damaged sentences, a second talker, bursts, dropped datagrams."""
+"""The alarms of a driver: damaged sentences, a second talker or sender, bursts, drops."""
 
 from __future__ import annotations
 
@@ -21,7 +21,14 @@ from typing import Mapping
 
 from rclpy.node import Node
 
-from heading_intercompare.core.alarms.sentence_watch import SENTENCE_RULES, SentenceWatch
+from heading_intercompare.core.alarms.sentence_watch import (
+    LATE_REPEATS,
+    SENDER_CHANGES,
+    SENTENCE_RULES,
+    SentenceWatch,
+)
+from heading_intercompare.drivers.nmea import NmeaDecoder
+from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.nodes.presence.health import Health
 
 from .alarm_panel import AlarmPanel
@@ -33,8 +40,8 @@ class SentenceAlarms:
 
     Parameters
     ----------
-    talker
-        The talker that the user chose.
+    settings
+        The talker and the instrument that the user chose.
 
     Attributes
     ----------
@@ -43,10 +50,13 @@ class SentenceAlarms:
 
     """
 
-    def __init__(self, node: Node, health: Health, talker: str | None) -> None:
-        self._watch = SentenceWatch(talker)
+    def __init__(self, node: Node, health: Health, settings: DriverSettings) -> None:
+        self._watch = SentenceWatch(settings.talker, settings.takes_several)
         self.panel = AlarmPanel(node, health, SENTENCE_RULES)
 
-    def look(self, counts: Mapping[str, int], headings: int) -> None:
+    def look(self, counts: Mapping[str, int], headings: int, decoder: NmeaDecoder) -> None:
         """Look at the counts of source and decoder; call it once a second."""
-        self.panel.update(self._watch.look(counts, headings, time.monotonic()), time.time_ns())
+        counts = {**counts, SENDER_CHANGES: decoder.senders.n_changes,
+                  LATE_REPEATS: decoder.numbers.n_late}
+        self.panel.update(self._watch.look(counts, headings, time.monotonic(),
+                                           decoder.senders.names), time.time_ns())

@@ -78,6 +78,7 @@ _KINDS: Mapping[str, _Kind] = {
     'lost_on_the_way': _Kind('Messages were lost', '', ('overload',)),
     'checksum': _Kind('{sensor}: sentences come damaged', 'damaged'),
     'second_talker': _Kind('{sensor}: a second talker is on the line', 'doubtful'),
+    'second_sender': _Kind('{sensor}: a second sender is on the network', 'doubtful'),
     'burst': _Kind('{sensor}: readings come in bursts', 'doubtful'),
     'dropped': _Kind('{sensor}: datagrams are dropped', 'doubtful'),
     'driver_silent': _Kind('{sensor}: its driver has stopped', 'no driver'),

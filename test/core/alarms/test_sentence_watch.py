@@ -18,7 +18,11 @@ from __future__ import annotations
 
 import pytest
 
-from heading_intercompare.core.alarms.sentence_watch import SentenceWatch
+from heading_intercompare.core.alarms.sentence_watch import (
+    LATE_REPEATS,
+    SENDER_CHANGES,
+    SentenceWatch,
+)
 
 
 def signs(watch, seconds, per_s, headings=10):
@@ -59,6 +63,17 @@ def test_a_second_talker_is_a_condition_unless_the_user_chose_one(talker, active
     assert found.active is active
     if active:
         assert 'GP' in found.words and 'set talker' in found.words
+
+
+@pytest.mark.parametrize('counts, expected, active', [
+    ({SENDER_CHANGES: 1}, False, None), ({SENDER_CHANGES: 2}, False, None),
+    ({SENDER_CHANGES: 3}, False, True), ({SENDER_CHANGES: 3}, True, None),
+    ({LATE_REPEATS: 5}, True, True), ({'repeated': 500}, False, False),
+    ({'old_number': 8}, False, None), ({'old_number': 9}, False, True), ({}, False, False)])
+def test_a_second_sender_is_a_condition_and_a_takeover_or_a_restart_is_none(
+        counts, expected, active):
+    signs = SentenceWatch(None, expected).look(counts, 100, 0.0, ('10.0.0.5', '10.0.0.6'))
+    assert signs['second_sender'].active is active
 
 
 def test_bursts_and_drops_are_told_and_end_ten_seconds_later():

@@ -92,6 +92,20 @@ def test_a_sensor_whose_readings_were_dropped_is_doubtful(rng):
     assert losses_of(run).effect == 'doubtful'
 
 
+@pytest.mark.parametrize('key, effect', [
+    (LedgerKey.TS_REPEATED, 'holds'), (LedgerKey.TS_OLD_NUMBER, 'doubtful')])
+def test_lines_whose_first_copy_was_taken_are_not_missing(rng, key, effect):
+    """A second network path loses none; an old number may stand for a lost line."""
+    stamps = np.arange(1, 1252) * 10 ** 9
+    comparison = Intercomparison(RULE)
+    comparison.update(noisy(rng, stamps), noisy(rng, stamps, 0.05))
+    comparison.lose(key, Losses.of(stamps[1:], stamps[:-1], np.ones(1250, int)))
+    comparison.finish()
+    (run,) = comparison.verdict().runs
+    assert run.pairing.rejected.ts == {key.reason: 1250}
+    assert losses_of(run).effect == effect
+
+
 def test_what_was_rejected_as_a_burst_is_received():
     share = LedgerSegment(None, {'ts_rejected.burst': 4, 'ts_paired': 10, 'paired': 10})
     assert share.rejected('ts') == {'burst': 4}
