@@ -64,7 +64,7 @@ class LedgerMessage(NamedTuple):
 
 
 def encode_ledger(ledger: Ledger, final: bool = False, started_ns: int = 0,
-                  numbers: Mapping[str, StreamNumbers] | None = None) -> bytes:
+                  numbers: Mapping[str, StreamNumbers] | None = None, owner: str = '') -> bytes:
     """Return a ledger as a message: total, segments, clocks that were set back; newest stamp."""
     total = Status('ledger', OK, 'final' if final else 'so far',
                    {'incarnation_ns': started_ns or None, 'final': final, **_words(ledger.total),
@@ -77,7 +77,7 @@ def encode_ledger(ledger: Ledger, final: bool = False, started_ns: int = 0,
         'stream': step.stream, 'stamp_ns': step.stamp_ns, 'size_ns': step.size_ns,
         'clock_segment': step.clock_segment or None})
         for number, step in enumerate(ledger.all_set_backs)]
-    return encode_statuses(ledger.newest_ns or 0, [total, *segments, *set_backs])
+    return encode_statuses(ledger.newest_ns or 0, [total, *segments, *set_backs], owner)
 
 
 def _number_words(numbers: StreamNumbers) -> dict[str, str | int]:

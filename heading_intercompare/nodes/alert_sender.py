@@ -16,12 +16,13 @@
 
 from __future__ import annotations
 
+from functools import partial
 import time
 from typing import Any, Sequence
 
-from diagnostic_msgs.msg import DiagnosticArray
 from std_msgs.msg import String
 
+from heading_intercompare.core.alarms.alarm import AlarmState
 from heading_intercompare.drivers.alerts.alert_line import AlertLine
 from heading_intercompare.drivers.alerts.alert_list import AlertList, Message, ReportedAlert
 from heading_intercompare.drivers.alerts.alert_push import AlertPush
@@ -44,7 +45,8 @@ from heading_intercompare.nodes.launching.process import run
 from heading_intercompare.nodes.presence.graph_node import GraphNode
 from heading_intercompare.nodes.presence.health import Health
 from heading_intercompare.nodes.spinning.clocks import every
-from heading_intercompare.nodes.taking.raw_subscription import subscribe
+from heading_intercompare.nodes.taking.own_messages import OwnMessages
+from heading_intercompare.nodes.taking.vouchers import owner_of
 
 from .interface import qos
 from .settings import TOLD
@@ -70,17 +72,26 @@ class AlertSender(GraphNode):
         self.health = Health(self)
         # A publisher keeps its earlier messages for us: the newest of each node counts.
         self._reports: dict[str, list[ReportedAlert]] = {}
+        self._newest: dict[str, dict[str, ReportedAlert]] = {}
         self._rejected = 0
         self._acknowledge = self.create_publisher(
             String, ACKNOWLEDGE_TOPIC, qos.ACKNOWLEDGE,
             event_callbacks=self.health.of_publisher(ACKNOWLEDGE_TOPIC))
-        subscribe(self, DiagnosticArray, ALARMS_TOPIC, qos.STATE_IN, self.health, decode_statuses,
-                  self._hear)
+        OwnMessages(self, self.health).subscribe(
+            ALARMS_TOPIC, qos.STATE_IN, decode_statuses, self._hear, owner_of,
+            act_in_doubt=partial(self._hear, in_doubt=True))
         every(self, _TURN_S, self._turn)
         self.health.add_refresher(self._note)
 
-    def _hear(self, message: tuple[int, Sequence[Status]]) -> None:
-        self._reports |= read_reports(message[1])
+    def _hear(self, message: tuple[int, Sequence[Status]], in_doubt: bool = False) -> None:
+        reports = read_reports(message[1])
+        for node, alerts in reports.items():
+            # What may be a copy that somebody else sends ends no alert.
+            former = self._newest.get(node, {}) if in_doubt else {}
+            self._newest[node] = former | {
+                alert.name: alert for alert in alerts
+                if alert.name not in former or alert.state is not AlarmState.NORMAL}
+            self._reports[node] = [*self._newest[node].values()]
 
     def _turn(self) -> None:
         """Send what has changed and what is due, and do what was commanded."""

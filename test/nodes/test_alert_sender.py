@@ -21,9 +21,11 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 
 from checksums import with_checksum
 from deadlines import DEADLINE_S
+from diagnostic_msgs.msg import DiagnosticArray
 from nodes.launch_files import make_environment
 from nodes.lines import free_port, sentence
 from nodes.processes import wait_for
@@ -37,6 +39,7 @@ import yaml
 
 from heading_intercompare.core.alarms.alarm import AlarmState, Priority, Rule, Sign
 from heading_intercompare.core.declared_settings import SettingsError
+from heading_intercompare.messages.status_messages import encode_statuses, OK, Status
 from heading_intercompare.nodes.alarms.alarm_panel import AlarmPanel
 from heading_intercompare.nodes.alert_sender import AlertSender
 from heading_intercompare.nodes.interface import qos
@@ -146,6 +149,23 @@ def test_an_alert_is_told_acknowledged_by_the_bridge_and_over(ros, bridge, panel
     bridge.wait_for_state('JUMP', 'N')
     assert bridge.states('JUMP') == ['V', 'A', 'N']
     ros.end(sender)
+
+
+@pytest.mark.parametrize('is_copy', [False, True])
+def test_an_alert_is_not_ended_by_a_message_of_somebody_else(ros, bridge, panel, is_copy):
+    ros.ours(AlertSender, **bridge.settings)
+    see(panel, 3600, jump=True)
+    bridge.wait_for_state('JUMP', 'V')
+    forger = ros.add(Node, 'forger').create_publisher(
+        DiagnosticArray, 'compliance/alarms', qos.STATE)
+    ros.spin_until(forger.get_subscription_count)
+    forger.publish(encode_statuses(0, [Status('compliance: jump', OK, 'no alarm', {
+        'state': 'normal', 'priority': 'warning'})], panel._health.owner * is_copy))
+    end_s = time.monotonic() + 1.0
+    ros.spin_until(lambda: time.monotonic() > end_s)
+    see(panel, 3700, burst=True)
+    bridge.wait_for_state('BURST', 'A')
+    assert bridge.states('JUMP') == ['V']
 
 
 def test_a_command_that_cannot_be_done_is_refused(ros, bridge, panel):

@@ -20,6 +20,7 @@ from diagnostic_msgs.msg import DiagnosticArray
 from nodes.ros_nodes import NoPage
 import numpy as np
 import pytest
+from rclpy.node import Node
 from sensor_msgs.msg import Imu
 from std_msgs.msg import String
 
@@ -32,6 +33,7 @@ from heading_intercompare.messages.status_messages import encode_statuses, Statu
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.dashboard import Dashboard
 from heading_intercompare.nodes.interface import qos
+from heading_intercompare.nodes.presence.health import Health
 from heading_intercompare.nodes.synchronizer import Synchronizer
 
 T0_NS = 1_700_000_000_000_000_000
@@ -96,11 +98,12 @@ def test_the_page_is_no_subscriber_that_a_log_would_wait_for(ros, dashboard):
     sensor = ros.plain.create_publisher(Imu, 'ts/heading', qos.HEADINGS_OUT)
     ledgers = ros.plain.create_publisher(DiagnosticArray, 'pairs/ledger', qos.LEDGER)
     ros.spin_until(lambda: ledgers.get_subscription_count())
-    ledgers.publish(encode_ledger(Ledger()))
+    owner = Health(ros.plain).owner
+    ledgers.publish(encode_ledger(Ledger(), owner=owner))
     ros.spin_until(lambda: see(dashboard).paired == 0)
     assert sensor.get_subscription_count() == 0
     ledgers.publish(encode_ledger(Ledger.from_segments(
-        [LedgerSegment(None, {LedgerKey.TS_PENDING: 1})], T0_NS)))
+        [LedgerSegment(None, {LedgerKey.TS_PENDING: 1})], T0_NS), owner=owner))
     ros.spin_until(lambda: sensor.get_subscription_count() == 1)
 
 
@@ -126,9 +129,10 @@ def test_all_alarms_are_acknowledged_by_the_service_of_compliance(ros, graph):
 
 def test_one_alarm_is_acknowledged_by_its_name(ros, dashboard):
     heard = ros.listen(String, 'compliance/acknowledge', qos.ACKNOWLEDGE)
-    alarms = ros.plain.create_publisher(DiagnosticArray, 'compliance/alarms', qos.STATE)
+    node = ros.add(Node, 'compliance')
+    alarms = node.create_publisher(DiagnosticArray, 'compliance/alarms', qos.STATE)
     alarms.publish(encode_statuses(T0_NS, [Status('compliance: jump', WARN, 'jumped', {
-        'state': 'active_unacknowledged', 'priority': 'warning'})]))
+        'state': 'active_unacknowledged', 'priority': 'warning'})], Health(node).owner))
     ros.spin_until(lambda: see(dashboard).alarms)
     ros.spin_until(lambda: dashboard.count_subscribers('compliance/acknowledge'))
     name = see(dashboard).alarms[0].name

@@ -47,6 +47,7 @@ from heading_intercompare.nodes.interface.message_types import MOTION_TYPES
 from heading_intercompare.nodes.interface.parameters import make_overrides
 from heading_intercompare.nodes.motion_driver import MotionDriver
 from heading_intercompare.nodes.nmea_driver import NmeaDriver
+from heading_intercompare.nodes.presence.health import Health
 from heading_intercompare.nodes.recorder import Recorder
 from heading_intercompare.nodes.replayer import Replayer
 from heading_intercompare.nodes.sensor_simulator import SensorSimulator
@@ -197,7 +198,7 @@ def test_the_dashboard_does_what_its_policy_allows_and_nothing_else(ros, monkeyp
     dashboard = ros.ours(Dashboard)
     ros.spin_until(ledgers.get_subscription_count)
     ledgers.publish(encode_ledger(Ledger.from_segments(
-        [LedgerSegment(None, {LedgerKey.PAIRED: 1})], 1)))
+        [LedgerSegment(None, {LedgerKey.PAIRED: 1})], 1), owner=Health(ros.plain).owner))
     check(ros, dashboard)
 
 

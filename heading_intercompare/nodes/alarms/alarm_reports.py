@@ -38,6 +38,8 @@ def read_reports(statuses: Iterable[Status]) -> dict[str, list[ReportedAlert]]:
     reports: dict[str, list[ReportedAlert]] = {}
     for status in statuses:
         node, colon, name = status.name.rpartition(': ')
+        if status.owner and not status.owner.partition(' ')[0].endswith(f'/{node}'):
+            continue
         try:
             state = AlarmState(status.values['state'])
             priority = Priority(status.values['priority'])

@@ -27,7 +27,13 @@ from rclpy.node import Node
 from rclpy.qos import qos_check_compatible, qos_policy_name_from_kind, QoSCompatibility
 
 from heading_intercompare.core.alarms.alarm import Priority
-from heading_intercompare.core.alarms.graph_watch import Beat, BEAT_S, MISMATCH, WITHIN_S
+from heading_intercompare.core.alarms.graph_watch import (
+    Beat,
+    BEAT_S,
+    MISMATCH,
+    TWO_PUBLISHERS,
+    WITHIN_S,
+)
 from heading_intercompare.messages.heartbeat_messages import encode_beat, HEARTBEAT_TOPIC
 from heading_intercompare.messages.status_messages import (
     encode_statuses,
@@ -40,7 +46,13 @@ from heading_intercompare.nodes.interface.parameters import resolve_topic
 from heading_intercompare.nodes.interface.qos import STATUS
 from heading_intercompare.nodes.spinning.clocks import every
 
+from .endpoints import is_named
+from .rivals import Rivals
+
 _NUMBER = re.compile(r'\d[\d.,:e+-]*')
+#: Last words of the topics that one node publishes, and whose messages nobody else counts.
+_SOLE_TOPICS = frozenset(('verdict', 'run', 'rolling', 'report', 'intermediate_report', 'figures',
+                          'vote', 'ledger', 'lost'))
 #: Foreign words in a message must neither fill the memory nor the log.
 _MOST_KINDS = 50
 
@@ -101,6 +113,7 @@ class Health:
         self.within_s, self.judging_s = WITHIN_S, 0.0
         self._troubles: dict[str, str] = {}
         self._mismatched: set[str] = set()
+        self._rivals: dict[str, Rivals] = {}
         self._heart = None if priority is None or whole is not None else node.create_publisher(
             DiagnosticArray, HEARTBEAT_TOPIC, STATUS)
         if whole is None:
@@ -204,9 +217,27 @@ class Health:
         for topic in [topic for topic in self._mismatched if not self._is_mismatched(topic)]:
             self._mismatched.remove(topic)
             self.note(topic, OK, 'the QoS matches')
+        if self._whole is self:
+            self._look_for_rivals()
         for refresh in self._refreshers:
             refresh()
         self.publish()
+
+    def _look_for_rivals(self) -> None:
+        """Say who else publishes what this node alone must publish."""
+        words, is_ghost = [], True
+        for topic in {publisher.topic_name for publisher in self._node.publishers}:
+            if topic.rpartition('/')[2] in _SOLE_TOPICS:
+                rivals = self._rivals.setdefault(topic, Rivals(topic))
+                infos = (self._node.get_publishers_info_by_topic(topic)
+                         if self._node.count_publishers(topic) > 1 else ())
+                sentence = rivals.look([*filter(is_named, infos)])
+                words += [sentence] * bool(sentence)
+                is_ghost = is_ghost and (rivals.is_ghost or not sentence)
+        if words or 'rivals' in self._parts:
+            self.note('rivals', (WARN if is_ghost else ERROR) if words else OK,
+                      '; '.join(sorted(words)) or 'no other node publishes the topics of this one',
+                      alarm='' if is_ghost else TWO_PUBLISHERS)
 
     def _publish_beat(self) -> None:
         if self._heart is None or self._priority is None:

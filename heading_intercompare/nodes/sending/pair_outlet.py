@@ -60,7 +60,7 @@ class PairOutlet:
     def __init__(self, node: Node, health: Health, topic: str, names: Names, maker: PairMaker,
                  started_ns: int) -> None:
         self._node, self._names, self._maker = node, names, maker
-        self._started_ns = started_ns
+        self._started_ns, self._owner = started_ns, health.owner
         self._pairs = node.create_publisher(TwistStamped, topic, qos.PAIRS,
                                             event_callbacks=health.of_publisher(topic))
         self._ledger = node.create_publisher(DiagnosticArray, f'{topic}/ledger', qos.LEDGER)
@@ -86,7 +86,7 @@ class PairOutlet:
         """Publish the ledger, given the numbers of the readings so far by sensor."""
         self._ledger.publish(encode_ledger(
             self._maker.pairer.ledger, final, self._started_ns,
-            {stream: numbers[name] for stream, name in zip(TWO, self._names)}))
+            {stream: numbers[name] for stream, name in zip(TWO, self._names)}, self._owner))
 
     def is_heard(self, subscribers: int) -> bool:
         """Tell whether the pairs have this number of subscribers."""

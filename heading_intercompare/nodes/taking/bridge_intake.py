@@ -17,14 +17,13 @@
 from __future__ import annotations
 
 from functools import partial
+from operator import itemgetter
 import time
 from typing import Callable, Mapping, Sequence
 
-from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
 
-from heading_intercompare.bags.recording.part_states import DIAGNOSTICS_TOPIC
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.heading_messages import read_pairs
 from heading_intercompare.messages.heading_places import locate_headings
@@ -43,8 +42,9 @@ from heading_intercompare.nodes.spinning.batches import Arrivals
 from heading_intercompare.web.bridge.bridge_view import Bridge, BridgeView
 
 from .intake import Intake
-from .raw_subscription import subscribe
+from .own_messages import OwnMessages
 from .topic_headings import TopicHeadings
+from .vouchers import owner_of
 
 # With several sensors one node hears the headings, and says what to show of them.
 _OF_SENSORS = ('figures', 'vote', 'verdict')
@@ -54,8 +54,9 @@ _OF_SENSORS = ('figures', 'vote', 'verdict')
 _Stamped = Callable[[int, Sequence[Status], float], None]
 
 
-def _without_stamp(act: Callable[[Sequence[Status], float], None]) -> _Stamped:
-    return lambda stamp_ns, statuses, now_s: act(statuses, now_s)
+def _read_ledger(data: bytes) -> tuple[str, LedgerMessage]:
+    """Return a ledger, and the node that it names."""
+    return owner_of(decode_statuses(data)), decode_ledger(data)
 
 
 def _pass_on(act: _Stamped, message: tuple[int, Sequence[Status]]) -> None:
@@ -126,15 +127,17 @@ class BridgeIntake:
             for name in _OF_SENSORS] if several else [
                 ('compliance/rolling', qos.STATUS, bridge.take_rolling),
                 ('compliance/verdict', qos.STATE_IN, bridge.take_verdict)]
-        stamped += [
-            (ALARMS_TOPIC, qos.STATE_IN, _without_stamp(bridge.take_alarms)),
-            (DIAGNOSTICS_TOPIC, qos.HEADINGS_UNRELIABLE, _without_stamp(bridge.take_health))]
+        own = OwnMessages(node, health, bridge.take_health)
         for topic, profile, act in stamped:
-            subscribe(node, DiagnosticArray, topic, profile, health, decode_statuses,
-                      partial(_pass_on, act))
+            own.subscribe(topic, profile, decode_statuses, partial(_pass_on, act), owner_of)
+        own.subscribe(ALARMS_TOPIC, qos.STATE_IN, decode_statuses, self._take_alarms, owner_of,
+                      act_in_doubt=partial(self._take_alarms, in_doubt=True))
         if not several:
-            subscribe(node, DiagnosticArray, 'pairs/ledger', qos.LEDGER, health, decode_ledger,
-                      self._book)
+            own.subscribe('pairs/ledger', qos.LEDGER, _read_ledger,
+                          lambda message: self._book(message[1]), itemgetter(0))
+
+    def _take_alarms(self, message: tuple[int, Sequence[Status]], in_doubt: bool = False) -> None:
+        self._bridge.take_alarms(message[1], time.monotonic(), in_doubt=in_doubt)
 
     def _take_sensors(self, name: str, stamp_ns: int, statuses: Sequence[Status],
                       now_s: float) -> None:

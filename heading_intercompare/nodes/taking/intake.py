@@ -53,6 +53,7 @@ from heading_intercompare.nodes.interface.message_types import (
 )
 from heading_intercompare.nodes.interface.parameters import follow, resolve_topic
 from heading_intercompare.nodes.presence.health import Health
+from heading_intercompare.nodes.presence.rivals import Rivals
 from heading_intercompare.nodes.presence.transports import DISCOVERY_S
 from heading_intercompare.nodes.spinning.batches import Unwatched
 
@@ -61,8 +62,6 @@ from .reception import Message, number_of, Reception, Renewal
 
 _Chunk = TypeVar('_Chunk')
 
-#: A publisher that was killed stays visible for its lease of 20 s.
-_LEASE_S = 30.0
 #: A launch file ends a graph within this time after a player has ended.
 _GONE_S = 5.0
 #: How long messages lost on the way are an alarm.
@@ -198,8 +197,7 @@ class Intake:
         self._resumed: str | None = None
         self._recent = RecentCount(lost_shown_s), RecentCount(lost_shown_s)
         self._losing, self._alarm = RecentCount(_LOSING_S), ''
-        self._rivals_since_s: float | None = None
-        self._ghost = False
+        self._rivals = Rivals(topic)
         self._whole = whole
         self._opened_ns = self._since_ns = 0
         health.add_refresher(self._note)
@@ -360,10 +358,10 @@ class Intake:
 
     def look(self) -> str:
         """Look for publishers and subscribe to their type; return what is wrong, '' if nothing."""
-        self._ghost, self._alarm = False, ''
+        self._rivals.is_ghost, self._alarm = False, ''
         self.publishers = self._node.count_publishers(self.full_name)
         if self.publishers < 2:
-            self._rivals_since_s = None
+            self._rivals.look(())
         if not self.publishers:
             self._await_publisher()
             return ''
@@ -390,7 +388,7 @@ class Intake:
             return (f'{self._topic} has the type {", ".join(strange)}; must be '
                     f'{self.type_name or " or ".join(self._types)}')
         return self._describe_mismatch(infos) or (
-            self._describe_rivals(infos) if self._sole and len(infos) > 1 else '')
+            self._describe_rivals(infos) if self._sole else '')
 
     def _have_come(self, infos: Sequence[TopicEndpointInfo]) -> bool:
         """Note who publishes; tell whether all came when this node already looked for them."""
@@ -418,17 +416,10 @@ class Intake:
 
     def _describe_rivals(self, infos: Sequence[TopicEndpointInfo]) -> str:
         """Say that there are several publishers; of one name, the old one may be dead."""
-        names = sorted(info.node_name for info in infos)
-        now_s = time.monotonic()
-        if self._rivals_since_s is None:
-            self._rivals_since_s = now_s
-        alike = len({(info.node_namespace, info.node_name) for info in infos}) == 1
-        self._ghost = alike and now_s - self._rivals_since_s <= _LEASE_S
-        if self._ghost:
-            return (f'{len(infos)} publishers on {self._topic}, all {names[0]}: after a restart '
-                    'the old one may be dead and disappears within 20 s')
-        self._alarm = TWO_PUBLISHERS
-        return f'{len(infos)} publishers on {self._topic} instead of one: {", ".join(names)}'
+        words = self._rivals.look(infos)
+        if words and not self._rivals.is_ghost:
+            self._alarm = TWO_PUBLISHERS
+        return words
 
     def _notice_standstill(self) -> None:
         if not self.received and self._renewal.stood_still(time.monotonic()):
@@ -493,7 +484,7 @@ class Intake:
     def _describe(self, wrong: str, now_s: float) -> tuple[int, str]:
         """Return level and words for the state of this input."""
         if wrong:
-            return WARN if self._ghost else ERROR, wrong
+            return WARN if self._rivals.is_ghost else ERROR, wrong
         if not self.received and now_s < self._begun_s + self._first_wait_s:
             return OK, f'waiting for the first message of {self._topic}'
         if not self.publishers:

@@ -20,6 +20,7 @@ from typing import Callable, TypeVar
 
 from rclpy.node import Node
 from rclpy.qos import QoSProfile
+from rclpy.subscription import Subscription
 
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.status_messages import WARN
@@ -29,9 +30,9 @@ _Read = TypeVar('_Read')
 
 
 def subscribe(node: Node, kind: type, topic: str, profile: QoSProfile, health: Health,
-              read: Callable[[bytes], _Read], act: Callable[[_Read], None]) -> None:
+              read: Callable[[bytes], _Read], act: Callable[[_Read], None]) -> Subscription:
     """
-    Subscribe to a topic; read each message and act on it, or count it as rejected.
+    Subscribe to a topic; read each message and act on it, or count it as rejected; return it.
 
     Parameters
     ----------
@@ -62,5 +63,5 @@ def subscribe(node: Node, kind: type, topic: str, profile: QoSProfile, health: H
             health.note(topic, WARN, f'{refused} messages refused: {error}', latch=True)
         else:
             act(message)
-    node.create_subscription(kind, topic, take, profile, raw=True,
-                             event_callbacks=health.of_subscription(topic))
+    return node.create_subscription(kind, topic, take, profile, raw=True,
+                                    event_callbacks=health.of_subscription(topic))

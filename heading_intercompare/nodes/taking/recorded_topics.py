@@ -65,6 +65,7 @@ from heading_intercompare.nodes.settings import HeadingTypes, Taking
 from .intake import Intake
 from .motion_intake import make_motion_intake
 from .reception import Message
+from .recorded_messages import RecordedMessages
 
 #: A publisher knows a new subscription within this time, unless the computer is very busy.
 _KNOWN_S = 1.0
@@ -132,15 +133,17 @@ class _State(Intake):
     Publishers keep only the newest message, which replaces those that came late.
     """
 
-    def __init__(self, node: Node, health: Health, topic: str, *, needed: bool = False,
-                 first_wait_s: float = 0.0) -> None:
+    def __init__(self, node: Node, health: Health, topic: str, own: RecordedMessages, *,
+                 needed: bool = False, first_wait_s: float = 0.0) -> None:
         super().__init__(node, topic, STATUS_TYPES, qos.STATE_IN, health, sole=False,
                          needed=needed, counted=False, first_wait_s=first_wait_s)
+        self._own = own
 
     def take(self) -> list[tuple[bytes, Mapping[str, int]]]:
         """Return the messages to record, without numbers."""
-        return [(data, {**info, 'publication_sequence_number': 0})
-                for data, info in super().take()]
+        messages, n_left_out = self._own.sift(self.full_name, super().take())
+        self.received -= n_left_out
+        return [(data, {**info, 'publication_sequence_number': 0}) for data, info in messages]
 
 
 class _Diagnostics(Intake):
@@ -199,14 +202,17 @@ class _Pairs(Intake):
 class _Ledgers(Intake):
     """The ledgers of the synchronizer, which count the headings that were published."""
 
-    def __init__(self, node: Node, health: Health, first_wait_s: float, topic: str) -> None:
+    def __init__(self, node: Node, health: Health, first_wait_s: float, topic: str,
+                 own: RecordedMessages) -> None:
         super().__init__(node, topic, STATUS_TYPES, qos.LEDGER, health,
                          first_wait_s=first_wait_s, sole=False)
+        self._own = own
         self.headings = PublishedHeadings()
 
     def take(self) -> list[tuple[bytes, Mapping[str, int]]]:
         """Return the messages to record."""
-        messages = super().take()
+        messages, n_left_out = self._own.sift(self.full_name, super().take())
+        self.received -= n_left_out
         if messages:
             self.headings.take(messages[-1][0])
         return messages
@@ -254,13 +260,14 @@ def make_intakes(node: Node, settings: Settings, taking: Taking, types: HeadingT
     topics = {topic: Recorded(_offer(qos.HEADINGS_OUT), make_motion_intake(
         node, health, what, topic, taking), False)
         for what, topic in motion_topics(settings.motion).items() if settings.motion.compare}
+    own = RecordedMessages(node, health)
     reports = [f'{place}{REPORT_TOPIC}' for place in places.values()]
     if settings.sensors is not None:
         reports.append(SENSORS_REPORT_TOPIC)
     for report in reports:
         verdict = report.removesuffix('report') + 'verdict'
         topics[verdict] = Recorded(_offer(qos.STATE), _State(
-            node, health, verdict, needed=True, first_wait_s=taking.first_wait_s), True)
+            node, health, verdict, own, needed=True, first_wait_s=taking.first_wait_s), True)
     for row in _list_rows(node, reports, headings):
         takes_headings = row.taken is qos.HEADINGS_IN
         topics[row.topic] = Recorded(_offer(row.offered), Intake(
@@ -274,7 +281,7 @@ def make_intakes(node: Node, settings: Settings, taking: Taking, types: HeadingT
     for names, place in places.items():
         topics[f'{place}pairs'] = Recorded(_offer(qos.PAIRS_TAKEN), _Pairs(
             node, f'{place}pairs', health, taking.first_wait_s, heard), True)
-        ledgers = _Ledgers(node, health, taking.first_wait_s, f'{place}pairs/ledger')
+        ledgers = _Ledgers(node, health, taking.first_wait_s, f'{place}pairs/ledger', own)
         topics[f'{place}pairs/ledger'] = Recorded(_offer(qos.LEDGER), ledgers, True,
                                                   is_ledger=True)
         for stream, name in zip(TWO, names):
@@ -283,7 +290,8 @@ def make_intakes(node: Node, settings: Settings, taking: Taking, types: HeadingT
                 published=(*topics[topic].published,
                            partial(ledgers.headings.count_missing, stream)),
                 spans=(*topics[topic].spans, partial(ledgers.headings.find_span, stream)))
-    topics[ALARMS_TOPIC] = Recorded(_offer(qos.STATE), _State(node, health, ALARMS_TOPIC), False)
+    topics[ALARMS_TOPIC] = Recorded(_offer(qos.STATE), _State(
+        node, health, ALARMS_TOPIC, own), False)
     if states.kept:
         topics[DIAGNOSTICS_TOPIC] = Recorded(
             _offer(qos.STATUS), _Diagnostics(node, health, states), False)

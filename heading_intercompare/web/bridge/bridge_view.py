@@ -246,11 +246,19 @@ class Bridge:
         """Take `compliance/verdict`."""
         self._verdict = self._tell(stamp_ns, statuses, now_s)
 
-    def take_alarms(self, statuses: Sequence[Status], now_s: float) -> None:
-        """Take `compliance/alarms`, which holds all alarms of one node."""
+    def take_alarms(self, statuses: Sequence[Status], now_s: float, *,
+                    in_doubt: bool = False) -> None:
+        """
+        Take `compliance/alarms`, which holds all alarms of one node.
+
+        An alarm with another owner than its node is left out. If the message may be a copy, as
+        while somebody else publishes the topic (`in_doubt`), no alarm ends.
+        """
         self._heard_s = now_s
+        statuses = [status for status in statuses if not status.owner or status.owner.partition(
+            ' ')[0] == f'{self._owners}{status.name.partition(": ")[0]}']
         # A node that was started again may not know the nodes that its predecessor missed.
-        nodes = {status.name.partition(': ')[0] for status in statuses}
+        nodes = set() if in_doubt else {status.name.partition(': ')[0] for status in statuses}
         self._alarms = {name: status for name, status in self._alarms.items()
                         if name.partition(': ')[0] not in nodes}
         for status in statuses:

@@ -163,7 +163,7 @@ def test_after_a_restart_the_old_publisher_may_be_dead(ros):
     assert level == WARN and words == (
         '2 publishers on h, all test_node: after a restart the old one may be dead and disappears '
         'within 20 s')
-    intake._rivals_since_s -= 31.0
+    intake._rivals.since_s -= 31.0
     ros.spin_until(lambda: state(heard, 'instead of one: test_node, test_node'))
     assert state(heard, 'instead of one')[0] == ERROR
 

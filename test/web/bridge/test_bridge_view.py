@@ -16,6 +16,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -194,6 +196,17 @@ def test_alarms_stay_until_they_are_normal_and_the_gravest_is_first():
     bridge.take_alarms([alarm('a', 'normal'), alarm('b', 'rectified_unacknowledged'),
                         alarm('c', priority='caution'), alarm('d', 'normal')], 0.0)
     assert [one.name[-1] for one in bridge.view(1.0).alarms] == ['c', 'b']
+
+
+@pytest.mark.parametrize('owner, in_doubt, names', [
+    ('', False, []), ('/compliance 5', False, []), ('/compliance 5', True, ['compliance: jump']),
+    ('/ts_driver 5', False, ['compliance: jump'])])
+def test_an_alarm_is_ended_by_its_own_node_while_nobody_else_may_have_sent_the_message(
+        owner, in_doubt, names):
+    bridge = make()
+    bridge.take_alarms([replace(alarm('jump'), owner='/compliance 5')], 0.0)
+    bridge.take_alarms([replace(alarm('jump', 'normal'), owner=owner)], 1.0, in_doubt=in_doubt)
+    assert [seen.name for seen in bridge.view(1.0).alarms] == names
 
 
 def test_a_message_holds_all_alarms_of_its_node_and_none_of_another():
