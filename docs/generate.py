@@ -138,7 +138,7 @@ SECTIONS = (
             {'output': 'trial_2', 'continues': 'trial_1', 'note': 'MV Example, trial 1',
              'parameter_file': 'mine.yaml', **TYPES}),
     Section('dashboard', (DashboardNode, Taking), 'The live page.', {},
-            {'token': 'choose-your-own'}),
+            {'token_file': '/etc/heading-intercompare/tokens'}),
     Section('alert_sender', (AlertSettings,), 'The node that sends the alarms to the bridge.', {},
             {'destination': 'udp://239.192.0.17:60017', 'commands': 'udp://239.192.0.19:60019',
              'manufacturer': 'XYZ', 'push_url': 'https://example.com/alerts'}),

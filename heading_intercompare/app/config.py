@@ -23,6 +23,7 @@ from types import MappingProxyType, NoneType
 from typing import Any, Mapping, Sequence
 
 from heading_intercompare.core.declared_settings import (
+    drop_removed,
     flatten,
     list_settings,
     Setting,
@@ -30,7 +31,7 @@ from heading_intercompare.core.declared_settings import (
 )
 from heading_intercompare.core.sensor_table import read_sensors
 from heading_intercompare.core.sensors.pair_settings import settings_of_pair
-from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.settings import Secrets, Settings
 from heading_intercompare.yaml_file import load_settings, parse_yaml, YamlError
 
 SHARED = '/**'
@@ -109,6 +110,7 @@ def load_config(path: str | None) -> Config:
     shared = _join_bare(path, _flatten_section(path, SHARED, bare), sections.pop(SHARED, {}))
     for name, values in sections.items():
         _refuse_own_analysis(path, name, values, shared)
+        _refuse_secrets(path, name, values)
     return Config(path, shared, sections, tuple(bare))
 
 
@@ -144,6 +146,16 @@ def _refuse_own_analysis(path: str, name: str, values: Mapping[str, Any],
             raise SettingsError(
                 f'{path}: section {name!r}: {key} holds for every node and every command, which '
                 f"would disagree otherwise: put it into section '{SHARED}'")
+
+
+def _refuse_secrets(path: str, name: str, values: Mapping[str, Any]) -> None:
+    """Raise SettingsError if the section of a live page holds a token: bags copy the file."""
+    if name.rpartition('/')[2] != 'dashboard':
+        return
+    try:
+        drop_removed(Secrets, values)
+    except SettingsError as error:
+        raise SettingsError(f'{path}: section {name!r}: {error}') from error
 
 
 def _parse_assignments(assignments: Sequence[str]) -> dict[str, Any]:

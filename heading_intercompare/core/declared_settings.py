@@ -45,6 +45,13 @@ class SettingsError(ValueError):
     """A setting has an unknown name or a value that is not allowed."""
 
 
+class Moved(NamedTuple):
+    """Stands in `REMOVED` for the value of a setting that is stated in another place now."""
+
+    words: str
+    """Why, and where it is stated now."""
+
+
 @dataclass(frozen=True, slots=True)
 class Setting:
     """One declared setting, for documentation and parameter servers."""
@@ -253,7 +260,8 @@ def drop_removed(settings_class: type, values: Mapping[str, Any]) -> dict[str, A
     Return values by dotted name without those of removed settings.
 
     A class names what it removed, and the value that holds always, in `REMOVED`. Recordings and
-    files that state this value are read as before.
+    files that state this value are read as before. One that `Moved` may be none, and the message
+    does not repeat its value.
 
     Raises
     ------
@@ -263,7 +271,10 @@ def drop_removed(settings_class: type, values: Mapping[str, Any]) -> dict[str, A
     """
     removed = _removed(settings_class)
     for name, value in values.items():
-        if name in removed and value != removed[name]:
+        if isinstance(removed.get(name), Moved):
+            if value not in (None, 'none'):
+                raise SettingsError(f'{name}: this setting was removed: {removed[name].words}')
+        elif name in removed and value != removed[name]:
             raise SettingsError(f'{name} = {value!r}: this setting was removed, and its value is '
                                 f'always {removed[name]!r}; take it out')
     return {name: value for name, value in values.items() if name not in removed}

@@ -27,6 +27,7 @@ from typing import Any, ClassVar, Mapping, Sequence
 from .declared_settings import (
     Checked,
     from_mapping,
+    Moved,
     name_keywords,
     setting,
     SettingsError,
@@ -366,6 +367,14 @@ class Trial(Checked):
         if low is not None and high is not None and low > high:
             raise SettingsError(f'trial.latitude_min_deg = {low!r}: must not exceed '
                                 f'trial.latitude_max_deg = {high!r}')
+
+
+class Secrets:
+    """What the section `dashboard` may not state: every bag holds a copy of the parameter file."""
+
+    REMOVED: ClassVar[Mapping[str, Any]] = {'token': Moved(
+        'each bag would hold it; put the token into the environment variable '
+        'HEADING_INTERCOMPARE_TOKEN, or into a file of mode 0600 that token_file names')}
 
 
 @dataclass(frozen=True, slots=True)

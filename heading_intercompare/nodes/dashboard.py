@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 import time
 from typing import Any, Sequence
@@ -35,6 +36,7 @@ from heading_intercompare.nodes.taking.bridge_intake import BridgeIntake
 from heading_intercompare.web.bridge.bridge_view import BridgeView
 from heading_intercompare.web.controls import Controls
 from heading_intercompare.web.server import PageServer
+from heading_intercompare.web.tokens import read_tokens
 
 from .settings import DashboardNode, SHOWN, Taking
 
@@ -55,15 +57,15 @@ class Dashboard(GraphNode):
         self._actions = OperatorActions(self)
         self._seen: tuple[BridgeView, float] = self._graph.view(), time.monotonic()
         self.page = PageServer(Controls(self._look, self._actions.ask), host=node_settings.host,
-                               port=node_settings.port, token=node_settings.token)
-        self._say_where(node_settings)
+                               port=node_settings.port,
+                               tokens=read_tokens(node_settings.token_file, os.environ))
+        self._say_where()
         every(self, _VIEW_S, self._show)
 
-    def _say_where(self, own: DashboardNode) -> None:
+    def _say_where(self) -> None:
         """Print the address once, and a token that was made here; the log keeps no token."""
-        token_made = self.page.token is not None and own.token is None
-        sys.stdout.write(f'page: {self.page.url}'
-                         f'{f" token: {self.page.token}" if token_made else ""}\n')
+        token = '' if self.page.token_made is None else f' token: {self.page.token_made}'
+        sys.stdout.write(f'page: {self.page.url}{token}\n')
         sys.stdout.flush()
 
     def _show(self) -> None:

@@ -17,9 +17,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Any, ClassVar, Mapping
 
 from heading_intercompare.core.declared_settings import Checked, setting, Used
-from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.settings import Secrets, Settings
 from heading_intercompare.messages.sentence_messages import TOPIC_TYPES
 
 PUBLISHED = Used(Settings, ('ts_topic', 'rs_topic', 'sensors', 'motion'))
@@ -190,13 +191,16 @@ class RecorderNode(Checked):
 class DashboardNode(Checked):
     """Settings of the node dashboard in addition to those of the analysis."""
 
+    REMOVED: ClassVar[Mapping[str, Any]] = Secrets.REMOVED
+
     host: str = setting(
         '127.0.0.1', 'address to serve the page on; with another one than loopback, actions need '
         'a token')
     port: int = setting(8080, 'TCP port of the page; 0: any free one', 0, 65535)
-    token: str | None = setting(
-        None, 'token of at least 8 letters that actions need; none: none on loopback, otherwise '
-        'one is made and printed at the start')
+    token_file: str | None = setting(
+        None, "file of mode 0600 with the tokens that actions need, one operator per line: 'NAME "
+        "TOKEN'; none: the one token in the environment variable HEADING_INTERCOMPARE_TOKEN; "
+        'without it none on loopback, otherwise one is made and printed at the start')
 
 
 @dataclass(frozen=True, slots=True)

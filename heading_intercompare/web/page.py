@@ -55,8 +55,8 @@ from heading_intercompare.web.drawing.trend_picture import draw_trend, Stretch
 from heading_intercompare.web.figures.difference_watch import SPANS_S
 
 from .controls import Controls
-from .guard import check_token
 from .palettes import PALETTES, script, style
+from .tokens import find_operator, NamedToken
 
 _PERIOD_S = 0.2
 #: A view older than this is not live, though the page is.
@@ -73,8 +73,8 @@ _NO_REFERENCE = ('silent', 'frozen')
 class _Page:
     """The elements of the page of one browser."""
 
-    def __init__(self, controls: Controls, token: str | None) -> None:
-        self._controls, self._token = controls, token
+    def __init__(self, controls: Controls, tokens: Sequence[NamedToken]) -> None:
+        self._controls, self._tokens = controls, tokens
         self._labels: dict[str, Any] = {}
         self._shown: dict[str, Any] = {}
         self._stretch = Stretch()
@@ -183,10 +183,12 @@ class _Page:
             self._run_buttons = {what: self._button(text, partial(self._ask, what), f'k-{what}')
                                  for what, text in (('start', 'Start run'), ('stop', 'Stop run'))}
             self._name = ui.input('Your name').classes('k-name')
+            if any(named.operator for named in self._tokens):
+                self._name.classes('hidden')
             self._note = ui.input('Note').classes('k-note')
             self._button('Keep note', self._keep_note, 'k-keep')
             self._token_input = None
-            if self._token is not None:
+            if self._tokens:
                 self._token_input = ui.input('Token', password=True).classes('k-token')
             self._box('space')
             for name in PALETTES:
@@ -428,14 +430,15 @@ class _Page:
     async def _act(self, what: str, text: str) -> bool:
         """Do an action, if the token is right, and show the answer; tell whether it was done."""
         token = '' if self._token_input is None else self._token_input.value or ''
-        if not check_token(token, self._token):
+        operator = find_operator(token, self._tokens)
+        if operator is None:
             await asyncio.sleep(_WRONG_S)
-            self._answer.set_text('refused: the token is wrong; the program printed it at its '
-                                  'start')
+            self._answer.set_text('refused: the token is wrong; ask the person who started the '
+                                  'program')
             return False
         try:
-            action = self._controls.act(what, text, self._name.value or '')
-            answer = await asyncio.wait_for(asyncio.wrap_future(action), _PATIENCE_S)
+            answer = await asyncio.wait_for(asyncio.wrap_future(self._controls.act(
+                what, text, operator or (self._name.value or '').strip())), _PATIENCE_S)
         except asyncio.TimeoutError:
             self._answer.set_text(f'no answer in {_PATIENCE_S:g} s: is the graph running?')
             return False
@@ -484,6 +487,6 @@ def _deg(value: float | None, sign: str = '') -> str:
     return '–' if value is None else f'{value:{sign}.3f}°'
 
 
-def build(controls: Controls, token: str | None) -> None:
-    """Build the page for one browser; with a token, actions need it."""
-    _Page(controls, token).build()
+def build(controls: Controls, tokens: Sequence[NamedToken]) -> None:
+    """Build the page for one browser; with tokens, actions need one of them."""
+    _Page(controls, tokens).build()

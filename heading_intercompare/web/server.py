@@ -17,37 +17,19 @@
 from __future__ import annotations
 
 from functools import partial
-import secrets
 import socket
 import threading
 import time
-from typing import Any
+from typing import Any, Sequence
 
 from heading_intercompare.core.declared_settings import SettingsError
 
 from .controls import Controls
 from .guard import Guard, is_loopback
 from .metrics import CONTENT_TYPE, metrics_text
+from .tokens import make_token, NamedToken
 
-_LEAST_TOKEN = 8
 _START_S = 20.0
-
-
-def make_token(host: str, token: str | None) -> str | None:
-    """
-    Return the token that write actions need; None on loopback without one.
-
-    Raises
-    ------
-    SettingsError
-        If the given token is shorter than eight letters.
-
-    """
-    if token is not None and len(token) < _LEAST_TOKEN:
-        raise SettingsError(f'token: must have at least {_LEAST_TOKEN} letters')
-    if token is None and not is_loopback(host):
-        return secrets.token_urlsafe(12)
-    return token
 
 
 def _bind(host: str, port: int) -> socket.socket:
@@ -81,15 +63,15 @@ class PageServer:
         Address to bind; other than loopback, write actions need a token.
     port
         TCP port; 0: any free one.
-    token
-        The token; see `make_token`.
+    tokens
+        The tokens that actions need; without one, one is made if `host` is not loopback.
 
     Attributes
     ----------
     url : str
         Address of the page.
-    token
-        The token that write actions need.
+    token_made : str or None
+        The token that was made here; the user must be told it.
 
     Raises
     ------
@@ -99,8 +81,9 @@ class PageServer:
     """
 
     def __init__(self, controls: Controls, *, host: str = '127.0.0.1', port: int = 8080,
-                 token: str | None = None) -> None:
-        self.token = make_token(host, token)
+                 tokens: Sequence[NamedToken] = ()) -> None:
+        made = () if tokens or is_loopback(host) else (make_token(),)
+        self.token_made = made[0].token if made else None
         try:
             from fastapi import FastAPI, Response
             from nicegui import ui
@@ -116,8 +99,9 @@ class PageServer:
         app: Any = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
         app.add_api_route('/metrics', lambda: Response(
             metrics_text(*controls.look()), media_type=CONTENT_TYPE))
-        ui.run_with(app, root=partial(build, controls, self.token), title='Heading intercompare',
-                    show_welcome_message=False, tailwind=False, reconnect_timeout=5.0)
+        ui.run_with(app, root=partial(build, controls, [*tokens, *made]),
+                    title='Heading intercompare', show_welcome_message=False, tailwind=False,
+                    reconnect_timeout=5.0)
         self._server = uvicorn.Server(uvicorn.Config(
             Guard(app, is_loopback(host)), log_level='error', lifespan='on',
             timeout_graceful_shutdown=1))

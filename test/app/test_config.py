@@ -88,3 +88,18 @@ def test_a_doubtful_place_of_a_setting_is_refused(tmp_path, text, words):
     with pytest.raises(SettingsError) as refused:
         load_config(str(path))
     assert str(refused.value).startswith(f'{path}: ') and words in str(refused.value)
+
+
+@pytest.mark.parametrize('name', ['dashboard', '/dashboard', '/ship1/dashboard'])
+def test_a_token_in_the_file_is_refused_and_not_repeated(load, name):
+    """The recorder copies the file into every bag."""
+    with pytest.raises(SettingsError) as refused:
+        load(**{name: {'token': 'choose-your-own'}})
+    words = str(refused.value)
+    assert "dashboard': token: this setting was removed: each bag would hold it; put" in words
+    assert '\n' not in words and 'choose-your-own' not in words
+
+
+@pytest.mark.parametrize('name, value', [('dashboard', 'none'), ('camera', 'choose-your-own')])
+def test_no_token_and_that_of_another_package_are_accepted(load, name, value):
+    assert load(**{name: {'token': value}}).sections[name]['token'] == value

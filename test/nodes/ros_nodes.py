@@ -35,7 +35,7 @@ EITHER_EXECUTOR = pytest.mark.usefixtures('either_executor')
 class NoPage:
     """Stands for the server of the page, so that a test needs no browser and no NiceGUI."""
 
-    url, token = 'http://127.0.0.1:1/', None
+    url, token_made = 'http://127.0.0.1:1/', None
 
     def __init__(self, controls, **kwargs):
         self.controls, self.kwargs = controls, kwargs

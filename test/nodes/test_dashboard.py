@@ -35,6 +35,7 @@ from heading_intercompare.nodes.dashboard import Dashboard
 from heading_intercompare.nodes.interface import qos
 from heading_intercompare.nodes.presence.health import Health
 from heading_intercompare.nodes.synchronizer import Synchronizer
+from heading_intercompare.web.tokens import VARIABLE
 
 T0_NS = 1_700_000_000_000_000_000
 
@@ -156,11 +157,33 @@ def test_without_the_compliance_node_an_action_says_so(ros, dashboard, what):
 
 
 def test_the_address_is_printed_and_a_token_only_if_it_was_made(ros, capfd, monkeypatch):
-    ros.ours(Dashboard, token='choose-your-own')
+    monkeypatch.setenv(VARIABLE, 'choose-your-own')
+    ros.ours(Dashboard)
     assert capfd.readouterr().out == 'page: http://127.0.0.1:1/\n'
-    monkeypatch.setattr(NoPage, 'token', 'made-here')
+    monkeypatch.setattr(NoPage, 'token_made', 'made-here')
     ros.ours(Dashboard, name='other', host='0.0.0.0')
     assert capfd.readouterr().out == 'page: http://127.0.0.1:1/ token: made-here\n'
+
+
+@pytest.mark.parametrize('by_file', [True, False])
+def test_no_parameter_holds_a_token(ros, tmp_path, monkeypatch, by_file):
+    """Whoever is in the ROS domain can get every parameter."""
+    file = tmp_path / 'tokens'
+    file.touch(0o600)
+    file.write_text('Mate choose-your-own\n')
+    if not by_file:
+        monkeypatch.setenv(VARIABLE, 'choose-your-own')
+    dashboard = ros.ours(Dashboard, **({'token_file': str(file)} if by_file else {}))
+    assert [named.token for named in dashboard.page.kwargs['tokens']] == ['choose-your-own']
+    parameters = dashboard.get_parameters_by_prefix('')
+    assert not [name for name, parameter in parameters.items()
+                if 'choose-your-own' in str(parameter.value)]
+
+
+def test_a_token_as_a_parameter_is_refused_and_not_repeated(ros):
+    with pytest.raises(SettingsError, match='^token: this setting was removed: ') as refused:
+        ros.ours(Dashboard, token='choose-your-own')
+    assert 'choose-your-own' not in str(refused.value)
 
 
 def test_the_end_closes_the_page(ros, dashboard):

@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The server of the page: its address, its token, and one line for each mistake."""
+"""The server of the page: its address, and one line for each mistake."""
 
 from __future__ import annotations
 
@@ -25,22 +25,7 @@ from deadlines import DEADLINE_S
 import pytest
 
 from heading_intercompare.core.declared_settings import SettingsError
-from heading_intercompare.web.server import make_token, PageServer
-
-
-def test_on_loopback_no_token_is_needed_but_one_may_be_given():
-    assert make_token('127.0.0.1', None) is None
-    assert make_token('localhost', 'choose-your-own') == 'choose-your-own'
-
-
-def test_on_another_address_a_token_is_made_and_never_twice_the_same():
-    made = {make_token('0.0.0.0', None) for _ in range(20)}
-    assert len(made) == 20 and min(map(len, made)) >= 16
-
-
-def test_a_short_token_is_refused():
-    with pytest.raises(SettingsError, match='token: must have at least 8 letters'):
-        make_token('0.0.0.0', 'short')
+from heading_intercompare.web.server import PageServer
 
 
 @pytest.mark.skipif(find_spec('nicegui') is None, reason='NiceGUI is not installed')

@@ -98,7 +98,8 @@ def check_sections(path: str, sections: Mapping[str, Mapping[str, Any]],
                  for settings_class in (Settings, *OWN_SETTINGS[executable])}
         known_keys = [key for of_class in names.values() for key in of_class]
         try:
-            parameters = drop_removed(Settings, parameters)
+            for settings_class in names:
+                parameters = drop_removed(settings_class, parameters)
             for key in parameters:
                 if key not in known_keys:
                     raise explain_unknown('parameter', key, known_keys)

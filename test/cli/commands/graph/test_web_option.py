@@ -40,7 +40,8 @@ def test_an_address_may_be_given_in_part(words, expected):
 
 
 def test_the_option_goes_before_the_parameter_file():
-    assert read('--web', ':1', section={'port': 2, 'token': 'x'}) == {'port': 1, 'token': 'x'}
+    assert read('--web', ':1', section={'port': 2, 'token_file': 'x'}) == {
+        'port': 1, 'token_file': 'x'}
 
 
 def test_a_wrong_port_is_refused_in_one_line():
