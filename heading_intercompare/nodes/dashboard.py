@@ -58,7 +58,8 @@ class Dashboard(GraphNode):
         self._seen: tuple[BridgeView, float] = self._graph.view(), time.monotonic()
         self.page = PageServer(Controls(self._look, self._actions.ask), host=node_settings.host,
                                port=node_settings.port,
-                               tokens=read_tokens(node_settings.token_file, os.environ))
+                               tokens=read_tokens(node_settings.token_file, os.environ),
+                               names=node_settings.names)
         self._say_where()
         every(self, _VIEW_S, self._show)
 

@@ -197,6 +197,10 @@ class DashboardNode(Checked):
         '127.0.0.1', 'address to serve the page on; with another one than loopback, actions need '
         'a token')
     port: int = setting(8080, 'TCP port of the page; 0: any free one', 0, 65535)
+    names: str | None = setting(
+        None, 'names under which the page is reached, beside the addresses and the name of this '
+        'computer, with commas between them: such as that of a reverse proxy. Requests that name '
+        'another host are refused')
     token_file: str | None = setting(
         None, "file of mode 0600 with the tokens that actions need, one operator per line: 'NAME "
         "TOKEN'; none: the one token in the environment variable HEADING_INTERCOMPARE_TOKEN; "

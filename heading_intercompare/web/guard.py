@@ -12,19 +12,43 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The door of the page: requests of other sites are refused."""
+"""The door of the page: it refuses requests of other sites and hosts, and for unknown paths."""
 
 from __future__ import annotations
 
-from collections.abc import Awaitable, Callable, MutableMapping
+from collections.abc import Awaitable, Callable, Collection, MutableMapping
+from functools import partial
 import ipaddress
-from typing import Any
+import re
+import socket
+from typing import Any, Sequence
 from urllib.parse import urlsplit
 
-_Scope = MutableMapping[str, Any]
-_Receive = Callable[[], Awaitable[Any]]
-_Send = Callable[[_Scope], Awaitable[None]]
-_App = Callable[[_Scope, _Receive, _Send], Awaitable[None]]
+from heading_intercompare.core.declared_settings import SettingsError
+
+Scope = MutableMapping[str, Any]
+Receive = Callable[[], Awaitable[Any]]
+Send = Callable[[Scope], Awaitable[None]]
+App = Callable[[Scope, Receive, Send], Awaitable[None]]
+
+_NAME = re.compile('[a-z0-9_]([a-z0-9_.-]*[a-z0-9_])?')
+
+#: NiceGUI writes the page into inline scripts and styles, and Vue compiles templates by eval.
+POLICY = ("default-src 'none'; script-src 'self' 'unsafe-inline' 'unsafe-eval'; "
+          "style-src 'self' 'unsafe-inline'; img-src 'self' data:; font-src 'self'; "
+          "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'")
+
+HEADERS = ((b'content-security-policy', POLICY.encode()), (b'x-frame-options', b'DENY'),
+           (b'x-content-type-options', b'nosniff'), (b'referrer-policy', b'same-origin'),
+           (b'cross-origin-opener-policy', b'same-origin'),
+           (b'cross-origin-resource-policy', b'same-origin'))
+"""What every answer tells the browser."""
+
+_NOT_FOUND = 404, 'not found'
+_NO_METHOD = 405, 'this method is not allowed'
+_FOREIGN = 403, 'refused: not from this page'
+_HOST = 403, ('refused: the page is not known under this name; use its address, or state the name '
+              'in dashboard.names')
 
 
 def is_loopback(host: str) -> bool:
@@ -39,10 +63,44 @@ def is_loopback(host: str) -> bool:
     """
     if host == 'localhost':
         return True
+    address = read_address(host)
+    return address is not None and address.is_loopback
+
+
+def read_address(text: str) -> ipaddress.IPv4Address | ipaddress.IPv6Address | None:
+    """Return an address without zone, and as IPv4 if it is one in IPv6; None for a name."""
     try:
-        return ipaddress.ip_address(host).is_loopback
+        address = ipaddress.ip_address(text.partition('%')[0])
     except ValueError:
-        return False
+        return None
+    return getattr(address, 'ipv4_mapped', None) or address
+
+
+def list_names(host: str, names: str | None) -> frozenset[str]:
+    """
+    Return the names under which the page may be reached, beside the addresses of its computer.
+
+    Parameters
+    ----------
+    host
+        The address or name that the page is bound to.
+    names
+        Names that the user states, with commas between them.
+
+    Raises
+    ------
+    SettingsError
+        If one is no name of a computer.
+
+    """
+    stated = [name.strip().lower() for name in (names or '').split(',') if name.strip()]
+    for name in stated:
+        if not _NAME.fullmatch(name):
+            raise SettingsError(f'names = {names!r}: {name!r} must be the name or address of a '
+                                'computer, without scheme and port, e.g. ship.example.com')
+    own = socket.gethostname().lower()
+    usual = (host.lower(), own, f'{own}.local', socket.getfqdn().lower())
+    return frozenset((*stated, *(name for name in usual if not is_loopback(name))))
 
 
 class Guard:
@@ -53,9 +111,14 @@ class Guard:
     ----------
     app : callable
         The application of the page.
-    loopback
-        The page is bound to loopback: then a request must name this computer, so that no site
-        that resolves to it can speak for it.
+    names
+        Names under which the page may be reached; see `list_names`. A request must name one of
+        them, or the address at which it came in. So no site whose name resolves to this computer
+        can speak for it.
+    paths
+        All paths that there are.
+    written
+        Those of them that take other methods than GET and HEAD.
 
     Notes
     -----
@@ -64,26 +127,73 @@ class Guard:
 
     """
 
-    def __init__(self, app: _App, loopback: bool) -> None:
-        self._app, self._loopback = app, loopback
+    def __init__(self, app: App, names: Collection[str], paths: re.Pattern[str],
+                 written: re.Pattern[str]) -> None:
+        self._app, self._names, self._paths, self._written = app, names, paths, written
 
-    async def __call__(self, scope: _Scope, receive: _Receive, send: _Send) -> None:
-        """Pass a request on, or refuse it with 403."""
-        if scope['type'] == 'lifespan' or self._accepts(scope):
+    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Pass a request on, or refuse it."""
+        if scope['type'] == 'lifespan':
             await self._app(scope, receive, send)
+            return
+        refusal = self._refuse(scope)
+        if refusal is None:
+            await self._app(scope, receive, partial(_add_headers, send))
         elif scope['type'] == 'websocket':
             await receive()
             await send({'type': 'websocket.close', 'code': 1008})
         else:
-            await send({'type': 'http.response.start', 'status': 403,
-                        'headers': [(b'content-type', b'text/plain')]})
-            await send({'type': 'http.response.body', 'body': b'refused: not from this page\n'})
+            await answer(partial(_add_headers, send), *refusal)
 
-    def _accepts(self, scope: _Scope) -> bool:
-        headers = {name.lower(): value.decode('latin-1') for name, value in scope['headers']}
-        host, origin = headers.get(b'host', ''), headers.get(b'origin')
-        if self._loopback and not is_loopback(urlsplit(f'//{host}').hostname or ''):
-            return False
-        if origin is None:
-            return scope['type'] == 'http' and scope['method'] in ('GET', 'HEAD')
-        return bool(urlsplit(origin).netloc == host)
+    def _refuse(self, scope: Scope) -> tuple[int, str] | None:
+        """Return the status and the words by which a request is refused; None for a good one."""
+        hosts, origins = ([value.decode('latin-1') for name, value in scope['headers']
+                           if name.lower() == wanted] for wanted in (b'host', b'origin'))
+        if len(hosts) != 1 or not self._is_here(_host_name(hosts[0]), scope.get('server')):
+            return _HOST
+        reads = scope['type'] == 'http' and scope['method'] in ('GET', 'HEAD')
+        if (origins or not reads) and [_netloc(origin) for origin in origins] != hosts:
+            return _FOREIGN
+        if not self._paths.fullmatch(scope['path']):
+            return _NOT_FOUND
+        return None if reads or self._written.fullmatch(scope['path']) else _NO_METHOD
+
+    def _is_here(self, host: str, server: Sequence[Any] | None) -> bool:
+        """Tell whether a host is this computer, given the address at which the request came."""
+        here = str(server[0]) if server else ''
+        address = read_address(host)
+        return (host in self._names or is_loopback(host) and is_loopback(here)
+                or address is not None and address == read_address(here))
+
+
+def _host_name(host: str) -> str:
+    """Return the name in a Host header in small letters; '' if there is none."""
+    try:
+        return urlsplit(f'//{host}').hostname or ''
+    except ValueError:
+        return ''
+
+
+def _netloc(origin: str) -> str:
+    try:
+        return urlsplit(origin).netloc
+    except ValueError:
+        return ''
+
+
+async def _add_headers(send: Send, message: Scope) -> None:
+    if message['type'] == 'http.response.start':
+        names = {name for name, _ in HEADERS}
+        message = {**message, 'headers': [
+            *((name, value) for name, value in message.get('headers', ())
+              if name.lower() not in names), *HEADERS]}
+    await send(message)
+
+
+async def answer(send: Send, status: int, words: str) -> None:
+    """Send an answer of one line."""
+    body = f'{words}\n'.encode()
+    await send({'type': 'http.response.start', 'status': status, 'headers': [
+        (b'content-type', b'text/plain; charset=utf-8'),
+        (b'content-length', str(len(body)).encode())]})
+    await send({'type': 'http.response.body', 'body': body})

@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from functools import partial
+import re
 import socket
 import threading
 import time
@@ -25,11 +26,15 @@ from typing import Any, Sequence
 from heading_intercompare.core.declared_settings import SettingsError
 
 from .controls import Controls
-from .guard import Guard, is_loopback
+from .guard import Guard, is_loopback, list_names
 from .metrics import CONTENT_TYPE, metrics_text
 from .tokens import make_token, NamedToken
 
 _START_S = 20.0
+_SOCKET = '/_nicegui_ws/socket[.]io/?'
+#: All that NiceGUI and this module serve; NiceGUI would answer every other path with the page.
+_PATHS = ('/|/metrics|/favicon[.]ico|' + _SOCKET + '|/_nicegui/{version}/'
+          '(static|libraries|components|resources|dynamic_resources|esm)/.+')
 
 
 def _bind(host: str, port: int) -> socket.socket:
@@ -66,6 +71,9 @@ class PageServer:
     tokens
         The tokens that actions need; without one, one is made if `host` is not loopback.
 
+    names
+        Further names under which the page is reached, with commas between them.
+
     Attributes
     ----------
     url : str
@@ -81,12 +89,13 @@ class PageServer:
     """
 
     def __init__(self, controls: Controls, *, host: str = '127.0.0.1', port: int = 8080,
-                 tokens: Sequence[NamedToken] = ()) -> None:
+                 tokens: Sequence[NamedToken] = (), names: str | None = None) -> None:
+        known_names = list_names(host, names)
         made = () if tokens or is_loopback(host) else (make_token(),)
         self.token_made = made[0].token if made else None
         try:
             from fastapi import FastAPI, Response
-            from nicegui import ui
+            from nicegui import __version__, ui
             import uvicorn
 
             from .page import build
@@ -103,7 +112,8 @@ class PageServer:
                     title='Heading intercompare', show_welcome_message=False, tailwind=False,
                     reconnect_timeout=5.0)
         self._server = uvicorn.Server(uvicorn.Config(
-            Guard(app, is_loopback(host)), log_level='error', lifespan='on',
+            Guard(app, known_names, re.compile(_PATHS.format(version=re.escape(__version__))),
+                  re.compile(_SOCKET)), log_level='error', lifespan='on', server_header=False,
             timeout_graceful_shutdown=1))
         self._thread = threading.Thread(target=self._serve, name='page', daemon=True)
         self._thread.start()

@@ -33,6 +33,8 @@ from checksums import with_checksum
 from deadlines import DEADLINE_S
 import pytest
 
+from heading_intercompare.web.guard import HEADERS
+
 pytestmark = [pytest.mark.slow, pytest.mark.process]
 
 ROOT = Path(__file__).resolve().parents[2]
@@ -320,13 +322,29 @@ def test_a_silent_sensor_goes_stale_raises_an_alarm_and_is_acknowledged(page, sh
     ({'Origin': 'http://evil.example'}, 'GET', 403), ({}, 'POST', 403),
     ({'Host': 'evil.example'}, 'GET', 403), ({}, 'GET', 200)])
 def test_requests_of_other_sites_are_refused(graph, headers, method, status):
+    assert request_status(graph.url, headers, method)[0] == status
+
+
+@pytest.mark.parametrize('path', [
+    'admin', 'metrics/', '_nicegui', '_nicegui/0.0/static/nicegui.js',
+    '_nicegui/{version}/static/none.js', '_nicegui/{version}/libraries/none',
+    '_nicegui/{version}/static/../nicegui.py', '_nicegui_ws/none', 'docs', 'openapi.json'])
+def test_an_unknown_path_is_not_found(graph, path):
+    """Before, the library answered every path with the page."""
+    from nicegui import __version__
+    status, headers = request_status(f'{graph.url}{path.format(version=__version__)}')
+    assert status == 404 and dict(HEADERS).items() <= {
+        (name.lower().encode(), value.encode()) for name, value in headers.items()}
+
+
+def request_status(url, headers=(), method='GET'):
+    """Return the status and the headers of an answer."""
     try:
-        request = Request(graph.url, headers=headers, method=method)
+        request = Request(url, headers=dict(headers), method=method)
         with urlopen(request, timeout=DEADLINE_S) as answer:
-            found = answer.status
+            return answer.status, answer.headers
     except HTTPError as error:
-        found = error.code
-    assert found == status
+        return error.code, error.headers
 
 
 def test_the_page_says_it_is_not_live_and_goes_on_after_a_restart(page, graph):
