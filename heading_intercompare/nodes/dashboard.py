@@ -59,7 +59,8 @@ class Dashboard(GraphNode):
         self.page = PageServer(Controls(self._look, self._actions.ask), host=node_settings.host,
                                port=node_settings.port,
                                tokens=read_tokens(node_settings.token_file, os.environ),
-                               names=node_settings.names)
+                               names=node_settings.names,
+                               connections_by_address=node_settings.connections_by_address)
         self._say_where()
         every(self, _VIEW_S, self._show)
 

@@ -201,6 +201,9 @@ class DashboardNode(Checked):
         None, 'names under which the page is reached, beside the addresses and the name of this '
         'computer, with commas between them: such as that of a reverse proxy. Requests that name '
         'another host are refused')
+    connections_by_address: int = setting(
+        64, 'most connections of one address; a page needs one, and some more while it loads. '
+        'Raise it for a reverse proxy, whose address all have', 8, 512)
     token_file: str | None = setting(
         None, "file of mode 0600 with the tokens that actions need, one operator per line: 'NAME "
         "TOKEN'; none: the one token in the environment variable HEADING_INTERCOMPARE_TOKEN; "

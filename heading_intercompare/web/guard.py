@@ -46,6 +46,7 @@ HEADERS = ((b'content-security-policy', POLICY.encode()), (b'x-frame-options', b
 
 _NOT_FOUND = 404, 'not found'
 _NO_METHOD = 405, 'this method is not allowed'
+_BUSY = 503, 'too many pages are open; try once more in a minute'
 _FOREIGN = 403, 'refused: not from this page'
 _HOST = 403, ('refused: the page is not known under this name; use its address, or state the name '
               'in dashboard.names')
@@ -119,6 +120,8 @@ class Guard:
         All paths that there are.
     written
         Those of them that take other methods than GET and HEAD.
+    has_room
+        Tells whether one more page may be built for an address.
 
     Notes
     -----
@@ -128,8 +131,9 @@ class Guard:
     """
 
     def __init__(self, app: App, names: Collection[str], paths: re.Pattern[str],
-                 written: re.Pattern[str]) -> None:
+                 written: re.Pattern[str], has_room: Callable[[str], bool]) -> None:
         self._app, self._names, self._paths, self._written = app, names, paths, written
+        self._has_room = has_room
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
         """Pass a request on, or refuse it."""
@@ -156,7 +160,10 @@ class Guard:
             return _FOREIGN
         if not self._paths.fullmatch(scope['path']):
             return _NOT_FOUND
-        return None if reads or self._written.fullmatch(scope['path']) else _NO_METHOD
+        if not reads and not self._written.fullmatch(scope['path']):
+            return _NO_METHOD
+        is_page = scope['path'] == '/'
+        return _BUSY if is_page and not self._has_room((scope.get('client') or ('',))[0]) else None
 
     def _is_here(self, host: str, server: Sequence[Any] | None) -> bool:
         """Tell whether a host is this computer, given the address at which the request came."""

@@ -70,12 +70,24 @@ _FIGURES = {
     'alarm_active': ('gauge', '1 while the condition of an alarm holds, 0 while it is not '
                      'acknowledged.'),
     'node_level': ('gauge', 'State of a node: 0 OK, 1 warning, 2 error.'),
-    'node_age_seconds': ('gauge', 'Time since a node was heard.')}
+    'node_age_seconds': ('gauge', 'Time since a node was heard.'),
+    'page_connections': ('gauge', 'Connections to the page.'),
+    'page_connections_refused_total': ('counter', 'Connections to the page that were refused.'),
+    'page_connections_ended_total': ('counter', 'Connections to the page that were ended, since '
+                                     'they waited too long or others needed the room.')}
 
 
-def metrics_text(view: BridgeView, age_s: float) -> str:
+class DoorCounts(NamedTuple):
+    """Connections to the page: open now, refused, and ended because they waited."""
+
+    open: int = 0
+    refused: int = 0
+    ended: int = 0
+
+
+def metrics_text(view: BridgeView, age_s: float, door: DoorCounts | None = None) -> str:
     """
-    Return the figures of a view, given its age in seconds.
+    Return the figures of a view, given its age in seconds, and of the connections to the page.
 
     Examples
     --------
@@ -88,6 +100,10 @@ def metrics_text(view: BridgeView, age_s: float) -> str:
                *(_list_pair(view) if view.sensors is None else _list_rows(view.sensors.rows)),
                _Sample('disk_free_bytes', None if view.bag.stale else view.bag.free_bytes),
                *_list_alarms(view)]
+    if door is not None:
+        samples += [_Sample('page_connections', door.open),
+                    _Sample('page_connections_refused_total', door.refused),
+                    _Sample('page_connections_ended_total', door.ended)]
     for node in view.nodes:
         labels = {'node': node.name}
         samples += [_Sample('node_level', None if node.stale else node.level, labels),

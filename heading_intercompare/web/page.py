@@ -22,7 +22,7 @@ from html import escape
 import time
 from typing import Any, Sequence
 
-from nicegui import ui
+from nicegui import Client, ui
 
 from heading_intercompare.core.count_words import count_words
 from heading_intercompare.web.bridge.bridge_records import (
@@ -54,11 +54,17 @@ from heading_intercompare.web.drawing.markers import draw_marker, draw_symbol
 from heading_intercompare.web.drawing.trend_picture import draw_trend, Stretch
 from heading_intercompare.web.figures.difference_watch import SPANS_S
 
+from .connections import network_of
 from .controls import Controls
 from .palettes import PALETTES, script, style
 from .tokens import find_operator, NamedToken
 
 _PERIOD_S = 0.2
+MOST_PAGES = 256
+"""Pages in all, whose browsers are connected or may come back."""
+
+#: How long a page is held whose browser never opened a WebSocket.
+_UNSEEN_S = 10.0
 #: A view older than this is not live, though the page is.
 _OLD_S = 2.0
 _PATIENCE_S = 10.0
@@ -485,6 +491,21 @@ def _figures(judged: JudgedDayView | JudgedRunView) -> str:
 
 def _deg(value: float | None, sign: str = '') -> str:
     return '–' if value is None else f'{value:{sign}.3f}°'
+
+
+def has_room(connections_by_address: int, host: str) -> bool:
+    """
+    Tell whether one more page may be built for the browser at an address.
+
+    A page is held until its browser opens a WebSocket, and for some seconds after that is closed.
+    A program that asks for pages and never opens one could fill the memory with them.
+    """
+    Client.prune_instances(client_age_threshold=_UNSEEN_S)
+    waiting = [client for client in Client.instances.values()
+               if not client.has_socket_connection]
+    network = network_of(host)
+    return len(Client.instances) < MOST_PAGES and sum(
+        network_of(client.ip) == network for client in waiting) < connections_by_address // 4
 
 
 def build(controls: Controls, tokens: Sequence[NamedToken]) -> None:

@@ -25,12 +25,15 @@ from typing import Any, Sequence
 
 from heading_intercompare.core.declared_settings import SettingsError
 
+from .connections import Connections, MOST, raise_descriptors
 from .controls import Controls
 from .guard import Guard, is_loopback, list_names
 from .metrics import CONTENT_TYPE, metrics_text
 from .tokens import make_token, NamedToken
 
 _START_S = 20.0
+#: Bytes of a message from a browser: a note, a token, a tap.
+_MOST_MESSAGE = 100_000
 _SOCKET = '/_nicegui_ws/socket[.]io/?'
 #: All that NiceGUI and this module serve; NiceGUI would answer every other path with the page.
 _PATHS = ('/|/metrics|/favicon[.]ico|' + _SOCKET + '|/_nicegui/{version}/'
@@ -70,9 +73,10 @@ class PageServer:
         TCP port; 0: any free one.
     tokens
         The tokens that actions need; without one, one is made if `host` is not loopback.
-
     names
         Further names under which the page is reached, with commas between them.
+    connections_by_address
+        Most connections of one address.
 
     Attributes
     ----------
@@ -89,7 +93,8 @@ class PageServer:
     """
 
     def __init__(self, controls: Controls, *, host: str = '127.0.0.1', port: int = 8080,
-                 tokens: Sequence[NamedToken] = (), names: str | None = None) -> None:
+                 tokens: Sequence[NamedToken] = (), names: str | None = None,
+                 connections_by_address: int = 64) -> None:
         known_names = list_names(host, names)
         made = () if tokens or is_loopback(host) else (make_token(),)
         self.token_made = made[0].token if made else None
@@ -98,23 +103,28 @@ class PageServer:
             from nicegui import __version__, ui
             import uvicorn
 
-            from .page import build
+            from .page import build, has_room
         except ImportError as error:
             raise SettingsError("the page needs NiceGUI: pip install 'heading_intercompare[web]'"
                                 ) from error
-        self._socket = _bind(host, port)
+        self.connections = Connections(min(MOST, raise_descriptors() // 2),
+                                       connections_by_address)
+        self._socket = self.connections.listen(_bind(host, port))
         shown = f'[{host}]' if ':' in host else host
         self.url = f'http://{shown}:{self._socket.getsockname()[1]}/'
         app: Any = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
         app.add_api_route('/metrics', lambda: Response(
-            metrics_text(*controls.look()), media_type=CONTENT_TYPE))
+            metrics_text(*controls.look(), self.connections.count()), media_type=CONTENT_TYPE))
         ui.run_with(app, root=partial(build, controls, [*tokens, *made]),
                     title='Heading intercompare', show_welcome_message=False, tailwind=False,
                     reconnect_timeout=5.0)
+        guard = Guard(app, known_names, re.compile(_PATHS.format(version=re.escape(__version__))),
+                      re.compile(_SOCKET), partial(has_room, connections_by_address))
+        # The event loop of Python takes connections from our socket; h11 bounds the headers.
         self._server = uvicorn.Server(uvicorn.Config(
-            Guard(app, known_names, re.compile(_PATHS.format(version=re.escape(__version__))),
-                  re.compile(_SOCKET)), log_level='error', lifespan='on', server_header=False,
-            timeout_graceful_shutdown=1))
+            self.connections.wrap(guard), log_level='error', lifespan='on', server_header=False,
+            proxy_headers=False, timeout_graceful_shutdown=1, loop='asyncio', http='h11',
+            interface='asgi3', backlog=self.connections.backlog, ws_max_size=_MOST_MESSAGE))
         self._thread = threading.Thread(target=self._serve, name='page', daemon=True)
         self._thread.start()
         deadline_s = time.monotonic() + _START_S

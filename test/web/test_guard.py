@@ -25,11 +25,12 @@ from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.web.guard import Guard, HEADERS, list_names
 
 HERE = 'http://127.0.0.1:8080'
+BUSY = '127.0.0.9'
 SHIP = {'server': ('192.168.1.10', 8080)}
 
 
 def ask(kind='http', method='GET', host='127.0.0.1:8080', origin=None, path='/',
-        server=('127.0.0.1', 8080), more=()):
+        server=('127.0.0.1', 8080), more=(), client=('127.0.0.2', 40000)):
     """Return whether a request got through, and what was sent instead."""
     passed, sent = [], []
 
@@ -46,9 +47,10 @@ def ask(kind='http', method='GET', host='127.0.0.1:8080', origin=None, path='/',
         sent.append(message)
     headers = [(b'Host', host.encode()), *more] + (
         [] if origin is None else [(b'Origin', origin.encode())])
-    scope = {'type': kind, 'method': method, 'headers': headers, 'path': path, 'server': server}
+    scope = {'type': kind, 'method': method, 'headers': headers, 'path': path, 'server': server,
+             'client': client}
     guard = Guard(app, list_names('0.0.0.0', 'ship, Bridge.example.com'),
-                  re.compile('/|/socket'), re.compile('/socket'))
+                  re.compile('/|/socket'), re.compile('/socket'), lambda host: host != BUSY)
     asyncio.run(guard(scope, receive, send))
     return bool(passed), sent
 
@@ -108,8 +110,9 @@ def test_another_host_is_refused_on_every_address(given):
 @pytest.mark.parametrize('given, status', [
     ({'path': '/admin'}, 404), ({'path': '//'}, 404), ({'path': '/\n'}, 404), ({'path': ''}, 404),
     ({'path': '/admin', 'method': 'POST', 'origin': HERE}, 404),
+    ({'client': (BUSY, 40000)}, 503),
     ({'method': 'POST', 'origin': HERE}, 405), ({'method': 'OPTIONS', 'origin': HERE}, 405)])
-def test_unknown_paths_and_methods_are_refused(given, status):
+def test_unknown_paths_methods_and_more_pages_are_refused(given, status):
     passed, sent = ask(**given)
     assert not passed and sent[0]['status'] == status
 

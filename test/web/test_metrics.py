@@ -34,7 +34,7 @@ from heading_intercompare.web.bridge.bridge_records import (
 from heading_intercompare.web.bridge.bridge_view import BridgeView
 from heading_intercompare.web.bridge.sensors_panel import SensorRow, SensorsView
 from heading_intercompare.web.figures.stream_watch import SensorView
-from heading_intercompare.web.metrics import metrics_text
+from heading_intercompare.web.metrics import DoorCounts, metrics_text
 
 LINE = re.compile(r'heading_intercompare_([a-z_]+)'
                   r'(?:\{((?:[a-z]+="(?:[^"\\\n]|\\[\\"n])*",?)+)\})? '
@@ -143,3 +143,10 @@ def test_the_server_of_the_page_has_them_at_an_address_of_their_own():
     kind, _, text = done.stdout.partition('\n')
     assert kind == 'text/plain; version=0.0.4; charset=utf-8'
     assert parse(text)['paired_share'] == 0.5 and parse(text)['view_age_seconds'] == 0.25
+
+
+def test_the_connections_to_the_page_are_counted():
+    values = parse(metrics_text(BridgeView(), 0.0, DoorCounts(3, refused=2, ended=1)))
+    assert values['page_connections'] == 3.0
+    assert values['page_connections_refused_total'] == 2.0
+    assert values['page_connections_ended_total'] == 1.0
