@@ -20,6 +20,7 @@ from collections.abc import Awaitable, Callable, Collection, MutableMapping
 from functools import partial
 import ipaddress
 import re
+import secrets
 import socket
 from typing import Any, Sequence
 from urllib.parse import urlsplit
@@ -33,16 +34,16 @@ App = Callable[[Scope, Receive, Send], Awaitable[None]]
 
 _NAME = re.compile('[a-z0-9_]([a-z0-9_.-]*[a-z0-9_])?')
 
-#: NiceGUI writes the page into inline scripts and styles, and Vue compiles templates by eval.
-POLICY = ("default-src 'none'; script-src 'self' 'unsafe-inline' 'unsafe-eval'; "
-          "style-src 'self' 'unsafe-inline'; img-src 'self' data:; font-src 'self'; "
-          "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'")
+#: NiceGUI writes the page into inline styles.
+_POLICY = ("default-src 'none'; script-src 'self'%s; style-src 'self' 'unsafe-inline'; "
+           "img-src 'self' data:; font-src 'self'; connect-src 'self'; base-uri 'none'; "
+           "form-action 'none'; frame-ancestors 'none'")
 
-HEADERS = ((b'content-security-policy', POLICY.encode()), (b'x-frame-options', b'DENY'),
-           (b'x-content-type-options', b'nosniff'), (b'referrer-policy', b'same-origin'),
+HEADERS = ((b'x-frame-options', b'DENY'), (b'x-content-type-options', b'nosniff'),
+           (b'referrer-policy', b'same-origin'),
            (b'cross-origin-opener-policy', b'same-origin'),
            (b'cross-origin-resource-policy', b'same-origin'))
-"""What every answer tells the browser."""
+"""What every answer tells the browser, beside the policy for its content."""
 
 _NOT_FOUND = 404, 'not found'
 _NO_METHOD = 405, 'this method is not allowed'
@@ -141,7 +142,10 @@ class Guard:
             await self._app(scope, receive, send)
             return
         refusal = self._refuse(scope)
-        if refusal is None:
+        if refusal is None and scope['type'] == 'http' and scope['path'] == '/':
+            plain = [header for header in scope['headers'] if header[0] != b'accept-encoding']
+            await self._app({**scope, 'headers': plain}, receive, _mark_scripts(send))
+        elif refusal is None:
             await self._app(scope, receive, partial(_add_headers, send))
         elif scope['type'] == 'websocket':
             await receive()
@@ -188,13 +192,37 @@ def _netloc(origin: str) -> str:
         return ''
 
 
-async def _add_headers(send: Send, message: Scope) -> None:
+async def _add_headers(send: Send, message: Scope, scripts: str = '') -> None:
+    """Send a message, with the policy for the content if it begins an answer."""
     if message['type'] == 'http.response.start':
-        names = {name for name, _ in HEADERS}
+        headers = (*HEADERS, (b'content-security-policy', (_POLICY % scripts).encode()))
+        names = {name for name, _ in headers}
         message = {**message, 'headers': [
             *((name, value) for name, value in message.get('headers', ())
-              if name.lower() not in names), *HEADERS]}
+              if name.lower() not in names), *headers]}
     await send(message)
+
+
+def _mark_scripts(send: Send) -> Send:
+    """Return what sends the page: its scripts, and no others, have the mark of the answer."""
+    mark, start, body = secrets.token_urlsafe(16), dict[str, Any](), bytearray()
+    # NiceGUI writes the page into inline scripts, and Vue compiles its templates by eval.
+    scripts = f" 'nonce-{mark}' 'unsafe-eval'"
+
+    async def send_marked(message: Scope) -> None:
+        if message['type'] == 'http.response.start':
+            start.update(message)
+            return
+        body.extend(message.get('body', b''))
+        if message.get('more_body'):
+            return
+        marked = body.replace(b'<script', f'<script nonce="{mark}"'.encode())
+        headers = [(name, value) for name, value in start.get('headers', ())
+                   if name.lower() != b'content-length']
+        headers.append((b'content-length', str(len(marked)).encode()))
+        await _add_headers(send, {**start, 'headers': headers}, scripts)
+        await send({'type': 'http.response.body', 'body': bytes(marked)})
+    return send_marked
 
 
 async def answer(send: Send, status: int, words: str) -> None:

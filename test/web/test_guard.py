@@ -38,7 +38,11 @@ def ask(kind='http', method='GET', host='127.0.0.1:8080', origin=None, path='/',
         passed.append(scope)
         if scope['type'] == 'http':
             await send({'type': 'http.response.start', 'status': 200, 'headers': [
-                (b'Referrer-Policy', b'unsafe-url'), (b'content-type', b'text/html')]})
+                (b'Referrer-Policy', b'unsafe-url'), (b'content-type', b'text/html'),
+                (b'Content-Length', b'16')]})
+            for body in (b'<script>', b'</script'):
+                await send({'type': 'http.response.body', 'body': body,
+                            'more_body': body == b'<script>'})
 
     async def receive():
         return {'type': 'websocket.connect'}
@@ -76,7 +80,8 @@ def computer(monkeypatch):
     {'kind': 'lifespan', 'host': 'evil'}])
 def test_what_comes_from_the_page_gets_through(given):
     passed, sent = ask(**given)
-    assert passed and [message['status'] for message in sent] in ([], [200])
+    assert passed and [message['status'] for message in sent if 'status' in message] == (
+        [] if given.get('kind') else [200])
 
 
 @pytest.mark.parametrize('given', [
@@ -122,6 +127,20 @@ def test_every_answer_tells_the_browser_what_the_page_may_do(given):
     headers = ask(**given)[1][0]['headers']
     assert [header for header in headers if header in HEADERS] == [*HEADERS]
     assert len({name.lower() for name, _ in headers}) == len(headers)
+    policy = dict(headers)[b'content-security-policy'].decode()
+    assert "script-src 'self'" in policy and "frame-ancestors 'none'" in policy
+    assert "script-src 'self' 'unsafe-inline'" not in policy
+
+
+def test_the_scripts_of_each_page_have_a_mark_of_their_own():
+    """A script that somebody smuggled into a message or note has none, and does not run."""
+    pages = [ask()[1] for _ in range(2)]
+    marks = [re.search("'nonce-([^']{20,})'", str(page[0]['headers'])).group(1) for page in pages]
+    assert marks[0] != marks[1]
+    for page, mark in zip(pages, marks):
+        body = f'<script nonce="{mark}"></script'.encode()
+        assert page[1:] == [{'type': 'http.response.body', 'body': body}]
+        assert dict(page[0]['headers'])[b'content-length'] == str(len(body)).encode()
 
 
 @pytest.mark.parametrize('names', ['https://ship', 'ship:8080', 'a b', 'ship, *', '-ship'])

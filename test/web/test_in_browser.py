@@ -337,6 +337,21 @@ def test_an_unknown_path_is_not_found(graph, path):
         (name.lower().encode(), value.encode()) for name, value in headers.items()}
 
 
+def test_a_script_that_is_smuggled_into_the_page_does_not_run(page):
+    text = await_text(page, '.k-ts_heading', r'^\d{3}')
+    page.evaluate("""() => {
+        const place = document.createElement('div');
+        place.innerHTML = '<img src="data:," onerror="window.smuggled = true">';
+        const script = document.createElement('script');
+        script.textContent = 'window.smuggled = true';
+        document.body.append(place, script); }""")
+    await_text(page, '.k-ts_heading', f'^(?!{text})')
+    assert page.evaluate('window.smuggled') is None
+    refused = [said for said in page.wrong if 'Content Security Policy' in said]
+    assert len(refused) == len(page.wrong) == 2
+    page.wrong.clear()
+
+
 def request_status(url, headers=(), method='GET'):
     """Return the status and the headers of an answer."""
     try:
