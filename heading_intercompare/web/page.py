@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The live page, built for one browser: it asks for the newest view five times a second."""
+"""The live page, built for one browser: it asks for the newest view up to five times a second."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ import asyncio
 from functools import partial
 from html import escape
 import time
-from typing import Any, Sequence
+from typing import Any, Callable, Sequence, TypeVar
 
 from nicegui import Client, ui
 
@@ -59,7 +59,10 @@ from .controls import Controls
 from .palettes import PALETTES, script, style
 from .tokens import find_operator, NamedToken
 
+_Drawn = TypeVar('_Drawn')
 _PERIOD_S = 0.2
+#: Updates of all pages together.
+_MOST_UPDATES_HZ = 250.0
 MOST_PAGES = 256
 """Pages in all, whose browsers are connected or may come back."""
 
@@ -76,11 +79,45 @@ _SPANS = {'30 min': SPANS_S[0], '6 h': SPANS_S[1], '24 h': SPANS_S[2]}
 _NO_REFERENCE = ('silent', 'frozen')
 
 
+class Drawings:
+    """What was drawn of the newest view: it is drawn once for all browsers."""
+
+    def __init__(self) -> None:
+        self._view: BridgeView | None = None
+        self._drawn: dict[object, Any] = {}
+
+    def draw(self, view: BridgeView, key: object, make: Callable[[], _Drawn]) -> _Drawn:
+        """Return what `make` returned for this view and key, or returns now."""
+        if view is not self._view:
+            self._view, self._drawn = view, {}
+        if key not in self._drawn:
+            self._drawn[key] = make()
+        drawn: _Drawn = self._drawn[key]
+        return drawn
+
+
+def update_period_s(pages: int) -> float:
+    """
+    Return the time from one update of a page to the next, seconds.
+
+    Where there are many pages, each is updated less often, so that they leave the processor to
+    those who pair, judge and record.
+
+    Examples
+    --------
+    >>> [round(update_period_s(pages), 2) for pages in (1, 50, 200, MOST_PAGES)]
+    [0.2, 0.2, 0.8, 1.02]
+
+    """
+    return max(_PERIOD_S, pages / _MOST_UPDATES_HZ)
+
+
 class _Page:
     """The elements of the page of one browser."""
 
-    def __init__(self, controls: Controls, tokens: Sequence[NamedToken]) -> None:
-        self._controls, self._tokens = controls, tokens
+    def __init__(self, controls: Controls, tokens: Sequence[NamedToken],
+                 drawings: Drawings) -> None:
+        self._controls, self._tokens, self._drawings = controls, tokens, drawings
         self._labels: dict[str, Any] = {}
         self._shown: dict[str, Any] = {}
         self._stretch = Stretch()
@@ -112,7 +149,7 @@ class _Page:
             self._build_more()
         self._beat = ui.label('').classes('k-beat hidden')
         self.update()
-        ui.timer(_PERIOD_S, self.update)
+        self._timer = ui.timer(_PERIOD_S, self._update_in_turn)
 
     def _build_alerts(self) -> None:
         with self._section('alerts', 'Alerts'):
@@ -239,6 +276,10 @@ class _Page:
         return ui.button(text, on_click=act, color=None).props('no-caps unelevated').classes(
             classes)
 
+    def _update_in_turn(self) -> None:
+        self._timer.interval = update_period_s(len(Client.instances))
+        self.update()
+
     def update(self) -> None:
         """Show the newest view; what has not changed is not sent."""
         view, age_s = self._controls.look()
@@ -247,7 +288,8 @@ class _Page:
         if age_s < _OLD_S:
             self._beat.set_text(str(self._ticks))
         self._show_alerts(view.alerts)
-        self._show_html('strip', self._strip, draw_strip(view.rows))
+        self._show_html('strip', self._strip, self._drawings.draw(
+            view, 'strip', lambda: draw_strip(view.rows)))
         no_reference = any(row.reference and (row.now.stale or row.state in _NO_REFERENCE)
                            for row in view.rows)
         for tile, row in zip(self._tiles, view.rows):
@@ -259,7 +301,8 @@ class _Page:
             self._forget_tap()
 
     def _show_texts(self, view: BridgeView) -> None:
-        texts = {**tell(view), 'vote': vote_words(view)}
+        texts = self._drawings.draw(
+            view, 'texts', lambda: {**tell(view), 'vote': vote_words(view)})
         lamp = self._labels['lamp']
         if self._shown.get('box') != view.lamp.tone:
             self._shown['box'] = view.lamp.tone
@@ -272,16 +315,15 @@ class _Page:
 
     def _show_slowly(self, view: BridgeView) -> None:
         """Show what need not be shown more often than once a second."""
-        numbers = {row.name: number for number, row in enumerate(view.rows)}
-        self._show_html('trend', self._trend, draw_trend(
-            view.trends, self._stretch, [row.name for row in view.rows if row.named],
-            [numbers[trend.sensor] for trend in view.trends]))
+        draw = self._drawings.draw
+        self._show_html('trend', self._trend, draw(
+            view, self._stretch, lambda: _draw_trends(view, self._stretch)))
         self._show_progress(view)
-        self._show_html('gauges', self._gauges, _draw_gauges(view))
+        self._show_html('gauges', self._gauges, draw(view, 'gauges', lambda: _draw_gauges(view)))
         self._show_html('sensors', self._sensor_rows, ''.join(
             f'<p class="row {phrase.tone}">{escape(name)}: {escape(phrase.text)}</p>'
             for name, phrase in sensor_words(view)))
-        self._show_html('runs', self._runs, _list_days(view.runs))
+        self._show_html('runs', self._runs, draw(view, 'runs', lambda: _list_days(view.runs)))
         self._show_html('nodes', self._nodes, ''.join(
             f'<p class="row {phrase.tone}">{escape(phrase.text)}</p>'
             for phrase in node_words(view)) or '<p class="row">no node is heard</p>')
@@ -452,6 +494,13 @@ class _Page:
         return True
 
 
+def _draw_trends(view: BridgeView, stretch: Stretch) -> str:
+    """Return the trends of the tested sensors as HTML."""
+    numbers = {row.name: number for number, row in enumerate(view.rows)}
+    return draw_trend(view.trends, stretch, [row.name for row in view.rows if row.named],
+                      [numbers[trend.sensor] for trend in view.trends])
+
+
 def _draw_gauges(view: BridgeView) -> str:
     """Return the scatter of each tested sensor in the window, and the mean of a single one."""
     if view.sensors is not None:
@@ -508,6 +557,6 @@ def has_room(connections_by_address: int, host: str) -> bool:
         network_of(client.ip) == network for client in waiting) < connections_by_address // 4
 
 
-def build(controls: Controls, tokens: Sequence[NamedToken]) -> None:
+def build(controls: Controls, tokens: Sequence[NamedToken], drawings: Drawings) -> None:
     """Build the page for one browser; with tokens, actions need one of them."""
-    _Page(controls, tokens).build()
+    _Page(controls, tokens, drawings).build()

@@ -103,7 +103,7 @@ class PageServer:
             from nicegui import __version__, ui
             import uvicorn
 
-            from .page import build, has_room
+            from .page import build, Drawings, has_room
         except ImportError as error:
             raise SettingsError("the page needs NiceGUI: pip install 'heading_intercompare[web]'"
                                 ) from error
@@ -115,7 +115,7 @@ class PageServer:
         app: Any = FastAPI(docs_url=None, redoc_url=None, openapi_url=None)
         app.add_api_route('/metrics', lambda: Response(
             metrics_text(*controls.look(), self.connections.count()), media_type=CONTENT_TYPE))
-        ui.run_with(app, root=partial(build, controls, [*tokens, *made]),
+        ui.run_with(app, root=partial(build, controls, [*tokens, *made], Drawings()),
                     title='Heading intercompare', show_welcome_message=False, tailwind=False,
                     reconnect_timeout=5.0)
         guard = Guard(app, known_names, re.compile(_PATHS.format(version=re.escape(__version__))),

@@ -22,6 +22,8 @@ import sys
 
 import pytest
 
+from heading_intercompare.web.bridge.bridge_view import BridgeView
+
 CODE = """
 import html, urllib.request
 from heading_intercompare.core.settings import Settings
@@ -65,3 +67,27 @@ def test_the_page_of_two_sensors_has_their_panels():
                   'Scatter beside the norm', 'Days and runs'):
         assert words in page
     assert 'Vote' not in page
+
+
+def test_what_all_browsers_see_is_drawn_once_for_each_view():
+    """Each browser drew the same trend of its own, and two hundred took the whole processor."""
+    pytest.importorskip('nicegui')
+    from heading_intercompare.web.page import Drawings
+    drawings, drawn = Drawings(), []
+
+    def draw(view, key):
+        return drawings.draw(view, key, lambda: drawn.append(key) or f'{view.paired} {key}')
+    first, second = BridgeView(paired=1), BridgeView(paired=2)
+    assert [draw(first, 'a'), draw(first, 'b'), draw(first, 'a'), draw(second, 'a')] == [
+        '1 a', '1 b', '1 a', '2 a']
+    assert drawn == ['a', 'b', 'a']
+
+
+def test_many_pages_are_updated_less_often_but_stay_live():
+    pytest.importorskip('nicegui')
+    from heading_intercompare.web.page import MOST_PAGES, update_period_s
+    periods_s = [update_period_s(pages) for pages in range(MOST_PAGES + 1)]
+    assert periods_s[1] == 0.2 and periods_s == sorted(periods_s)
+    # The script of the page calls it dead after 2 s.
+    assert periods_s[-1] < 1.5
+    assert max(pages / period_s for pages, period_s in enumerate(periods_s)) == pytest.approx(250)
