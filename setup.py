@@ -66,8 +66,8 @@ setup(
     extras_require={
         'ros': ['ros-jazzy-rclpy', 'ros-jazzy-common-interfaces', 'ros-jazzy-rmw-fastrtps-cpp'],
         'serial': ['pyserial>=3.5'],
-        'report': ['jinja2>=3.0', 'matplotlib>=3.5'],
-        'pdf': ['jinja2>=3.0', 'matplotlib>=3.5', 'weasyprint>=60'],
+        'report': ['jinja2>=3.0', 'matplotlib>=3.5', 'segno>=1.5'],
+        'pdf': ['jinja2>=3.0', 'matplotlib>=3.5', 'segno>=1.5', 'weasyprint>=60'],
         'terminal': ['rich>=13', 'argcomplete>=3'],
         'web': ['nicegui>=3.0'],
         'push': ['httpx>=0.24'],

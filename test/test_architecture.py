@@ -63,7 +63,8 @@ ALLOWED = {
                     {'numpy', 'mcap', 'lz4', 'zstandard', 'isal'}),
     'readers': Allowed({'core', 'drivers', 'messages', 'bags', 'natural_order'},
                        {'numpy', 'rosbags', 'apsw', 'pyarrow'}),
-    'report': Allowed({'core', 'replaced_file'}, {'numpy', 'jinja2', 'matplotlib', 'weasyprint'}),
+    'report': Allowed({'core', 'replaced_file'},
+                      {'numpy', 'jinja2', 'matplotlib', 'segno', 'weasyprint'}),
     'logbook': Allowed({'core'}, {'numpy'}),
     'web': Allowed({'core', 'messages'}, {'numpy', 'nicegui', 'fastapi', 'uvicorn'}),
     'nodes': Allowed({'core', 'drivers', 'ahrs', 'messages', 'bags', 'report', 'logbook', 'web',
@@ -91,6 +92,7 @@ ORDER = read_order()
 # The libraries of each extra, and the only modules that may load them.
 LOADED_BY = {
     'jinja2': {'report/html'}, 'weasyprint': {'report/pdf'},
+    'segno': {'report/contents/verdict_code'},
     'matplotlib': {'report/figures/style'},
     'rosbags': {'readers/rosbag_recording'}, 'apsw': {'readers/rosbag_recording'},
     'pyarrow': {'readers/parquet'},

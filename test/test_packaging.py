@@ -268,7 +268,7 @@ def test_the_templates_are_data_of_the_package_and_of_its_source_archive():
 
 
 @pytest.mark.parametrize('extra, libraries', [
-    ('report', ['jinja2', 'matplotlib']), ('terminal', ['rich', 'argcomplete'])])
+    ('report', ['jinja2', 'matplotlib', 'segno']), ('terminal', ['rich', 'argcomplete'])])
 def test_an_extra_is_asked_for_and_installed_for_demo_and_tests(extra, libraries):
     asked = re.search(rf"'{extra}': \[([^]]*)\]", (ROOT / 'setup.py').read_text('utf-8'))[1]
     assert re.findall(r"'(\w+)", asked) == libraries

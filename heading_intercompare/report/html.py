@@ -66,6 +66,7 @@ from .contents.tables import (
     WORST,
 )
 from .contents.uncertainty_budget import budget_of
+from .contents.verdict_code import draw_code
 from .figures.drawing import Subject
 from .figures.gallery import draw_figures, Drawn, NAMES
 from .formatting import exact, flatten, value
@@ -194,6 +195,7 @@ def _gather(verdict: Verdict, sketches: Sequence[SeriesSketch],
         gk)
     return {
         **details, 'verdict': shown, 'gk': gk, 'no_run': NO_RUN, 'id': verdict_id(verdict),
+        'code': draw_code(verdict_id(verdict)),
         'span': span_of(shown), 'records': records,
         'running': running if len(running) <= _LONGEST_HEAD else f'{running[:_LONGEST_HEAD]}...',
         'first': compose_first_page(shown, gk), 'shows': _pick_figure(verdict, records),

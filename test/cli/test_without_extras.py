@@ -31,7 +31,7 @@ pytestmark = pytest.mark.process
 
 #: The modules that the extras install, and some of their dependencies.
 EXTRAS = ('jinja2', 'markupsafe', 'matplotlib', 'rich', 'argcomplete', 'serial', 'isal', 'numba',
-          'distributed', 'dask', 'threadpoolctl', 'pandas', 'weasyprint', 'ephem')
+          'distributed', 'dask', 'threadpoolctl', 'pandas', 'weasyprint', 'segno', 'ephem')
 ROS = ('rclpy', 'sensor_msgs', 'std_msgs', 'geometry_msgs', 'nav_msgs', 'std_srvs',
        'diagnostic_msgs', 'rosgraph_msgs', 'rcl_interfaces', 'builtin_interfaces')
 

@@ -29,7 +29,8 @@ from heading_intercompare.report.formatting import ABSENT, number, value
 
 from .defaults import mark_default
 
-_ID_DIGITS = 12
+#: 128 bits: nobody can make another verdict with the same id.
+_ID_DIGITS = 32
 
 
 def verdict_id(verdict: Verdict) -> str:

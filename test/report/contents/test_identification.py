@@ -93,4 +93,4 @@ def test_the_id_changes_with_the_verdict_and_survives_its_json(made):
     verdict = made(1)[0]
     assert verdict_id(Verdict.from_dict(verdict.to_dict())) == verdict_id(verdict)
     assert verdict_id(replace(verdict, headline='x')) != verdict_id(verdict)
-    assert len(verdict_id(verdict)) == 12
+    assert len(verdict_id(verdict)) == 32
