@@ -21,6 +21,7 @@ from importlib.util import find_spec
 from pathlib import Path
 import re
 import shutil
+import subprocess
 
 from checksums import with_checksum
 import pytest
@@ -90,6 +91,12 @@ def inputs(tmp_path_factory):
             for _, t, ts, rs in seconds() for body in bodies))
     (folder / 'pairs.csv').write_text('stamp_s,ts_deg,rs_deg\n' + ''.join(
         f'{t.timestamp():.0f},{ts},{rs}\n' for _, t, ts, rs in seconds()))
+    # The home of who signs, and the list of signers.
+    (folder / '.ssh').mkdir()
+    subprocess.run(['ssh-keygen', '-q', '-t', 'ed25519', '-N', '', '-f',
+                    folder / '.ssh' / 'id_ed25519'], check=True)
+    (folder / 'allowed_signers').write_text(
+        f'a.mate {(folder / ".ssh" / "id_ed25519.pub").read_text()}')
     for name in ('example', 'other'):
         assert main(['analyze', str(folder / 'trial'), '--config', str(folder / 'my.yaml'),
                      '--logbook', str(folder / f'{name}.sqlite'), '--ship', name]) == 0
@@ -100,6 +107,7 @@ def inputs(tmp_path_factory):
 @pytest.mark.parametrize('page, commands', [*read_guides()])
 def test_the_commands_of_a_guide_run(page, commands, inputs, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(shutil.copytree(inputs, tmp_path / 'inputs'))
+    monkeypatch.setenv('HOME', str(tmp_path / 'inputs'))
     for name, text in _YAML.findall(page.read_text('utf-8')):
         if name:
             Path(name).write_text(text, 'utf-8')

@@ -23,6 +23,7 @@ from __future__ import annotations
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
 from functools import partial
+import os
 from pathlib import Path
 from typing import Any, Callable, Iterable, Iterator, Mapping, Protocol, Sequence
 
@@ -495,3 +496,10 @@ def _count_headings(readers: Sequence[Readable], topics: Iterable[str]) -> int:
 def sha256(path: str, options: StreamOptions = UNSTATED) -> str:
     """Return the SHA-256 of a file, or of the files of a bag in the order of their names."""
     return hash_files(sorted(sources_of(path, options) or find_files(Path(path)).paths))
+
+
+def find_input(path: str, verdict: str) -> str | None:
+    """Return where an input of a verdict lies: at its path, or beside the file of the verdict."""
+    name = os.path.basename(path.rstrip(os.sep))
+    places = (path, os.path.join(os.path.dirname(verdict), name))
+    return next((place for place in places if os.path.exists(place)), None)

@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-import os
 from typing import Any, Callable, Mapping, Sequence
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
@@ -36,6 +35,7 @@ from heading_intercompare.report.json import parse_any, read_any
 
 from .analysis import judge_bags
 from .config import Config, settings_for
+from .inputs import find_input
 from .job import explain_unreadable, UNREADABLE
 
 CHANGED, UNJUDGED, WITHOUT_REPORT, SAME = 'changed', 'not_judged', 'no_report', 'same'
@@ -221,15 +221,14 @@ def rejudge_verdict(path: str, config: Config | None = None, assignments: Sequen
 
 
 def _find_recording(recording: Input, verdict: str) -> str:
-    """Return where an input of a verdict lies: at its path, or beside the file of the verdict."""
+    """Return where an input of a verdict lies that can be judged from the verdict alone."""
     if recording.not_taken is not None:
         raise ValueError(f'its input {recording.path} is a log, and the verdict does not say how '
                          'its stamps were read: use analyze, or import it and analyze the bag')
-    name = os.path.basename(recording.path.rstrip(os.sep))
-    for place in (recording.path, os.path.join(os.path.dirname(verdict), name)):
-        if os.path.exists(place):
-            return place
-    raise ValueError(f'its input {recording.path} is neither there nor beside the verdict')
+    place = find_input(recording.path, verdict)
+    if place is None:
+        raise ValueError(f'its input {recording.path} is neither there nor beside the verdict')
+    return place
 
 
 def _compare(path: str, report: Verdict | SensorsVerdict | None, verdict: Verdict | SensorsVerdict,

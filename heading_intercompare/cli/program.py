@@ -66,6 +66,9 @@ COMMANDS = {
              'and what to type next', 'info trial_bag'),
     'recover': ('recover', 'copy everything readable of a cut or damaged bag to a new one',
                 'recover trial_bag -o recovered_bag'),
+    'sign': ('sign', 'sign verdicts, protocols and bags with an ssh key', 'sign verdict.json'),
+    'verify': ('verify', 'say who signed files, and whether they and the inputs are unchanged',
+               'verify verdict.json --signers allowed_signers'),
     'replay': ('graph.replay', 'publish the topics of a bag, under the same or other names',
                'replay trial_bag --rate 20 --remap ts/heading:=gyro/heading'),
 }

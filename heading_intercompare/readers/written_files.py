@@ -135,6 +135,8 @@ WRITTEN_FILES = (
                 'heading-intercompare history {}', 'logbook'),
     WrittenFile('a journal of a live run', _begins('heading_intercompare journal '),
                 f'{_ANALYZE} {{}}'),
+    WrittenFile('a signature', _begins('-----BEGIN SSH SIGNATURE-----'),
+                'heading-intercompare verify, with the name of the file without .sig, checks it'),
     WrittenFile('a page of this program', _is_page,
         'open it in a browser; for the figures, give the verdict in JSON'),
 )

@@ -32,7 +32,7 @@ from heading_intercompare.replaced_file import replace_file
 
 from . import annexes_path, check_form, json, write
 from .contents.file_names import name_files
-from .contents.first_page import SIGNS
+from .contents.first_page import SIGNS, tell_signature
 from .series_sketch import SeriesSketch
 
 
@@ -100,7 +100,8 @@ def _write_overview(verdict: SensorsVerdict, path: Path, progress: Callable[[str
     protocols = {name: sensor_path(path, name).name for name in verdict.verdicts}
     text = load_template('sensors.html').render(
         verdict=verdict, void=VOID, words=OUTCOME_WORDS, signs=SIGNS, protocols=protocols,
-        trial=verdict.settings.trial, names=name_files(verdict.inputs),
+        trial=verdict.settings.trial, signature=tell_signature(verdict.signed),
+        names=name_files(verdict.inputs),
         sensors=[(sensor, split_words(sensor)) for sensor in verdict.sensors],
         matrices=[(title.strip(), matrix_of(verdict, text)) for title, text in SHOWN],
         evidence=[(f'{pair.first} and {pair.second}', '; '.join(pair.findings))

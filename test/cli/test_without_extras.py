@@ -72,9 +72,14 @@ def place(tmp_path_factory):
         '/**: {ros__parameters: {norms: {sigma_max_deg: 0.2, sigma_ref_max_deg: 0.1}}}\n'
         'ts_driver: {ros__parameters: {source: "serial:/dev/null"}}\n'
         'rs_driver: {ros__parameters: {source: "serial:/dev/null"}}\n')
+    subprocess.run(['ssh-keygen', '-q', '-t', 'ed25519', '-N', '', '-f', folder / 'key'],
+                   check=True)
+    (folder / 'signers').write_text(f'mate {(folder / "key.pub").read_text()}')
     assert done(folder, 'simulate', '--scenario', 'scenario.yaml', '-o', 'bag').returncode == 0
     assert done(folder, 'analyze', 'pairs.csv', *NORMS, '--json', 'v.json', '--logbook',
                 'l.sqlite').returncode == 0
+    (folder / 'signed.json').write_bytes((folder / 'v.json').read_bytes())
+    assert done(folder, 'sign', 'signed.json', '--key', 'key').returncode == 0
     return folder
 
 
@@ -98,6 +103,8 @@ WORKS = {
     'report': (('v.json', '-o', 'same.json'), 'VERDICT: '),
     'plan': ((*NORMS, '--set', 'risk.slowest_error_s=9', '--rate', '0.3'), 'a run must last '),
     'norms': ((), 'imo_msc116: '),
+    'sign': (('v.json', '--key', 'key'), 'signature: v.json.sig'),
+    'verify': (('signed.json', '--signers', 'signers'), 'signed.json: signed by mate '),
     'info': (('bag', '--check'), 'every checksum is correct'),
     'recover': (('bag', '-o', 'recovered'), 'lost: nothing'),
 }

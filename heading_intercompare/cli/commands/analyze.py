@@ -31,6 +31,8 @@ from heading_intercompare.app.logs.trial_logs import find_logs, judge_logs, name
 from heading_intercompare.app.outputs import check_outputs, open_tables, Outputs
 from heading_intercompare.app.recorded_looks import find_looks
 from heading_intercompare.app.run_table import read_exclusion_table
+from heading_intercompare.app.signatures.ssh_signature import find_key, find_signers, sign_file
+from heading_intercompare.app.signatures.verification import with_signature
 from heading_intercompare.cli.terminal.campaign_table import campaign_lines, is_campaign
 from heading_intercompare.cli.terminal.console import (
     find_width,
@@ -64,6 +66,7 @@ from .log_options import (
     LOG_OPTIONS,
     OF_TABLES,
 )
+from .verify import add_signers_argument
 
 _CHECK_CODES = {Outcome.COMPLIANT: 0, Outcome.NON_COMPLIANT: 1, Outcome.INDETERMINATE: 3}
 _DOUBTFUL_CODE = 4
@@ -71,7 +74,7 @@ _OF_TESTED = ('csv', 'ensembles', 'runs_csv')
 _OF_TWO = 'is for two sensors; choose them with --ts NAME --rs NAME'
 #: Options of a verdict in JSON as the INPUT; the others need readings, which it lacks.
 _OF_VERDICT = ('command', 'inputs', 'reports', 'annexes_apart', 'json', 'check', 'verbose',
-               'quiet', 'runs_csv', 'ensemble_s')
+               'quiet', 'runs_csv', 'ensemble_s', 'signers')
 
 
 def add_settings_arguments(parser: argparse._ActionsContainer) -> None:
@@ -134,6 +137,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--exclude', metavar='F.csv', help='table of stretches to take out: '
                         'start,end,reason; the verdict with nothing taken out stands beside')
     add_verdict_arguments(parser)
+    parser.add_argument('--sign', metavar='KEY', help='sign the verdict, F.json, and the '
+                        'protocols with an ssh key; page one says by whom')
+    add_signers_argument(parser)
     logs = parser.add_argument_group('how logs and tables are read')
     add_unit_arguments(logs)
     add_log_arguments(logs)
@@ -188,6 +194,7 @@ def run(arguments: argparse.Namespace) -> int:
     drivers = drivers_for(arguments)
     logs = choose_logs(arguments, settings, drivers)
     _check_options(arguments, settings, logs is not None, drivers['ts'])
+    _check_signing(arguments)
     inputs = arguments.inputs if logs is None else [*logs.values()]
     outputs = _plan_outputs(arguments, settings)
     for sensor_outputs in outputs.values():
@@ -224,7 +231,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _show_again(arguments: argparse.Namespace) -> int:
     """Print the verdict that is the INPUT, and write its protocol; nothing is judged again."""
     path, = arguments.inputs
-    verdict = json.read_any(path)
+    verdict = with_signature(json.read_any(path), path, find_signers(arguments.signers))
     for option, value in vars(arguments).items():
         if option not in _OF_VERDICT and value:
             shown = value[0] if isinstance(value, list) else value
@@ -305,19 +312,53 @@ def deliver(verdict: Verdict | SensorsVerdict, arguments: argparse.Namespace,
             sketches: Mapping[str, Sequence[SeriesSketch]] | None = None) -> int:
     """Print and write the verdict, write the protocols if asked for; return the exit code."""
     code = conclude(verdict, arguments)
+    if arguments.sign and arguments.json:
+        verdict = _sign([arguments.json], verdict, arguments)
     if arguments.runs_csv:
         if isinstance(verdict, SensorsVerdict) and not verdict.verdicts:
             raise ValueError(f'--runs-csv {arguments.runs_csv}: no sensor is the reference, so '
                              'the verdict has no run of a sensor; leave it out')
         write_runs(verdict, arguments.runs_csv)
-    for path in arguments.reports:
+    for path in sorted(arguments.reports, key=lambda path: not _is_json(path)):
         with Progress(path, arguments.quiet) as progress:
             progress.show('drawing the protocol')
             files = write_protocols(verdict, path, sketches, progress.show,
                                     arguments.verbose, arguments.annexes_apart)
+        if arguments.sign:
+            verdict = _sign([*map(str, files)], verdict, arguments)
         if isinstance(verdict, SensorsVerdict) and arguments.json != '-':
             say_lines(['protocols: ' + ', '.join(map(str, files))])
     return code
+
+
+def _sign(files: Sequence[str], verdict: Verdict | SensorsVerdict,
+          arguments: argparse.Namespace) -> Verdict | SensorsVerdict:
+    """Sign files; return the verdict, which knows who signed it if the first one is its JSON."""
+    key = find_key(arguments.sign, '--sign')
+    for path in files:
+        with name_file(path):
+            sign_file(path, key)
+    if files[0] != arguments.json and not _is_json(files[0]):
+        return verdict
+    return with_signature(verdict, files[0], find_signers(arguments.signers))
+
+
+def _check_signing(arguments: argparse.Namespace) -> None:
+    """Reject, before any work, a signature that cannot be made."""
+    find_signers(arguments.signers)
+    if arguments.sign is None:
+        if arguments.signers is not None:
+            raise ValueError(f'--signers {arguments.signers}: names the signer of a verdict; give '
+                             'one in JSON as the INPUT, or add --sign KEY')
+        return
+    find_key(arguments.sign, '--sign')
+    if arguments.json in (None, '-') and not any(map(_is_json, arguments.reports)):
+        raise ValueError(f'--sign {arguments.sign}: signs the verdict in JSON and the protocols '
+                         'made from it; add -o F.json')
+
+
+def _is_json(path: str) -> bool:
+    return path.lower().endswith('.json')
 
 
 def parse_count(text: str) -> int:
@@ -392,8 +433,7 @@ def check_input_options(arguments: argparse.Namespace, settings: Settings, of_lo
 
 def _check_forms(arguments: argparse.Namespace) -> None:
     """Reject a protocol in an unknown form, or one whose libraries are not installed."""
-    if arguments.annexes_apart and all(path.lower().endswith('.json')
-                                       for path in arguments.reports):
+    if arguments.annexes_apart and all(map(_is_json, arguments.reports)):
         raise ValueError('--annexes-apart: no protocol is asked for; give -o F.pdf, or leave it '
                          'out')
     for path in arguments.reports:

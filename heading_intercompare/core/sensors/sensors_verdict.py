@@ -20,7 +20,7 @@ from dataclasses import dataclass, replace
 import math
 from typing import Any, Callable, Iterator, Mapping, Sequence
 
-from heading_intercompare.core.declared_figures import figure
+from heading_intercompare.core.declared_figures import figure, no_key
 from heading_intercompare.core.declared_settings import settings_sha256
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import Settings
@@ -81,6 +81,7 @@ class SensorsVerdict:
     risk: float = figure('risk that the vote names a sound sensor while most are sound')
     verdicts: Mapping[str, Verdict] = figure('verdict on each tested sensor against the '
                                              'reference, by name', 'empty without a reference')
+    signed: str | None = no_key()
 
     @property
     def settings_sha256(self) -> str:

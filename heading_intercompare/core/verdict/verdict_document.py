@@ -279,6 +279,7 @@ class Verdict:
     campaign: Campaign = figure('the runs together')
     runs: Sequence[RunVerdict] = figure('the runs, in the order of the inputs and of time')
     plotter: Any = no_key()
+    signed: str | None = no_key()
 
     @property
     def ledger_complete(self) -> bool:

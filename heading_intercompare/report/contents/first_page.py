@@ -80,7 +80,8 @@ class FirstPage:
     runs: Sequence[str]
 
 
-def compose_first_page(verdict: Verdict, gk: bool = False) -> FirstPage:
+def compose_first_page(verdict: Verdict, gk: bool = False,
+                       signed: str | None = None) -> FirstPage:
     """Return what the first page says, with the outcome by GK as printed if `gk`."""
     void = verdict.validity_effect == VOID and verdict.outcome is Outcome.INDETERMINATE
     doubtful = verdict.validity_effect == DOUBTFUL
@@ -93,6 +94,7 @@ def compose_first_page(verdict: Verdict, gk: bool = False) -> FirstPage:
     if gk and not void:
         facts.append(('GK as printed', f'{outcome(verdict.paper_outcome)}; that rule makes no '
                       'allowance for the sampling error, and does not decide here'))
+    facts.append(('electronic signature', tell_signature(signed)))
     facts.append(('date of issue', verdict.settings.trial.issue_date or ''))
     return FirstPage(
         kind='void' if void else verdict.outcome.value.replace('_', '-'),
@@ -100,6 +102,11 @@ def compose_first_page(verdict: Verdict, gk: bool = False) -> FirstPage:
         word=OUTCOME_WORDS[verdict.outcome] + (
             ', VOID' if void else ', DOUBTFUL' if doubtful else ''),
         means=means, headline=verdict.headline, facts=facts, runs=_list_runs(verdict))
+
+
+def tell_signature(signed: str | None) -> str:
+    """Return who signed the file of the verdict, and that it is unchanged, or that nobody did."""
+    return 'not signed' if signed is None else f'the verdict is {signed}'
 
 
 def _norms(settings: Settings) -> str:
