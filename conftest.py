@@ -57,7 +57,7 @@ else:
 
 OPTIONAL = ('rclpy', 'serial', 'hypothesis', 'rosbags', 'pyarrow', 'mcap_ros2', 'pybag',
             'isal', 'numba', 'distributed', 'threadpoolctl', 'jinja2', 'matplotlib',
-            'rich', 'argcomplete', 'ephem')
+            'rich', 'argcomplete', 'ephem', 'segno', 'xmlschema', 'dcc')
 MISSING = [name for name in OPTIONAL if find_spec(name) is None]
 
 # The examples in the docstrings of nodes can only be collected with ROS. The scripts among the

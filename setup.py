@@ -78,7 +78,7 @@ setup(
         'dask': ['distributed>=2024.2', 'threadpoolctl>=3'],
         'test': ['pytest>=7.4', 'pytest-xdist>=3.4', 'pytest-timeout>=2.2', 'hypothesis>=6',
                  'rosbags', 'pyarrow>=14', 'mcap-ros2-support', 'pybag-sdk',
-                 'jsonschema>=4', 'ephem>=4.1'],
+                 'jsonschema>=4', 'ephem>=4.1', 'pydcc>=0.2.33', 'xmlschema>=3'],
         'browser': ['nicegui>=3.0', 'playwright>=1.40', 'axe-playwright-python>=0.1.4'],
         'docs': ['sphinx>=7', 'myst-parser>=2', 'numpydoc>=1.6', 'pydata-sphinx-theme>=0.14'],
         'notebook': ['nbclient>=0.6', 'ipykernel>=6', 'matplotlib>=3.5'],

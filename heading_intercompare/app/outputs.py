@@ -33,7 +33,7 @@ from heading_intercompare.bags.csv.pairs_csv import PairsCsvWriter
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
-from heading_intercompare.report import annexes_path
+from heading_intercompare.report import annexes_path, is_protocol
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +102,7 @@ def check_outputs(outputs: Outputs, inputs: Sequence[str], *, config: str | None
                          for file in input_path.glob(pattern)}
     beside = None if outputs.csv in (None, '', '-') else str(account_path(outputs.csv))
     annexes = [str(annexes_path(report)) for report in outputs.reports
-               if outputs.annexes_apart and not report.lower().endswith('.json')]
+               if outputs.annexes_apart and is_protocol(report)]
     for option, path in (('csv', outputs.csv), ('csv', beside), ('ensembles', outputs.ensembles),
                          ('runs-csv', outputs.runs_csv),
                          *(('output', report) for report in outputs.reports),

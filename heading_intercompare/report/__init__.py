@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Callable, Mapping, Sequence
 
 from heading_intercompare.core.records import Headings, Pairs, Reals
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.replaced_file import replace_file
 
@@ -28,8 +29,9 @@ from .figures.drawing import Drawing
 from .series_sketch import SegmentSketches, SeriesSketch
 from .sketching.track import Trace
 
-__all__ = ['annexes_path', 'check_form', 'check_picture', 'SegmentSketches', 'SeriesSketch',
-           'write', 'write_chances', 'write_readings', 'write_trial_page', 'WRITERS']
+__all__ = ['annexes_path', 'check_form', 'check_picture', 'is_protocol', 'SegmentSketches',
+           'SeriesSketch', 'write', 'write_chances', 'write_readings', 'write_trial_page',
+           'WRITERS']
 
 _PICTURES = ('.png', '.pdf', '.svg')
 
@@ -55,10 +57,23 @@ def _write_pdf(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSket
     pdf.write(verdict, path, sketches, progress, verbose, annexes)
 
 
-WRITERS = {'.html': _write_html, '.json': _write_json, '.pdf': _write_pdf}
+def _write_certificate(verdict: Verdict, path: str | Path, sketches: Sequence[SeriesSketch],
+                       progress: Callable[[str], None], verbose: bool,
+                       annexes: Path | None) -> None:
+    from . import certificate
+    certificate.write(verdict, path)
 
 
-def check_form(path: str | Path) -> None:
+WRITERS = {'.html': _write_html, '.json': _write_json, '.pdf': _write_pdf,
+           '.xml': _write_certificate}
+
+
+def is_protocol(path: str | Path) -> bool:
+    """Tell whether a report is a protocol for people, which may have annexes in a second file."""
+    return Path(path).suffix.lower() in ('.html', '.pdf')
+
+
+def check_form(path: str | Path, settings: Settings | None = None) -> None:
     """
     Reject, before any work, a report that cannot be written.
 
@@ -66,14 +81,17 @@ def check_form(path: str | Path) -> None:
     ------
     ValueError
         If the suffix is not a key of `WRITERS`, or a library that the protocol needs is not
-        installed.
+        installed; or the settings, if given, lack names that a certificate has.
 
     """
     path = Path(path)
     form = path.suffix.lower()
+    if form == '.xml' and settings is not None:
+        from .certificate import check_trial
+        check_trial(path, settings)
     if form not in WRITERS:
         raise ValueError(f'{path}: a report must end in {" or ".join(WRITERS)}')
-    if form in ('.html', '.pdf'):
+    if is_protocol(path):
         try:
             from . import html  # noqa: F401
             from .figures import style  # noqa: F401

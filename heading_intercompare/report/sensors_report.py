@@ -30,7 +30,7 @@ from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.replaced_file import replace_file
 
-from . import annexes_path, check_form, json, write
+from . import annexes_path, check_form, is_protocol, json, write
 from .contents.file_names import name_files
 from .contents.first_page import SIGNS, tell_signature
 from .series_sketch import SeriesSketch
@@ -77,8 +77,9 @@ def write_protocols(verdict: Verdict | SensorsVerdict, path: str | Path,
         If a file cannot be written.
 
     """
-    check_form(path)
+    check_form(path, verdict.settings)
     files = [Path(path)]
+    annexes_apart = annexes_apart and is_protocol(path)
     if isinstance(verdict, Verdict):
         write(verdict, path, (sketches or {}).get('ts', ()), progress, verbose, annexes_apart)
         return files + [annexes_path(path)] * annexes_apart

@@ -55,7 +55,7 @@ from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.logbook.run_row import make_rows
 from heading_intercompare.readers.registry import has_one_sensor, has_streams, is_verdict
-from heading_intercompare.report import check_form, json, SeriesSketch
+from heading_intercompare.report import check_form, is_protocol, json, SeriesSketch
 from heading_intercompare.report.runs_csv import write_runs
 from heading_intercompare.report.sensors_report import sensor_path, write_protocols
 
@@ -128,7 +128,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('-o', '--output', '--report', dest='reports', metavar='F',
                         action='append', default=[],
                         help='write the protocol, with plots: F.html, or F.pdf with the extra '
-                        'pdf; F.json: the verdict; may be repeated; the short name report needs '
+                        'pdf; F.json: the verdict; F.xml: a Digital Calibration '
+                        'Certificate of the PTB; may be repeated; the short name report needs '
                         'it')
     parser.add_argument('--ts', metavar='TOPIC', help='topic of the tested sensor, or its name '
                         'in the setting sensors')
@@ -237,7 +238,7 @@ def _show_again(arguments: argparse.Namespace) -> int:
             shown = value[0] if isinstance(value, list) else value
             raise ValueError(f'{path}: is a verdict, which is not judged again; leave out '
                              f'--{option.replace("_", "-")} {shown}')
-    _check_forms(arguments)
+    _check_forms(arguments, verdict.settings)
     check_outputs(Outputs(reports=tuple(arguments.reports), json=arguments.json,
                           runs_csv=arguments.runs_csv,
                           annexes_apart=arguments.annexes_apart), arguments.inputs)
@@ -393,7 +394,7 @@ def _check_options(arguments: argparse.Namespace, settings: Settings, of_logs: b
     if arguments.dask is not None and arguments.jobs is not None:
         raise ValueError(f'--jobs {arguments.jobs}: with --dask the scheduler decides; '
                          'leave out one of them')
-    _check_forms(arguments)
+    _check_forms(arguments, settings)
     for option in _OF_TESTED:
         path = getattr(arguments, option)
         if path is None:
@@ -431,13 +432,13 @@ def check_input_options(arguments: argparse.Namespace, settings: Settings, of_lo
             raise ValueError(f'--{option.replace("_", "-")} {shown}: {why}')
 
 
-def _check_forms(arguments: argparse.Namespace) -> None:
+def _check_forms(arguments: argparse.Namespace, settings: Settings) -> None:
     """Reject a protocol in an unknown form, or one whose libraries are not installed."""
-    if arguments.annexes_apart and all(map(_is_json, arguments.reports)):
+    if arguments.annexes_apart and not any(map(is_protocol, arguments.reports)):
         raise ValueError('--annexes-apart: no protocol is asked for; give -o F.pdf, or leave it '
                          'out')
     for path in arguments.reports:
-        check_form(path)
+        check_form(path, settings)
 
 
 def conclude(verdict: Verdict | SensorsVerdict, arguments: argparse.Namespace) -> int:

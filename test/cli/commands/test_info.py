@@ -176,6 +176,7 @@ def written(tmp_path_factory):
     texts = {'table.csv': 'start, stop\n2024-05-28T20:00:00Z,2024-05-28T20:10:00Z\n',
              'out.csv': 'start,end,reason\n2024-05-28T20:01:00Z,2024-05-28T20:02:00Z,helm\n',
              'my.yaml': '/**:\n  ros__parameters:\n    norms: {sigma_max_deg: 0.3}\n',
+             'c.xml': "<?xml version='1.0'?>\n<dcc:digitalCalibrationCertificate/>\n",
              'v.json.sig': '-----BEGIN SSH SIGNATURE-----\nU1NIU0lH\n',
              'observed.json': '{\n "schema": "heading_intercompare/observations/1"}\n'}
     for name, text in texts.items():
@@ -195,7 +196,7 @@ def written(tmp_path_factory):
     ('plan.json', 'the result of plan', ''), ('rejudge.json', 'the result of rejudge', ''),
     ('observed.json', 'the result of observe', ''), ('table.csv', 'a table of runs', 'rows: 1'),
     ('out.csv', 'a table of stretches to take out', 'rows: 1'),
-    ('v.json.sig', 'a signature', ''),
+    ('v.json.sig', 'a signature', ''), ('c.xml', 'a Digital Calibration Certificate', ''),
     ('my.yaml', 'a parameter file', '  norms.sigma_max_deg: 0.3'),
     ('bag/metadata.yaml', 'the list of the files of a bag', '')])
 def test_info_names_what_a_command_wrote_and_what_to_do_with_it(

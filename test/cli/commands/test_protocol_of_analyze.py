@@ -131,7 +131,7 @@ def test_annexes_without_a_protocol_are_refused(pairs, capsys):
     (['--json', '{file}'], '--json {file}: that is an INPUT'),
     (['-o', '{file}'], '--output {file}: that is an INPUT'),
     (['-o', 'r.html'], '--output r.html: that is the file of --output'),
-    (['-o', 'x.txt'], 'x.txt: a report must end in .html or .json or .pdf'),
+    (['-o', 'x.txt'], 'x.txt: a report must end in .html or .json or .pdf or .xml'),
     (['--annexes-apart', '--json', 'r-annexes.html'],
      '--json r-annexes.html: that is the file of --annexes-apart; name another file')])
 def test_what_a_verdict_cannot_be_asked_for_is_one_line(verdict, tmp_path, capsys, monkeypatch,

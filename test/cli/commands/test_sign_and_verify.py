@@ -147,6 +147,9 @@ def test_the_overview_of_several_sensors_says_who_signed_it(place):
      '--sign KEY'),
     (['report', 'v.json', '-o', 'w.json', '--sign', 'key'],
      'v.json: is a verdict, which is not judged again; leave out --sign key'),
+    (['report', 'v.json', '-o', 'w.xml'],
+     'w.xml: a certificate names its laboratory, customer, person and item; set '
+     'trial.laboratory, trial.customer, trial.operator, trial.ts_serial'),
     (['verify', 'v.json', '--signers', 'none'], 'none: No such file or directory'),
     (['verify', 'none'], 'none: No such file or directory'),
     (['sign', 'none', '--key', 'key'], 'none: No such file or directory'),
