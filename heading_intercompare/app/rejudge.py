@@ -12,11 +12,17 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Judging recordings again, and comparing the result with the verdicts that they hold."""
+"""
+Judging recordings again, and comparing the result with the verdicts that they hold.
+
+A verdict that is compared with a new one is read unchecked: it may be that of an older rule.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+import os
+from pathlib import Path
 from typing import Any, Callable, Mapping, Sequence
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
@@ -28,12 +34,15 @@ from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.typed_reader import VerdictError
 from heading_intercompare.core.validity.condition import is_doubtful
+from heading_intercompare.core.verdict.compare_verdicts import drop_sources
+from heading_intercompare.core.verdict.consistency import compare_with, ContradictionError
 from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
-from heading_intercompare.core.verdict.verdict_document import Input, Verdict
+from heading_intercompare.core.verdict.verdict_document import Input, Software, Verdict
+from heading_intercompare.core.version import RULE_VERSION
 from heading_intercompare.readers.registry import is_verdict
-from heading_intercompare.report.json import parse_any, read_any
+from heading_intercompare.report.json import CONFIRMED, label, parse_unchecked
 
-from .analysis import judge_bags
+from .analysis import judge_bags, Judgement
 from .config import Config, settings_for
 from .inputs import find_input
 from .job import explain_unreadable, UNREADABLE
@@ -204,7 +213,91 @@ def rejudge_verdict(path: str, config: Config | None = None, assignments: Sequen
         If its inputs are not at hand, hold other data, or cannot be judged from it alone.
 
     """
-    former = read_any(path)
+    former = _read_verdict(path)
+    judged = _judge_inputs(path, former, config, assignments, jobs)
+    return _compare(path, former, judged.verdict, judged.notes)
+
+
+def confirm_verdict(path: str, verdict: Verdict | SensorsVerdict, *, jobs: int | None = None,
+                    ) -> tuple[Verdict | SensorsVerdict, str]:
+    """
+    Judge the inputs of a verdict that was read, where they are at hand, and compare the results.
+
+    Parameters
+    ----------
+    path
+        The file of the verdict.
+    verdict
+        As read from there.
+    jobs
+        Processes that read a recording.
+
+    Returns
+    -------
+    verdict : Verdict or SensorsVerdict
+        The same verdict, with another label if its inputs confirm it.
+    why : str
+        Why the inputs that it names do not confirm it; empty if they do, or if it names none.
+
+    Raises
+    ------
+    ContradictionError
+        If its inputs give another verdict.
+
+    """
+    if not verdict.inputs:
+        return verdict, ''
+    try:
+        judged = _judge_inputs(path, verdict, None, (), jobs).verdict
+    except UNREADABLE as error:
+        return verdict, explain_unreadable(error, path)
+    if _list_frames(judged) != _list_frames(verdict):
+        return verdict, ('its inputs alone give other runs, as without a table of runs or a log '
+                         'of motion')
+    try:
+        compare_with(_without_places(verdict), _without_places(judged), 'inputs')
+    except ContradictionError as error:
+        raise ContradictionError(f'{path}: {error}') from error
+    return label(verdict, CONFIRMED), ''
+
+
+def _list_frames(verdict: Verdict | SensorsVerdict) -> list[tuple[int, int, bool]]:
+    """Return what the inputs alone do not decide: start and end of the runs, and the motion."""
+    if isinstance(verdict, Verdict):
+        return [(run.start_ns, run.end_ns, run.motion is None) for run in verdict.runs]
+    return [frame for of_sensor in verdict.verdicts.values() for frame in _list_frames(of_sensor)]
+
+
+def _without_places(verdict: Verdict | SensorsVerdict) -> Verdict | SensorsVerdict:
+    """Return a verdict without the version that made it, and without paths."""
+    if isinstance(verdict, Verdict):
+        return _without_paths(verdict)
+    return replace(verdict, software=Software(), rule_version=RULE_VERSION,
+                   inputs=_drop_paths(verdict.inputs), verdicts={
+                       name: _without_paths(of_sensor)
+                       for name, of_sensor in verdict.verdicts.items()})
+
+
+def _without_paths(verdict: Verdict) -> Verdict:
+    return replace(drop_sources(verdict), software=Software(), rule_version=RULE_VERSION,
+                   inputs=_drop_paths(verdict.inputs), ledger_problems=())
+
+
+def _drop_paths(inputs: Sequence[Input]) -> tuple[Input, ...]:
+    return tuple(replace(recording, path='', same_as=None, continues=None, made_from=None)
+                 for recording in inputs)
+
+
+def _read_verdict(path: str) -> Verdict | SensorsVerdict:
+    try:
+        return parse_unchecked(Path(path).read_bytes())
+    except VerdictError as error:
+        raise VerdictError(f'{path}: {error}') from error
+
+
+def _judge_inputs(path: str, former: Verdict | SensorsVerdict, config: Config | None,
+                  assignments: Sequence[str], jobs: int | None) -> Judgement:
+    """Return the judgement of the inputs of a verdict; ValueError if they hold other data."""
     recordings = [_find_recording(recording, path) for recording in former.inputs]
     if not recordings:
         raise ValueError('it names no input: it was given live or from Python')
@@ -217,7 +310,7 @@ def rejudge_verdict(path: str, config: Config | None = None, assignments: Sequen
         if now.sha256 != before.sha256:
             raise ValueError(f'{recording}: holds other data than those that were judged '
                              f'(SHA-256 {now.sha256}, not {before.sha256})')
-    return _compare(path, former, judged.verdict, judged.notes)
+    return judged
 
 
 def _find_recording(recording: Input, verdict: str) -> str:
@@ -257,7 +350,7 @@ def _read_report(reader: BagReader) -> tuple[Verdict | SensorsVerdict | None, li
     if not texts:
         return None, []
     try:
-        return parse_any(texts[-1]), []
+        return parse_unchecked(texts[-1]), []
     except VerdictError as error:
         return None, [f'the report in it: {error}']
 

@@ -45,7 +45,11 @@ from heading_intercompare.core.runs.run_cutter import RunCutter
 from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.verdict.all_runs import join
 from heading_intercompare.core.verdict.judge import judge_run, look_at, RunResult
-from heading_intercompare.core.verdict.verdict_document import Input, Verdict
+from heading_intercompare.core.verdict.verdict_document import (
+    Input,
+    mark_intermediate,
+    Verdict,
+)
 
 from .kept_state import KeptState
 from .records import Differences, Headings, Losses, Motion, Pairs
@@ -237,9 +241,7 @@ class Compliance:
         runs = self._runs.copy()
         if self._run is not None:
             self._judge(self._run, runs)
-        verdict = join(self._divide(ledger, runs, None)[1], self.settings)
-        return replace(verdict, intermediate=True,
-                       headline=f'INTERMEDIATE, what a stop now would give: {verdict.headline}')
+        return mark_intermediate(join(self._divide(ledger, runs, None)[1], self.settings))
 
     def _look(self, run: RunSeries, look: Look, looks: int) -> None:
         """Judge the run in progress; the last of all looks is the end of the run."""

@@ -33,6 +33,7 @@ from typing import Any, get_args, get_origin, get_type_hints, Iterator, Sequence
 from heading_intercompare.core.typed_reader import read_plain, VerdictError
 
 from .row_chain import append_rows, ChainHead, CREATE, find_break, read_head
+from .row_consistency import find_contradiction
 from .run_row import RunRow
 
 VERSION = 3
@@ -100,7 +101,10 @@ def _to_row(cells: dict[str, Any]) -> RunRow:
         except (json.JSONDecodeError, TypeError, VerdictError):
             raise LogbookError(f'row {cells["id"]}, column {name} ({cells[name]!r:.40}): must be '
                                'a JSON list of numbers') from None
-    return RunRow(**{name: lists.get(name, cell) for name, cell in cells.items() if name != 'id'})
+    row = RunRow(**{name: lists.get(name, cell) for name, cell in cells.items() if name != 'id'})
+    if contradiction := find_contradiction(row):
+        raise LogbookError(f'row {cells["id"]}, {contradiction}: the row was changed')
+    return row
 
 
 def _read_cells(connection: sqlite3.Connection, question: str,

@@ -16,16 +16,27 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 import json
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+import numpy as np
 
 from heading_intercompare.core.typed_reader import VerdictError
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.replaced_file import replace_file
 
+from .contents.identification import verdict_id
+
 if TYPE_CHECKING:
     from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
+
+NOT_JUDGED = 'printed from a file, not judged here'
+"""What a verdict that was read says of itself."""
+
+CONFIRMED = 'printed from a file, and judged again from its inputs, which agree'
+"""What it says where its inputs were at hand and gave the same verdict."""
 
 
 def render(verdict: Verdict | SensorsVerdict) -> str:
@@ -46,7 +57,8 @@ def parse(text: str | bytes) -> Verdict:
     Raises
     ------
     VerdictError
-        If the text is not JSON, or not a verdict; the message is one line.
+        If the text is not JSON, or not a verdict, or its figures contradict each other; the
+        message is one line.
 
     """
     verdict = parse_any(text)
@@ -58,6 +70,13 @@ def parse(text: str | bytes) -> Verdict:
 
 def parse_any(text: str | bytes) -> Verdict | SensorsVerdict:
     """Return the verdict on one sensor, or on several, in a JSON text; errors as `parse`."""
+    verdict = parse_unchecked(text)
+    _check(verdict)
+    return label(verdict, NOT_JUDGED)
+
+
+def parse_unchecked(text: str | bytes) -> Verdict | SensorsVerdict:
+    """Return the verdict in a JSON text as it stands, for one who judges its inputs himself."""
     # A node that writes the verdicts on one sensor needs nothing of several.
     from heading_intercompare.core.sensors.sensors_verdict import is_of_sensors, SensorsVerdict
     try:
@@ -74,6 +93,44 @@ def parse_any(text: str | bytes) -> Verdict | SensorsVerdict:
         raise VerdictError(f'is not JSON: {error}') from error
 
 
+def label(verdict: Verdict | SensorsVerdict, words: str) -> Verdict | SensorsVerdict:
+    """Return a verdict that says where it comes from, with its id; so do those in it."""
+    if isinstance(verdict, Verdict):
+        return _label_alone(verdict, words)
+    return replace(verdict, provenance=_provenance(verdict, words), verdicts={
+        name: _label_alone(of_sensor, words) for name, of_sensor in verdict.verdicts.items()})
+
+
+def _label_alone(verdict: Verdict, words: str) -> Verdict:
+    return replace(verdict, provenance=_provenance(verdict, words))
+
+
+def _provenance(verdict: Verdict | SensorsVerdict, words: str) -> str:
+    return f'{words}; verdict id {verdict_id(verdict)}'
+
+
+def _check(verdict: Verdict | SensorsVerdict) -> None:
+    """Raise VerdictError if a verdict does not follow from its own figures."""
+    # Only now: they load what judges.
+    from heading_intercompare.core.sensors.sensors_consistency import check_sensors_consistency
+    from heading_intercompare.core.verdict.consistency import (
+        check_consistency,
+        ContradictionError,
+    )
+    try:
+        with np.errstate(all='ignore'):
+            if isinstance(verdict, Verdict):
+                check_consistency(verdict)
+            else:
+                check_sensors_consistency(verdict)
+    except VerdictError:
+        raise
+    except (ArithmeticError, LookupError, TypeError, ValueError) as error:
+        # A changed figure may be anything, such as a variance below 0.
+        raise ContradictionError(f'its figures give no verdict ({error}): the file was changed'
+                           ) from error
+
+
 def read(path: str | Path) -> Verdict:
     """
     Read a verdict that `write` or a node has written.
@@ -83,13 +140,14 @@ def read(path: str | Path) -> Verdict:
     OSError
         If the file cannot be read.
     VerdictError
-        If the file holds no verdict; the message names the file and the problem.
+        If the file holds no verdict, or one that contradicts itself; the message names the file
+        and the problem.
 
     """
     try:
         return parse(Path(path).read_bytes())
     except VerdictError as error:
-        raise VerdictError(f'{path}: {error}') from error
+        raise type(error)(f'{path}: {error}') from error
 
 
 def read_any(path: str | Path) -> Verdict | SensorsVerdict:
@@ -97,4 +155,4 @@ def read_any(path: str | Path) -> Verdict | SensorsVerdict:
     try:
         return parse_any(Path(path).read_bytes())
     except VerdictError as error:
-        raise VerdictError(f'{path}: {error}') from error
+        raise type(error)(f'{path}: {error}') from error

@@ -30,6 +30,7 @@ from heading_intercompare.app.inputs import load_config_or_journal, options_of
 from heading_intercompare.app.logs.trial_logs import find_logs, judge_logs, name_logs, ROLES
 from heading_intercompare.app.outputs import check_outputs, open_tables, Outputs
 from heading_intercompare.app.recorded_looks import find_looks
+from heading_intercompare.app.rejudge import confirm_verdict
 from heading_intercompare.app.run_table import read_exclusion_table
 from heading_intercompare.app.signatures.ssh_signature import find_key, find_signers, sign_file
 from heading_intercompare.app.signatures.verification import with_signature
@@ -56,6 +57,7 @@ from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.logbook.run_row import make_rows
 from heading_intercompare.readers.registry import has_one_sensor, has_streams, is_verdict
 from heading_intercompare.report import check_form, is_protocol, json, SeriesSketch
+from heading_intercompare.report.json import NOT_JUDGED
 from heading_intercompare.report.runs_csv import write_runs
 from heading_intercompare.report.sensors_report import sensor_path, write_protocols
 
@@ -123,7 +125,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         'run, which brings its settings; or two logs of NMEA sentences, first '
                         'that of the tested, then that of the reference sensor: files, folders, '
                         'or patterns in quotes; with the setting sensors recordings, or NAME=LOG '
-                        'for each sensor; or one verdict in JSON, which is not judged again')
+                        'for each sensor; or one verdict in JSON, which is checked')
     add_settings_arguments(parser)
     parser.add_argument('-o', '--output', '--report', dest='reports', metavar='F',
                         action='append', default=[],
@@ -230,18 +232,23 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _show_again(arguments: argparse.Namespace) -> int:
-    """Print the verdict that is the INPUT, and write its protocol; nothing is judged again."""
+    """Print the verdict that is the INPUT, and write its protocol, if its inputs confirm it."""
     path, = arguments.inputs
     verdict = with_signature(json.read_any(path), path, find_signers(arguments.signers))
     for option, value in vars(arguments).items():
         if option not in _OF_VERDICT and value:
             shown = value[0] if isinstance(value, list) else value
-            raise ValueError(f'{path}: is a verdict, which is not judged again; leave out '
-                             f'--{option.replace("_", "-")} {shown}')
+            raise ValueError(f'{path}: is a verdict, which is judged by its own settings; leave '
+                             f'out --{option.replace("_", "-")} {shown}')
     _check_forms(arguments, verdict.settings)
     check_outputs(Outputs(reports=tuple(arguments.reports), json=arguments.json,
                           runs_csv=arguments.runs_csv,
                           annexes_apart=arguments.annexes_apart), arguments.inputs)
+    with Progress(path, arguments.quiet) as progress:
+        progress.show('judging the inputs of the verdict, where they are at hand')
+        verdict, why = confirm_verdict(path, verdict)
+    if why:
+        tell(f'{path}: {NOT_JUDGED}: {why}')
     return deliver(verdict, arguments)
 
 
@@ -337,8 +344,7 @@ def _sign(files: Sequence[str], verdict: Verdict | SensorsVerdict,
     """Sign files; return the verdict, which knows who signed it if the first one is its JSON."""
     key = find_key(arguments.sign, '--sign')
     for path in files:
-        with name_file(path):
-            sign_file(path, key)
+        sign_file(path, key)
     if files[0] != arguments.json and not _is_json(files[0]):
         return verdict
     return with_signature(verdict, files[0], find_signers(arguments.signers))

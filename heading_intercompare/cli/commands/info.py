@@ -107,9 +107,10 @@ def run(arguments: argparse.Namespace) -> int:
             checked = check_bag(arguments.bag, progress.show)
     reader = TopicBag(arguments.bag)
     attachments = reader.attachments()
+    wrong: list[str] = []
     lines = [*_whole(reader), *_topics(reader, checked), *_notes(reader),
-             *_states(reader), *_records(reader.metadata()), *_files(attachments),
-             *_report_verdict(reader, attachments)]
+             *_states(reader), *_records(reader.metadata()), *_files(attachments, wrong),
+             *_report_verdict(reader, attachments, wrong)]
     if arguments.extract is not None:
         lines += ['', *_extract(attachments, Path(arguments.extract))]
     lines += ['', *_next_steps(arguments, reader)]
@@ -118,7 +119,9 @@ def run(arguments: argparse.Namespace) -> int:
     say_lines(lines, _MARKS)
     _plot(arguments, reader)
     if checked is not None and checked.faults:
-        raise BagError('; '.join(checked.faults), arguments.bag)
+        wrong += checked.faults
+    if wrong:
+        raise BagError('; '.join(wrong), arguments.bag)
     return 0
 
 
@@ -412,7 +415,7 @@ def _states(reader: BagReader) -> Iterator[str]:
         yield from _columns([(f'  {name}', state) for name, state in states.items()])
 
 
-def _files(attachments: Sequence[Attachment]) -> Iterator[str]:
+def _files(attachments: Sequence[Attachment], wrong: list[str]) -> Iterator[str]:
     """Yield the attachments, with the contents of the verdict and the table of runs."""
     for attachment in attachments:
         yield ''
@@ -422,24 +425,30 @@ def _files(attachments: Sequence[Attachment]) -> Iterator[str]:
         if attachment.name == _RUNS:
             yield from (f'  {line}' for line in text.splitlines())
         elif attachment.name == _REPORT:
-            yield from _verdict(text)
+            yield from _verdict(text, f'attachment {attachment.name}', wrong)
 
 
-def _report_verdict(reader: BagReader, attachments: Sequence[Attachment]) -> Iterator[str]:
+def _report_verdict(reader: BagReader, attachments: Sequence[Attachment],
+                    wrong: list[str]) -> Iterator[str]:
     """Yield the last published verdict if the recorder ended before it attached one."""
     if all(attachment.name != _REPORT for attachment in attachments):
         report = find_report(reader)
         if report is not None:
             yield ''
             yield f'last report on {report.topic}, {utc(report.log_time_ns)} UTC'
-            yield from _verdict(report.text)
+            yield from _verdict(report.text, f'last report on {report.topic}', wrong)
 
 
-def _verdict(text: str) -> Iterator[str]:
+def _verdict(text: str, place: str, wrong: list[str]) -> Iterator[str]:
+    """Yield the lines of a verdict; add to `wrong` what contradicts its own figures."""
     # Only now: it loads what judges.
+    from heading_intercompare.core.verdict.consistency import ContradictionError
     from heading_intercompare.report.json import parse_any
     try:
         yield from str(parse_any(text)).splitlines()
+    except ContradictionError as error:
+        wrong.append(f'{place}: {error}')
+        yield f'  wrong: {error}'
     except VerdictError as error:
         yield f'  not a verdict that this version can read: {error}'
 

@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Mapping, Sequence
 
 import numpy as np
@@ -49,14 +49,19 @@ class Scope:
         """Return the scope of a run with these pairs and headings of the RS."""
         step_s = float(np.median(np.diff(stamp_ns))) / 1e9 if len(stamp_ns) > 1 else None
         sectors = np.unique(np.floor_divide(np.mod(heading_deg, 360.0), _SECTOR_DEG).astype(int))
+        return replace(cls.state(settings), shortest_s=None if step_s is None else 2.0 * step_s,
+                       headings_deg=tuple(int(sector) % 36 * _SECTOR_DEG for sector in sectors))
+
+    @classmethod
+    def state(cls, settings: Settings) -> 'Scope':
+        """Return the scope as far as the settings state it."""
         trial, stated = settings.trial, settings.norms.latitude_deg
         low = trial.latitude_min_deg if trial.latitude_min_deg is not None else stated
         high = trial.latitude_max_deg if trial.latitude_max_deg is not None else stated
         ends = [end for end in (low, high) if end is not None]
-        return cls(None if step_s is None else 2.0 * step_s,
-                   tuple(int(sector) % 36 * _SECTOR_DEG for sector in sectors),
-                   (ends[0], ends[-1]) if ends else None,
-                   settings.norms.total_error_max_deg is not None, settings.risk.alpha_consumer)
+        return cls(latitude_deg=(ends[0], ends[-1]) if ends else None,
+                   mean_is_judged=settings.norms.total_error_max_deg is not None,
+                   alpha_consumer=settings.risk.alpha_consumer)
 
     @classmethod
     def join(cls, scopes: Sequence['Scope']) -> 'Scope | None':

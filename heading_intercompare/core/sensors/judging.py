@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Collection, Mapping, Sequence
+from typing import Callable, Collection, Mapping, Sequence
 
 from heading_intercompare.core.decision.coverage import span_words
 from heading_intercompare.core.decision.criteria import Limits
@@ -87,9 +87,35 @@ def judge_sensors(settings: Settings, verdicts: Mapping[str, Verdict],
         runs |= {(name, reference.name): verdict.runs for name, verdict in verdicts.items()}
     runs |= {names: [result.verdict for result in results] for names, results in others.items()}
     missed = problems or {}
-    pairs = [_add_missing(_describe(names, judged, settings, sensors, risk / len(runs)),
+    pairs = [_add_missing(describe_sensors(names, judged, settings, sensors, risk / len(runs)),
                           _missing_s(names, runs, reference), missed.get(names, ()))
              for names, judged in runs.items()]
+
+    def complies(sensor: Sensor, pair: PairFigures) -> bool:
+        return pair.names not in incomplete and _complies(
+            sensor, pair, sensors, others.get(pair.names, ()), settings)
+    return conclude_sensors(settings, verdicts, pairs, inputs, complies)
+
+
+def conclude_sensors(settings: Settings, verdicts: Mapping[str, Verdict],
+                     pairs: Sequence[PairFigures], inputs: Sequence[Input],
+                     complies: Callable[[Sensor, PairFigures], bool]) -> SensorsVerdict:
+    """
+    Return the verdict on several sensors from the figures of their pairs.
+
+    Parameters
+    ----------
+    settings, verdicts, inputs
+        As for `judge_sensors`.
+    pairs
+        The figures of all pairs.
+    complies
+        Tells whether the runs of a pair bound the variance of a sensor within its norm, where no
+        sensor is the reference.
+
+    """
+    sensors = check_sensors(settings)
+    reference = find_reference(sensors)
     split = _split(sensors, pairs)
     norms = [_norm_of(sensor, sensors, settings) for sensor in sensors]
     vote = _find_wrong_sensors(sensors, pairs, [
@@ -103,9 +129,7 @@ def judge_sensors(settings: Settings, verdicts: Mapping[str, Verdict],
         elif reference is not None:
             outcome, effect, line = _judge_against(sensor, reference, verdicts[sensor.name], vote)
         else:
-            outcome, effect, line = _judge_alone(sensor, sensors, {
-                names: results for names, results in others.items() if names not in incomplete},
-                pairs, settings, vote)
+            outcome, effect, line = _judge_alone(sensor, pairs, vote, complies)
         judgements.append(SensorResult(
             name=sensor.name, role=sensor.role, topic=sensor.heading_topic,
             sigma_max_deg=norms[at], outcome=outcome, headline=line,
@@ -117,7 +141,7 @@ def judge_sensors(settings: Settings, verdicts: Mapping[str, Verdict],
         headline='; '.join((*(_describe_result(*result) for result in tested), vote.words)),
         validity_effect=gravest(judgement.validity_effect for judgement, _ in tested),
         settings=settings, inputs=tuple(inputs), sensors=tuple(judgements), pairs=tuple(pairs),
-        vote=vote, risk=risk, verdicts=dict(verdicts))
+        vote=vote, risk=variance_risk(settings.risk), verdicts=dict(verdicts))
 
 
 def _find_wrong_sensors(sensors: Sequence[Sensor], pairs: Sequence[PairFigures],
@@ -150,8 +174,9 @@ def _norm_of(sensor: Sensor, sensors: Sequence[Sensor], settings: Settings) -> f
     return _limits(sensor, partner, settings).sigma_max_deg
 
 
-def _describe(names: Names, runs: Sequence[RunVerdict], settings: Settings,
-              sensors: Sequence[Sensor], risk: float) -> PairFigures:
+def describe_sensors(names: Names, runs: Sequence[RunVerdict], settings: Settings,
+                     sensors: Sequence[Sensor], risk: float) -> PairFigures:
+    """Return the figures of a pair of these sensors, with its share of the risk."""
     first, second = (_of_name(sensors, name) for name in names)
     return describe_pair(
         names, runs, _limits(first, second, settings).rejection_limit_deg2,
@@ -212,9 +237,8 @@ def _judge_against(sensor: Sensor, reference: Sensor, verdict: Verdict,
     return verdict.outcome, effect, alone
 
 
-def _judge_alone(sensor: Sensor, sensors: Sequence[Sensor],
-                 results: Mapping[Names, Sequence[RunResult]], pairs: Sequence[PairFigures],
-                 settings: Settings, vote: Vote) -> tuple[Outcome, str, str]:
+def _judge_alone(sensor: Sensor, pairs: Sequence[PairFigures], vote: Vote,
+                 complies: Callable[[Sensor, PairFigures], bool]) -> tuple[Outcome, str, str]:
     """Return outcome, effect and headline of a sensor where no reference is."""
     if sensor.name in vote.wrong:
         return Outcome.NON_COMPLIANT, HOLDS, f'NON-COMPLIANT: {vote.words}'
@@ -222,12 +246,9 @@ def _judge_alone(sensor: Sensor, sensors: Sequence[Sensor],
         return Outcome.INDETERMINATE, HOLDS, f'INDETERMINATE: {vote.words}'
     own_pairs = [pair for pair in pairs if sensor.name in pair.names]
     for pair in sorted(own_pairs, key=lambda figures: figures.validity_effect != HOLDS):
-        if pair.validity_effect == VOID or not _complies(
-                sensor, pair, sensors, results.get(pair.names, ()), settings):
+        if pair.validity_effect == VOID or not complies(sensor, pair):
             continue
-        partner = pair.second if pair.first == sensor.name else pair.first
-        line = (f'COMPLIANT, as its differences from {partner} show; an error common to both is '
-                'not covered')
+        line = say_that_it_complies(sensor, pair)
         if pair.validity_effect == DOUBTFUL:
             return Outcome.COMPLIANT, DOUBTFUL, f'{line}; DOUBTFUL: {"; ".join(pair.findings)}'
         return Outcome.COMPLIANT, HOLDS, line
@@ -238,6 +259,13 @@ def _judge_alone(sensor: Sensor, sensors: Sequence[Sensor],
     return Outcome.INDETERMINATE, HOLDS, (
         'INDETERMINATE: no difference from another sensor is, with its uncertainty, within its '
         f'norm, and the vote does not name it: {vote.words}')
+
+
+def say_that_it_complies(sensor: Sensor, pair: PairFigures) -> str:
+    """Return the headline of a sensor that complies by one of its pairs."""
+    partner = pair.second if pair.first == sensor.name else pair.first
+    return (f'COMPLIANT, as its differences from {partner} show; an error common to both is '
+            'not covered')
 
 
 def _complies(sensor: Sensor, pair: PairFigures, sensors: Sequence[Sensor],

@@ -31,12 +31,11 @@ from heading_intercompare.core.statistics.variance_uncertainty import (
     upper_bound,
 )
 from heading_intercompare.core.validity.condition import DOUBTFUL, gravest, VOID
+from heading_intercompare.core.verdict.spread_of_run import spread_of_run
 from heading_intercompare.core.verdict.verdict_document import RunVerdict
 
 #: A mean or a convention beyond what any norm explains: the pair differs, whatever its variance.
 _GROSS = (CONVENTION.name, MEAN_DIFFERENCE.name)
-#: Half-periods in the slow part of a variance, S.8.
-_LOW_MODES = 4
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -104,7 +103,7 @@ def describe_pair(names: tuple[str, str], runs: Sequence[RunVerdict], limit_deg2
     """
     findings = [f for run in runs for f in run.validity if f.effect in (DOUBTFUL, VOID)]
     gross = [f.words for f in findings if f.condition in _GROSS and f.effect == VOID]
-    spreads = [spread for run in runs if (spread := _spread_of(run)) is not None]
+    spreads = [spread for run in runs if (spread := spread_of_run(run)) is not None]
     beyond = any(lower_bound(spread, risk / len(spreads)) > limit_deg2 for spread in spreads)
     n = sum(run.n for run in runs)
     means = [run.n / n * run.mean_deg for run in runs if run.mean_deg is not None]
@@ -136,23 +135,6 @@ def _find_skew(runs: Sequence[RunVerdict]) -> dict[str, float | None]:
              if (estimate := run.skew.estimate).well_determined and estimate.u_s is not None]
     u_s, skew_s = min(skews, key=lambda of_run: of_run[0], default=(None, None))
     return {'skew_s': skew_s, 'skew_u_s': u_s}
-
-
-def _spread_of(run: RunVerdict) -> Spread | None:
-    """Return the variance of a run and how well it is known; None if it is not known."""
-    guarded, order = run.guarded, max(0, len(run.drift_coefficients_deg) - 1)
-    if guarded.d_hat_deg2 is None or guarded.nu is None or guarded.f is None:
-        return None
-    ratio, slow = guarded.r_slow or 0.0, guarded.slow_variance_deg2 or 0.0
-    # Only the ratio and the difference of these two count, and only if there is a slow part.
-    middle = slow / _LOW_MODES / (ratio - 1.0) if slow > 0.0 and 1.0 < ratio < math.inf else 0.0
-    u_deg = guarded.bias_u_deg or 0.0
-    return Spread(
-        n=run.n, order=order, d_deg2=guarded.d_hat_deg2, mean_variance_deg2=u_deg ** 2,
-        s_deg2=guarded.d_hat_deg2 * math.sqrt(2.0 / guarded.nu) if guarded.nu else math.inf,
-        nu=guarded.nu, f=guarded.f,
-        corner_j=math.inf if guarded.corner_j is None else guarded.corner_j,
-        low_deg2=middle + slow / _LOW_MODES, middle_deg2=middle)
 
 
 def _average(n: int, parts: Sequence[tuple[int, float | None]]) -> float | None:

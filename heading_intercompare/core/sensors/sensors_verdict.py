@@ -82,6 +82,7 @@ class SensorsVerdict:
     verdicts: Mapping[str, Verdict] = figure('verdict on each tested sensor against the '
                                              'reference, by name', 'empty without a reference')
     signed: str | None = no_key()
+    provenance: str | None = no_key()
 
     @property
     def settings_sha256(self) -> str:
@@ -204,6 +205,8 @@ def sensors_text(verdict: SensorsVerdict) -> str:
 
 def _lines(verdict: SensorsVerdict) -> Iterator[str]:
     yield f'VERDICT on {len(verdict.sensors)} sensors: {verdict.headline}'
+    if verdict.provenance is not None:
+        yield verdict.provenance
     yield ''
     width = max(len(sensor.name) for sensor in verdict.sensors)
     for sensor in verdict.sensors:

@@ -39,7 +39,9 @@ MEAN_DOF = 8
 LEAST_TIMES = 20.0
 """Least length of a record in correlation times; in shorter records the risks do not hold."""
 
-_STUDENT_DOF = 12
+STUDENT_DOF = 12
+"""Degrees of freedom of the standard error of the variance of one run. S.7."""
+
 _BANDS = (6, 12, 24)
 _PLATEAU = 16
 _LOW_MODES = 4
@@ -136,7 +138,7 @@ class Spread:
     corner_j: float
     low_deg2: float
     middle_deg2: float
-    student_dof: int = _STUDENT_DOF
+    student_dof: int = STUDENT_DOF
     kurtosis: float = _NORMAL_KURTOSIS
     times: float | None = None
     stated: Above | None = None
@@ -293,7 +295,7 @@ def _corner(c: np.ndarray) -> tuple[float, float]:
     return corner, least
 
 
-def excess(f: float, alpha: float, student_dof: float = _STUDENT_DOF) -> float:
+def excess(f: float, alpha: float, student_dof: float = STUDENT_DOF) -> float:
     """
     Return the distance of the upper bound from the variance, in standard errors.
 

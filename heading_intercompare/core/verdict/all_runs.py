@@ -27,6 +27,7 @@ from heading_intercompare.core.decision.campaign import (
 )
 from heading_intercompare.core.decision.coverage import Coverage, coverage_of
 from heading_intercompare.core.decision.sequential import risk_at_the_end
+from heading_intercompare.core.decision.taken_out import TakenOut
 from heading_intercompare.core.outcome import Outcome, worst
 from heading_intercompare.core.record_conditions.left_out import judge_left_out
 from heading_intercompare.core.record_conditions.mean_over_runs import judge_mean_over_runs
@@ -58,9 +59,22 @@ def compare_runs(results: Sequence[RunResult]) -> Homogeneity:
 
 def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,
                       settings: Settings, incomplete: bool = False,
+                      stated: Together | None = None,
                       ) -> tuple[Outcome, Coverage | None, Campaign]:
     """
     Return the outcome of the runs together, its coverage, and the figures.
+
+    Parameters
+    ----------
+    results, settings
+        The runs, and what they were judged by.
+    runs
+        How the runs compare with each other.
+    incomplete
+        Whether an input could not be judged.
+    stated
+        The variance of all runs as a verdict states it, where no figures are left to bound it
+        with.
 
     Notes
     -----
@@ -74,8 +88,9 @@ def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,
     repeated = find_repeated_runs(results)
     once = [r for number, r in enumerate(results, 1) if number not in repeated]
     sound = [r for r in once if r.verdict.validity_effect != VOID]
-    shared = judge_together([r.evidence for r in sound], [r.limits for r in sound], risk,
-                            settings.variant, shortest_apart_s([r.verdict for r in sound]))
+    shared = stated or judge_together(
+        [r.evidence for r in sound], [r.limits for r in sound], risk, settings.variant,
+        shortest_apart_s([r.verdict for r in sound]))
     if settings.campaign.rule == 'sensor':
         met = all(r.printed.total.outcome in (None, Outcome.COMPLIANT) for r in results)
         outcome, reason = conclude_sensor(shared, [r.limits for r in results], met, risk)
@@ -142,9 +157,18 @@ def join(results: Sequence[RunResult], settings: Settings,
     """
     runs = compare_runs(results)
     results = [r.place_among(at, runs) for at, r in enumerate(results, 1)]
-    outcome, coverage, campaign = conclude_campaign(results, runs, settings, incomplete)
     left_out = find_left_out((piece for r in results for piece in r.pieces),
                              (r.left_out for r in results), settings)
+    return compose_verdict(results, conclude_campaign(results, runs, settings, incomplete),
+                           settings, inputs, left_out=left_out, incomplete=incomplete)
+
+
+def compose_verdict(results: Sequence[RunResult],
+                    together: tuple[Outcome, Coverage | None, Campaign], settings: Settings,
+                    inputs: Sequence[Input], *, left_out: TakenOut | None,
+                    incomplete: bool) -> Verdict:
+    """Return the verdict on numbered runs with their result together and what they leave out."""
+    outcome, coverage, campaign = together
     if left_out is not None:
         campaign = replace(campaign, validity=(*(campaign.validity or ()), judge_left_out(
             outcome, left_out, bool(settings.exclusions))))

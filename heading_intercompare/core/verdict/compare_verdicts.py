@@ -48,14 +48,35 @@ def drop_sources(verdict: Verdict) -> Verdict:
 
 def compare_plain(a: Any, b: Any, path: str = '') -> Iterator[str]:
     """Yield the differences of two plain values, as in JSON, at a path."""
+    for place, x, y in list_differences(a, b, path):
+        yield f'{place}: {x!r} and {y!r}'
+
+
+def list_differences(a: Any, b: Any, path: str = '', rel: float = _REL,
+                     least: float = _ABS) -> Iterator[tuple[str, Any, Any]]:
+    """
+    Yield each place where two plain values differ, with both; the order is that of the first.
+
+    Parameters
+    ----------
+    a, b
+        The values.
+    path
+        Their place.
+    rel, least
+        Real figures are equal within this share of them, or within this difference.
+
+    """
     if isinstance(a, Mapping) and isinstance(b, Mapping):
         for key in [*a, *(k for k in b if k not in a)]:
-            yield from compare_plain(a.get(key), b.get(key), f'{path}.{key}'.lstrip('.'))
+            yield from list_differences(a.get(key), b.get(key), f'{path}.{key}'.lstrip('.'), rel,
+                                        least)
     elif isinstance(a, list) and isinstance(b, list) and len(a) == len(b):
         for at, (x, y) in enumerate(zip(a, b)):
-            yield from compare_plain(x, y, f'{path}[{at}]')
-    elif isinstance(a, float) and isinstance(b, float):
-        if not math.isclose(a, b, rel_tol=_REL, abs_tol=_ABS):
-            yield f'{path}: {a!r} and {b!r}'
-    elif a != b:
-        yield f'{path}: {a!r} and {b!r}'
+            yield from list_differences(x, y, f'{path}[{at}]', rel, least)
+    elif isinstance(a, float) and isinstance(b, (float, int)) and not isinstance(b, bool) or (
+            isinstance(b, float) and isinstance(a, int) and not isinstance(a, bool)):
+        if not math.isclose(a, b, rel_tol=rel, abs_tol=least):
+            yield path, a, b
+    elif a != b or isinstance(a, bool) is not isinstance(b, bool):
+        yield path, a, b

@@ -53,6 +53,28 @@ ALL_REASONS = {
 """Reasons for the outcome of a run: code and words."""
 
 
+_REJECTS = ('lower_bound_above_rejection_limit', 'count_lower_bound_above_allowed',
+            'rejected_at_a_look')
+_ACCEPTS = 'upper_bound_within_acceptance_limit'
+
+
+def outcome_of_reason(reason: str) -> Outcome | None:
+    """
+    Return the only outcome of a run that a reason gives; None for a reason of another version.
+
+    Examples
+    --------
+    >>> outcome_of_reason('void.clocks').value, outcome_of_reason('reason of 2040')
+    ('indeterminate', None)
+
+    """
+    if reason not in ALL_REASONS:
+        return None
+    if reason == _ACCEPTS:
+        return Outcome.COMPLIANT
+    return Outcome.NON_COMPLIANT if reason in _REJECTS else Outcome.INDETERMINATE
+
+
 def conclude(guarded: Guarded, printed: Printed) -> tuple[Outcome, str]:
     """Return the outcome from variance, counts and total error, and its reason."""
     if guarded.outcome is Outcome.NON_COMPLIANT:

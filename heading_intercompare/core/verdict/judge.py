@@ -168,7 +168,7 @@ class RunResult:
             lost_share=verdict.correlation.stamps.lost_share,
             interpolated=verdict.pairing.find_interpolated(self.settings.pairing.method),
             share=self.share, inside=self.inside, normality=verdict.normality))
-        return replace(self, verdict=_conclude(verdict, self.alone, findings))
+        return replace(self, verdict=conclude_run(verdict, self.alone, findings))
 
     def place_among(self, run: int, runs: Homogeneity) -> 'RunResult':
         """Return the result with its number among the runs, and with (g) judged from all runs."""
@@ -189,8 +189,8 @@ class RunResult:
         return Outcome.INDETERMINATE if among is Outcome.COMPLIANT else among
 
 
-def _conclude(verdict: RunVerdict, alone: tuple[Outcome, str],
-              findings: Sequence[Finding]) -> RunVerdict:
+def conclude_run(verdict: RunVerdict, alone: tuple[Outcome, str],
+                 findings: Sequence[Finding]) -> RunVerdict:
     """Return a verdict with outcome and headline after findings and looks."""
     at_end = with_findings(*alone, findings)
     outcome, reason = with_looks(*at_end, verdict.looks)

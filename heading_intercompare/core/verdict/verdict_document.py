@@ -280,6 +280,7 @@ class Verdict:
     runs: Sequence[RunVerdict] = figure('the runs, in the order of the inputs and of time')
     plotter: Any = no_key()
     signed: str | None = no_key()
+    provenance: str | None = no_key()
 
     @property
     def ledger_complete(self) -> bool:
@@ -376,6 +377,12 @@ class Verdict:
             raise VerdictError(f'ledger_complete = {stated!r:.70}: must be '
                                f'{make_plain(complete)!r} by ledger_problems')
         return verdict
+
+
+def mark_intermediate(verdict: Verdict) -> Verdict:
+    """Return a verdict that a stop now would give, marked as such."""
+    return replace(verdict, intermediate=True,
+                   headline=f'INTERMEDIATE, what a stop now would give: {verdict.headline}')
 
 
 def make_document(verdict: Any, schema: str, version: str) -> dict[str, Any]:

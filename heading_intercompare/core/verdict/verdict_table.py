@@ -200,12 +200,13 @@ def head_lines(verdict: Verdict, verbose: bool = False) -> list[str]:
     """
     Return the first lines: the headline and the norms.
 
-    The outcome of GK as printed and the abbreviations stand with them if a setting asks for GK,
-    or if the lines are to be verbose.
+    A verdict that was read says next where it comes from. The outcome of GK as printed and the
+    abbreviations stand with them if a setting asks for GK, or if the lines are to be verbose.
     """
     gk = verbose or asks_for_gk(verdict.settings)
     outcome = [f'GK as printed: {OUTCOME_WORDS[verdict.paper_outcome]}'] if gk else []
-    return [f'VERDICT: {verdict.headline}', *outcome, _describe_norms(verdict, gk),
+    origin = [verdict.provenance] if verdict.provenance is not None else []
+    return [f'VERDICT: {verdict.headline}', *origin, *outcome, _describe_norms(verdict, gk),
             *([_explain_letters(verdict)] if gk else [])]
 
 

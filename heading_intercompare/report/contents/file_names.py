@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import PurePath
 import re
 from typing import Any, Iterator, Mapping, Sequence
@@ -83,5 +84,6 @@ def hide_paths(verdict: Verdict, names: Mapping[str, str]) -> Verdict:
     if not changed:
         return verdict
     mapping = verdict.to_dict()
-    return Verdict.from_dict({**replace_paths(mapping, changed), 'settings': mapping['settings'],
-                              'settings_sha256': mapping['settings_sha256']})
+    shown = Verdict.from_dict({**replace_paths(mapping, changed), 'settings': mapping['settings'],
+                               'settings_sha256': mapping['settings_sha256']})
+    return replace(shown, provenance=verdict.provenance)

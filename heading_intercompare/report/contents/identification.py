@@ -20,7 +20,7 @@ from calendar import monthrange
 from datetime import date
 import hashlib
 import json
-from typing import Any
+from typing import Any, TYPE_CHECKING
 
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.utc_text import utc
@@ -29,11 +29,14 @@ from heading_intercompare.report.formatting import ABSENT, number, value
 
 from .defaults import mark_default
 
+if TYPE_CHECKING:
+    from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
+
 #: 128 bits: nobody can make another verdict with the same id.
 _ID_DIGITS = 32
 
 
-def verdict_id(verdict: Verdict) -> str:
+def verdict_id(verdict: Verdict | SensorsVerdict) -> str:
     """
     Return what tells this verdict from every other.
 

@@ -110,6 +110,10 @@ def test_json_and_csv_hold_runs_and_limits(books, tmp_path, capsys):
         assert row['outside'] == ' '.join(point['outside'])
 
 
+VOID_RUN = {'outcome': 'indeterminate', 'reason': 'void.clocks', 'validity_effect': 'void',
+            'headline': 'INDETERMINATE, VOID', 'conditions': 'clocks=void'}
+
+
 def write_offsets(path, *rows):
     """Write a run a day with a mean of 0.1 and an installation offset of 1.5."""
     Logbook(path).write([replace(
@@ -120,7 +124,7 @@ def write_offsets(path, *rows):
 def test_a_correction_is_what_to_add_to_the_tested_heading(tmp_path, capsys):
     """TS - RS is 1.6 as measured, so the TS needs -1.6; UHDAS writes TS - RS and subtracts it."""
     book, table, angles = (str(tmp_path / name) for name in ('l', 'c.csv', 'hcorr.ang'))
-    write_offsets(book, {}, {'validity_effect': 'void'}, {},
+    write_offsets(book, {}, VOID_RUN, {},
                   {'installation_offset_deg': None})
     assert main(['history', book, '--correction', table]) == 0
     assert capsys.readouterr().err == (
@@ -179,8 +183,8 @@ def test_a_page_has_a_row_per_day_with_the_correction(tmp_path, capsys):
     pytest.importorskip('matplotlib')
     pytest.importorskip('jinja2')
     book, page = str(tmp_path / 'l'), tmp_path / 'h.html'
-    write_offsets(book, {}, {'validity_effect': 'void', 'outcome': 'indeterminate'},
-                  {'installation_offset_deg': None}, {'validity_effect': 'doubtful'})
+    write_offsets(book, {}, VOID_RUN, {'installation_offset_deg': None},
+                  {'validity_effect': 'doubtful', 'conditions': 'losses=doubtful'})
     assert main(['history', book, '--html', str(page)]) == 0
     text = page.read_text('utf-8')
     assert 'Worst verdict of each day, 4 days' in text and 'Mean difference, 3 runs' in text
