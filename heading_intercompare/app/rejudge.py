@@ -21,7 +21,6 @@ A verdict that is compared with a new one is read unchecked: it may be that of a
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-import os
 from pathlib import Path
 from typing import Any, Callable, Mapping, Sequence
 

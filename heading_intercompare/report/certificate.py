@@ -28,6 +28,7 @@ from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.validity.condition import DOUBTFUL, VOID
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
+from heading_intercompare.replaced_file import replace_file
 
 from .contents.decision_rule import state_conformity
 from .contents.file_names import hide_paths, name_files
@@ -93,7 +94,7 @@ def write(verdict: Verdict, path: str | Path) -> None:
         raise ValueError(f'{path}: a certificate states figures of the tested sensor, and '
                          f'{"a void verdict" if verdict.runs else "a verdict without a run"} has '
                          'none; leave it out')
-    Path(path).write_bytes(compose(verdict))
+    replace_file(path, compose(verdict))
 
 
 def compose(verdict: Verdict) -> bytes:

@@ -21,6 +21,7 @@ from pathlib import Path
 import re
 
 from heading_intercompare.app.sources.file_hash import hash_files
+from heading_intercompare.replaced_file import replace_file
 
 _LINE = re.compile(rb'(\\?)([0-9a-f]{64}) [ *](.+)')
 _ESCAPES = {b'\\': b'\\\\', b'\n': b'\\n', b'\r': b'\\r'}
@@ -65,7 +66,7 @@ def hash_folder(folder: str | os.PathLike[str]) -> dict[bytes, str]:
 def write_manifest(folder: str | os.PathLike[str]) -> Path:
     """Write the manifest of a folder, and return where it lies; errors as `hash_folder`."""
     place = manifest_path(folder)
-    place.write_bytes(b''.join(_compose_line(name, digest)
+    replace_file(place, b''.join(_compose_line(name, digest)
                                for name, digest in sorted(hash_folder(folder).items())))
     return place
 

@@ -22,6 +22,8 @@ from pathlib import Path
 import re
 import subprocess
 
+from heading_intercompare.replaced_file import replace_file
+
 NAMESPACE = 'heading_intercompare'
 """What the keys sign here; a signature for another purpose, such as a commit, is none."""
 
@@ -118,7 +120,7 @@ def sign_file(path: str | os.PathLike[str], key: str) -> Path:
         raise ValueError(f'{key}: cannot sign {os.fspath(path)}: {_find_reason(ended.stderr)}; '
                          'check the key, its passphrase, and the agent that holds it')
     place = signature_path(path)
-    place.write_bytes(ended.stdout)
+    replace_file(place, ended.stdout)
     return place
 
 

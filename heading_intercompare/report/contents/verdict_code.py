@@ -23,5 +23,6 @@ def draw_code(text: str) -> str:
         import segno
     except ModuleNotFoundError:
         return ''
-    return segno.make(text, error='m', micro=False).svg_inline(svgclass=None, lineclass=None,
-                                                               omitsize=True)
+    code: str = segno.make(text, error='m', micro=False).svg_inline(
+        svgclass=None, lineclass=None, omitsize=True)
+    return code
