@@ -69,8 +69,8 @@ def test_lines_come_at_log_time_times_speed(log):
     clock = Clock()
     with closing(play(log, clock, 2.0)) as source:
         assert source.first_ns == source.origin_ns == NOON
-        assert source.read(0.1) == [(b'1772366400.0 $HEHDT,1.0,T*2E\n', NOON, 0.0, str(log)),
-                                    (b'no stamp\n', None, 0.0, None)]
+        assert source.read(0.1) == [(b'1772366400.0 $HEHDT,1.0,T*2E\n', NOON, 0.0, str(log), ''),
+                                    (b'no stamp\n', None, 0.0, None, '')]
         assert source.read(0.1) == [] and clock.now == pytest.approx(1000.1)
         assert [ns for _, ns, *_ in source.read(10.0)] == [NOON + S]
         assert clock.now == pytest.approx(1000.5) and not source.exhausted
