@@ -102,6 +102,18 @@ def test_a_verdict_with_zeroed_hashes_is_labelled_and_says_why(trial, tmp_path, 
     assert str(tmp_path) not in text
 
 
+def test_a_verdict_by_a_table_of_runs_is_not_refused_but_labelled(trial, tmp_path, capsys):
+    bag, verdict, _ = trial
+    table, page = tmp_path / 'runs.csv', str(tmp_path / 'p.html')
+    table.write_text('start,stop\n2023-11-14T22:15:00Z,2023-11-14T22:20:00Z\n')
+    assert main(['analyze', bag, *NORMS, '--runs', str(table), '--json', str(verdict)]) == 0
+    capsys.readouterr()
+    assert main(['report', str(verdict), '-o', page, '--quiet']) == 0
+    out, err = capsys.readouterr()
+    assert out.splitlines()[1].startswith(f'{NOT_JUDGED}; verdict id ')
+    assert 'its inputs alone give other runs, as without a table of runs' in err
+
+
 def test_a_forged_attachment_is_refused_after_the_rest_of_the_bag(trial, tmp_path, capsys):
     _, verdict, _ = trial
     bags = []

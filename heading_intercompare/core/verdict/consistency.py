@@ -59,7 +59,7 @@ from .all_runs import compare_runs, compose_verdict, conclude_campaign
 from .compare_verdicts import list_differences
 from .conclusion import conclude
 from .judge import conclude_run, RunResult
-from .runs_together import shortest_apart_s
+from .runs_together import find_repeated_runs, shortest_apart_s
 from .spread_of_run import spread_of_run
 from .validity import CONDITIONS
 from .verdict_document import Campaign, mark_intermediate, RunVerdict, Verdict
@@ -182,7 +182,9 @@ def _state_together(stated: Together | None, results: Sequence[RunResult],
     None if the figures of the runs give that bound: it may rest on the kurtosis of the runs, or on
     the slow parts of several of which only some are visible.
     """
-    sound = [r for r in results if r.verdict.validity_effect != VOID]
+    repeated = find_repeated_runs(results)
+    sound = [r for number, r in enumerate(results, 1)
+             if number not in repeated and r.verdict.validity_effect != VOID]
     spreads = [r.evidence.spread for r in sound if r.evidence.spread is not None]
     is_slow = [spread.slow_variance_deg2 > 0.0 for spread in spreads]
     if stated is None or len(spreads) < 2 or not (

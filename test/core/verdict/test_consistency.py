@@ -25,9 +25,15 @@ from hypothesis import given, strategies as st
 import numpy as np
 import pytest
 from ship_of_sensors import make_three, TABLE
-from trials import judge_headings, judge_turning_ship, NORMS
+from trials import (
+    judge_headings,
+    judge_turning_ship,
+    make_settings,
+    make_turning_ship,
+    NORMS,
+)
 
-from heading_intercompare import analyze_sensors, Settings
+from heading_intercompare import analyze, analyze_sensors, Settings
 from heading_intercompare.core.typed_reader import VerdictError
 from heading_intercompare.core.version import RULE_VERSION, VERSION
 from heading_intercompare.report.json import NOT_JUDGED, parse_any, render
@@ -45,7 +51,14 @@ def _judge_three(table=TABLE, **errors):
     return analyze_sensors(make_three(**errors), Settings.of(sensors=table, slowest_error_s=60.0))
 
 
+def _judge_one_run_twice():
+    trials = [make_turning_ship(run, np.random.default_rng(run).normal(0.05, 0.2, 700))
+              for run in (0, 1, 2, 0)]
+    return analyze([ts for ts, _ in trials], [rs for _, rs in trials], make_settings())
+
+
 KINDS = {
+    'one run twice': _judge_one_run_twice,
     'compliant': lambda: judge_turning_ship(1, 900),
     'rejected': lambda: judge_turning_ship(1, 900, sigma_deg=0.6),
     'open': lambda: judge_turning_ship(1, 900, sigma_deg=0.3),
