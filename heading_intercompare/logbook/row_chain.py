@@ -16,9 +16,9 @@
 """
 The chain of a logbook: a hash for each row that was written, each over the one before.
 
-The chain is a table that only grows. A row that was changed, taken out or put in by another
-program does not fit it. Whoever noted the newest hash can tell later that no row up to it was
-changed, even by somebody who made the whole chain anew.
+The chain is a table that only grows. A row that SQLite itself changed, took out or put in does not
+fit it. A reader who noted the newest hash can tell later that no row up to it was changed, even by
+a forger who made the whole chain new.
 """
 
 from __future__ import annotations

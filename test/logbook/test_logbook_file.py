@@ -151,7 +151,7 @@ COLUMNS = ', '.join(RunRow.columns())
 
 
 @pytest.mark.parametrize('command, words', [
-    ("UPDATE runs SET outcome = 'compliant' WHERE id = 2",
+    ("UPDATE runs SET headline = 'COMPLIANT for years' WHERE id = 2",
      'row 2 was changed after it was written'),
     ('UPDATE runs SET mean_deg = mean_deg + 1e-9 WHERE id = 3', 'row 3 was changed'),
     ('UPDATE runs SET bag = NULL WHERE id = 1', 'row 1 was changed'),
@@ -164,7 +164,7 @@ COLUMNS = ', '.join(RunRow.columns())
     ('DELETE FROM chain WHERE entry = 3', 'row 3 was put in by another program')])
 def test_a_row_that_another_program_changed_is_named(book, command, words):
     """Before, one word changed in a row was the outcome of the run ever after."""
-    book.write([make_row(day, bag='trial', outcome='non_compliant') for day in range(3)])
+    book.write([make_row(day, bag='trial') for day in range(3)])
     assert len(book.read()) == 3
     forge(book, command)
     for read in (book.read, lambda: book.read(ship='no ship')):
@@ -188,10 +188,10 @@ def test_every_write_goes_into_the_chain_and_the_same_row_only_once(book, tmp_pa
 
 
 def test_whoever_noted_the_newest_hash_sees_a_chain_that_was_made_anew(book, tmp_path):
-    book.write([make_row(0, outcome='non_compliant'), make_row(1)])
+    book.write([make_row(0, headline='COMPLIANT for an hour'), make_row(1)])
     noted = book.read_head()
     forged = Logbook(tmp_path / 'forged')
-    forged.write([make_row(0, outcome='compliant'), make_row(1)])
+    forged.write([make_row(0, headline='COMPLIANT for years'), make_row(1)])
     assert forged.read() and forged.read_head().sha256 != noted.sha256
 
 
