@@ -7,6 +7,7 @@
 # make coverage   which lines of the package the quick tests run
 # make release    all checks before a release: hours of fuzz, and the tables of the decision rule
 # make test-pins  the tests with the versions of Ubuntu 24.04 (needs Python 3.12)
+# make sbom       the libraries with versions and licences, as CycloneDX: build/sbom.cdx.json
 # make docs       write what docs and config repeat from the sources, and build the site: docs/_build
 # make format     sort imports and repair the form
 # make clean      remove everything that the others made
@@ -39,7 +40,7 @@ TESTS := -m pytest --numprocesses $(WORKERS) --dist loadscope --no-loadscope-reo
 SITE := $(BIN)/python -m sphinx --fail-on-warning --keep-going -q -b html -d build/doctrees docs docs/_build
 TABLES := A B E cells gaps drift rates runs means looks open short
 
-.PHONY: demo quick test test-pins coverage release addresses docs format clean help
+.PHONY: demo quick test test-pins coverage release addresses sbom docs format clean help
 
 help:
 	@sed -n 's/^# make/make/p' Makefile
@@ -103,6 +104,13 @@ release: addresses test
 addresses:
 	@.ci/step 'addresses of the owner' $(PYTHON) .ci/addresses
 
+# Of the package with the extras that a ship installs.
+sbom: .venv/.demo
+	@.ci/venv .venv-sbom serial,report,pdf,terminal,web,push,fast,bags,parquet,sun
+	@.ci/venv .venv sbom
+	@mkdir -p build
+	$(BIN)/cyclonedx-py environment --output-reproducible -o build/sbom.cdx.json .venv-sbom/bin/python
+
 docs: .venv/.test
 	$(BIN)/python docs/generate.py
 	$(BIN)/python docs/house.py
@@ -127,5 +135,5 @@ format: .venv/.test
 	@touch $@
 
 clean:
-	rm -rf docs/_build docs/reference/api docs/reference/commands.md .venv .venv-pins build install log demo_out *.egg-info .pytest_cache .hypothesis \
+	rm -rf docs/_build docs/reference/api docs/reference/commands.md .venv .venv-pins .venv-sbom build install log demo_out *.egg-info .pytest_cache .hypothesis \
 		.ruff_cache .mypy_cache .coverage
