@@ -19,8 +19,8 @@ from __future__ import annotations
 import csv
 from typing import Sequence
 
-from heading_intercompare.bags.csv.ensembles_csv import DAY_NS, find_year
-from heading_intercompare.core.utc_text import utc
+from heading_intercompare.bags.csv.ensembles_csv import find_year
+from heading_intercompare.core.utc_text import DAY_NS, utc
 from heading_intercompare.logbook.correction import HeadingCorrection
 from heading_intercompare.replaced_file import replace_file, ReplacedFile
 

@@ -23,7 +23,7 @@ import numpy as np
 
 from heading_intercompare.core.count_words import count_words
 from heading_intercompare.core.outcome import Outcome
-from heading_intercompare.core.utc_text import utc
+from heading_intercompare.core.utc_text import DAY_NS, utc
 from heading_intercompare.core.validity.condition import VOID
 from heading_intercompare.core.verdict.headline import say_outcome
 from heading_intercompare.logbook.days import Day, DayMean, list_days, SECTORS
@@ -32,7 +32,6 @@ from heading_intercompare.replaced_file import replace_file
 from heading_intercompare.report.figures.drawing import SVG_STYLE
 from heading_intercompare.report.formatting import number, with_uncertainty
 
-_DAY_NS = 86_400_000_000_000
 _MARKERS, _DASHES = 'osv^D', ('-', '--', ':', '-.')
 _NAMES = {'mean': 'mean difference', 'sd': 'standard deviation'}
 #: The rows of the strip of days from the bottom, with their marks.
@@ -173,7 +172,7 @@ def _draw_together(histories: Sequence[History], figure: str, name: str,
     def fill(axes: Any) -> None:
         for at, (history, points) in enumerate(runs):
             # Legible in black and white: each sensor has a mark and a dash of its own.
-            axes.plot([(p.row.start_ns - start_ns) / _DAY_NS for p in points],
+            axes.plot([(p.row.start_ns - start_ns) / DAY_NS for p in points],
                       [getattr(p.row, f'{figure}_deg') for p in points],
                       color=(INK, GREY)[at // len(_MARKERS) % 2], linewidth=0.8,
                       marker=_MARKERS[at % len(_MARKERS)], markersize=4.0,
@@ -196,7 +195,7 @@ def _draw(points: Sequence[Point], figure: str, name: str) -> str:
     start_ns = drawn[0].row.start_ns if drawn else 0
 
     def fill(axes: Any) -> None:
-        at = [(p.row.start_ns - start_ns) / _DAY_NS for p in drawn]
+        at = [(p.row.start_ns - start_ns) / DAY_NS for p in drawn]
         axes.plot(at, [getattr(p.row, f'{figure}_deg') for p in drawn], color=ACCENT, marker='.',
                   linewidth=0.8, label='runs')
         limited = [(day, p) for day, p in zip(at, drawn) if p.mean_low_deg is not None]

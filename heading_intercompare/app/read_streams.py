@@ -23,7 +23,7 @@ from typing import Mapping, Sequence
 from heading_intercompare.bags.rosbag2.readable import Readable
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.records import Headings, Losses, Pairs
-from heading_intercompare.core.settings import Settings, SILENCE_STEPS
+from heading_intercompare.core.settings import Settings
 from heading_intercompare.readers.stream_recording import StreamRecording
 
 
@@ -40,15 +40,12 @@ class StreamReadings:
         Their pairs; none of a single stream.
     not_taken
         What gave no pair, by reason: lines of the file, and readings that are rejected or lost.
-    silence_steps
-        A gap is longer than this many usual steps.
 
     """
 
     streams: Mapping[str, Headings]
     pairs: Pairs
     not_taken: Mapping[str, int]
-    silence_steps: float
 
 
 def read_streams(reader: Readable, names: Sequence[str]) -> StreamReadings:
@@ -86,4 +83,4 @@ def read_streams(reader: Readable, names: Sequence[str]) -> StreamReadings:
         for role, name in zip(('ts', 'rs'), names):
             not_taken.update({f'{name}: {why}': n for why, n in
                               pairer.ledger.total.rejected(role).items()})
-    return StreamReadings(streams, pairs, +not_taken, SILENCE_STEPS)
+    return StreamReadings(streams, pairs, +not_taken)

@@ -18,6 +18,9 @@ from __future__ import annotations
 
 import numpy as np
 
+DAY_NS = 86_400_000_000_000
+"""A day, nanoseconds."""
+
 #: Milliseconds at the beginning of the years 1 and 10000.
 _FIRST_MS, _END_MS = -62_135_596_800_000, 253_402_300_800_000
 

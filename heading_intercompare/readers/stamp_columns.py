@@ -35,10 +35,11 @@ from heading_intercompare.bags.csv.stamp_cells import (
 )
 from heading_intercompare.core.records import Integers
 from heading_intercompare.core.units.given_stamps import find_unit, is_of_satellite_time
+from heading_intercompare.core.utc_text import DAY_NS
 from heading_intercompare.drivers.log_lines.line_formats import compile_form, FORMATS
 from heading_intercompare.drivers.log_lines.log_clocks import start_stamps_of_file
 from heading_intercompare.drivers.log_lines.rollovers import Rollovers
-from heading_intercompare.drivers.log_lines.times import DAY_NS, SECOND_NS
+from heading_intercompare.drivers.log_lines.times import SECOND_NS
 from heading_intercompare.drivers.refused_lines import advise, name_options
 from heading_intercompare.drivers.sentences import Rejected
 from heading_intercompare.drivers.settings import DEFAULT_DRIVER, DriverSettings

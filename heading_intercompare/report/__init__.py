@@ -169,7 +169,7 @@ def check_picture(path: str | Path) -> None:
 
 
 def write_readings(path: str | Path, streams: Mapping[str, Headings], pairs: Pairs,
-                   not_taken: Mapping[str, int], silence_steps: float) -> None:
+                   not_taken: Mapping[str, int]) -> None:
     """
     Write a picture of what was read: see `figures.readings.draw_readings` and `draw_counts`.
 
@@ -184,7 +184,7 @@ def write_readings(path: str | Path, streams: Mapping[str, Headings], pairs: Pai
     check_picture(path)
     from .figures.readings import draw_counts, draw_readings
     from .figures.style import save
-    save([*draw_readings(streams, pairs, silence_steps), *draw_counts(not_taken)], path)
+    save([*draw_readings(streams, pairs), *draw_counts(not_taken)], path)
 
 
 def write_chances(path: str | Path, drawing: Drawing) -> None:

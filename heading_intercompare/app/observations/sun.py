@@ -20,8 +20,8 @@ import ephem
 import numpy as np
 
 from heading_intercompare.core.records import Integers, Reals
+from heading_intercompare.core.utc_text import DAY_NS
 
-_DAY_NS = 86_400_000_000_000
 #: Days of the library count from 1899-12-31 12:00.
 _DAYS_TO_1970 = 25567.5
 
@@ -59,7 +59,7 @@ def find_sun(stamp_ns: Integers, latitude_deg: Reals,
     for i, at_ns in enumerate(stamp_ns.tolist()):
         observer.lat = float(np.radians(latitude_deg[i]))
         observer.lon = float(np.radians(longitude_deg[i]))
-        observer.date = at_ns / _DAY_NS + _DAYS_TO_1970
+        observer.date = at_ns / DAY_NS + _DAYS_TO_1970
         sun.compute(observer)
         azimuth_altitude_rad[:, i] = float(sun.az), float(sun.alt)
     azimuth_deg, altitude_deg = np.degrees(azimuth_altitude_rad)

@@ -28,12 +28,12 @@ import os
 
 from heading_intercompare.core.pairing.ensembles import Ensembles, Ensembling
 from heading_intercompare.core.records import Pairs
+from heading_intercompare.core.utc_text import DAY_NS
 from heading_intercompare.replaced_file import ReplacedFile
 
 COLUMNS = ('dday', 'mean_hdg', 'last_hdg', 'mean_dh', 'std_dh', 'num', 'badflag')
 
 _SECOND_NS = 1_000_000_000
-DAY_NS = 86400 * _SECOND_NS
 
 
 def find_year(stamp_ns: int) -> int:

@@ -22,17 +22,16 @@ import re
 from typing import Callable, Mapping, NamedTuple, Sequence
 
 from heading_intercompare.core.units.given_stamps import find_unit
-from heading_intercompare.core.utc_text import utc
+from heading_intercompare.core.utc_text import DAY_NS, utc
 
 _SECOND_NS = 1_000_000_000
-_DAY_NS = 86400 * _SECOND_NS
 _DIGITS = 60
 _FIRST_BEYOND = 2**63
 _ISO = re.compile(r'(\d{4}-\d\d-\d\d)[T ](\d\d:\d\d:\d\d)(?:[.,](\d{1,9})\d*)?\s?'
                   r'(?:Z|UTC|([+-]\d\d):?(\d\d))?', re.ASCII)
 _NUMBER = re.compile(r'\d+(?:\.\d*)?', re.ASCII)
 #: Days of a spreadsheet count from 30 December 1899; these are 1954 to 2119.
-DAY_ZERO_NS = -25569 * _DAY_NS
+DAY_ZERO_NS = -25569 * DAY_NS
 _FIRST_DAY, _LAST_DAY = 20_000, 80_000
 #: No sensor reports at a kilohertz; a day number of seconds differs by 1.2e-5.
 _LEAST_STEP_NS = 1_000_000
@@ -70,7 +69,7 @@ def utc_nanoseconds(text: str) -> int:
     if match is None:
         if not (_NUMBER.fullmatch(text) and _FIRST_DAY <= float(text) < _LAST_DAY):
             raise ValueError(text)
-        return DAY_ZERO_NS + scale(text, _DAY_NS)
+        return DAY_ZERO_NS + scale(text, DAY_NS)
     day, clock, decimals, hours, minutes = match.groups()
     moment = datetime.fromisoformat(f'{day}T{clock}').replace(tzinfo=timezone.utc)
     offset_s = 0
@@ -162,6 +161,6 @@ def looks_like_days(stamp_ns: Sequence[int]) -> str:
     if (max(stamp_ns) - min(stamp_ns)) / (len(stamp_ns) - 1) >= _LEAST_STEP_NS:
         return ''
     first = stamp_ns[0] / _SECOND_NS
-    at_ns = DAY_ZERO_NS + round(first * _DAY_NS)
+    at_ns = DAY_ZERO_NS + round(first * DAY_NS)
     return (f'stamp_s = {first!r} looks like a day number of a spreadsheet '
             f'({utc(at_ns)} UTC): name the column stamp_utc, which reads such numbers')

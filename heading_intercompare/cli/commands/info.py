@@ -242,7 +242,7 @@ def _plot(arguments: argparse.Namespace, reader: Readable) -> None:
         raise ValueError(f'--plot {arguments.plot}: {arguments.bag} has no headings that are '
                          'known as such; name a topic or a field with --ts and --rs')
     read = read_streams(reader, names)
-    write_readings(arguments.plot, read.streams, read.pairs, read.not_taken, read.silence_steps)
+    write_readings(arguments.plot, read.streams, read.pairs, read.not_taken)
     say_lines([f'written: {arguments.plot}'])
 
 

@@ -21,7 +21,9 @@ import os
 import re
 from typing import Callable
 
-from .times import date_ns, DAY_NS, nearest_day_ns, SECOND_NS, year_day_ns
+from heading_intercompare.core.utc_text import DAY_NS
+
+from .times import date_ns, nearest_day_ns, SECOND_NS, year_day_ns
 
 #: A clock that goes back by less than this stepped back; otherwise midnight has passed.
 _LONGEST_STEP_BACK_NS = 3600 * SECOND_NS

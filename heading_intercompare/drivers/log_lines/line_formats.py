@@ -25,10 +25,11 @@ from functools import lru_cache
 import re
 from typing import Callable, NamedTuple
 
+from heading_intercompare.core.utc_text import DAY_NS
+
 from .times import (
     clock_ns,
     date_ns,
-    DAY_NS,
     day_time_ns,
     fraction_ns,
     SECOND_NS,

@@ -23,6 +23,7 @@ import re
 from typing import Callable, Iterable, NamedTuple
 from zoneinfo import ZoneInfo
 
+from heading_intercompare.core.utc_text import DAY_NS
 from heading_intercompare.drivers.framing import KEPT_PREFIX
 from heading_intercompare.drivers.sentences import Name, Rejected
 from heading_intercompare.drivers.settings import DriverSettings
@@ -38,7 +39,7 @@ from .line_formats import (
     read_zone,
 )
 from .tag_blocks import tag_blocks
-from .times import DAY_NS, fraction_ns, SECOND_NS
+from .times import fraction_ns, SECOND_NS
 
 _TAGS = re.compile(rb'(?:\\[^\\]*\\\s*)+\Z|\\[a-z]:[^\\]*\Z')
 _NUMERIC_DATE = re.compile(rb'(?<![0-9A-Za-z.+-])(\d{1,2})[/.-](\d{1,2})[/.-]\d{4}(?!\d)')

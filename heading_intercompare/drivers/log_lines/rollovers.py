@@ -16,10 +16,10 @@
 
 from __future__ import annotations
 
-from heading_intercompare.core.utc_text import utc
+from heading_intercompare.core.utc_text import DAY_NS, utc
 
 from .days import Days
-from .times import date_ns, DAY_NS, WEEK_NS
+from .times import date_ns, WEEK_NS
 
 ROLLOVER_NS = 1024 * WEEK_NS
 """The weeks of GPS count from 0 again after this time."""

@@ -25,8 +25,9 @@ from functools import lru_cache
 import re
 from typing import Callable
 
+from heading_intercompare.core.utc_text import DAY_NS
+
 SECOND_NS = 1_000_000_000
-DAY_NS = 86_400 * SECOND_NS
 
 WEEK_NS = 7 * DAY_NS
 

@@ -26,6 +26,7 @@ from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.error_models import density, tail
 from heading_intercompare.core.records import Integers, Reals
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.utc_text import DAY_NS
 from heading_intercompare.core.validity.condition import VOID
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
 from heading_intercompare.report.series_sketch import SeriesSketch
@@ -34,7 +35,6 @@ SVG_STYLE = """svg { width: 100%; height: auto; cursor: zoom-in }
 @media screen { svg:focus { width: 250%; cursor: zoom-out } }"""
 """Style sheet of a page with figures: the figure with the focus is enlarged."""
 
-_DAY_NS = 86_400 * 10 ** 9
 
 #: Looks of lines. Each kind also has a dash or a width of its own, so that it needs no colour.
 #: Orange is that of Okabe and Ito. All differ in lightness, and for the colour-blind.
@@ -101,7 +101,7 @@ class LeftOut:
 def days(stamp_ns: Integers | int) -> Reals:
     """Return stamps as days since 1970, the unit of a time axis; to a microsecond."""
     stamp = np.asarray(stamp_ns, np.int64)
-    return stamp // _DAY_NS + (stamp % _DAY_NS) / _DAY_NS
+    return stamp // DAY_NS + (stamp % DAY_NS) / DAY_NS
 
 
 def pad(low: float, up: float) -> tuple[float, float]:

@@ -23,6 +23,7 @@ import numpy as np
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.pairing.difference import subtract
 from heading_intercompare.core.records import Headings, Integers, Pairs, Reals
+from heading_intercompare.core.settings import SILENCE_STEPS
 from heading_intercompare.report.formatting import number
 from heading_intercompare.report.sketching.bins import Envelope
 
@@ -47,7 +48,7 @@ def _as_text(name: str) -> str:
 class _Trace:
     """Values against time in bins, and where nothing was read."""
 
-    def __init__(self, stamp_ns: Integers, value_deg: Reals, silence_steps: float) -> None:
+    def __init__(self, stamp_ns: Integers, value_deg: Reals) -> None:
         order = np.argsort(stamp_ns, kind='stable')
         self.stamp_ns, envelope = stamp_ns[order], Envelope()
         envelope.update(self.stamp_ns, value_deg[order])
@@ -59,10 +60,10 @@ class _Trace:
             column[at] for column in (bins.mean_deg, bins.low_deg, bins.up_deg))
         steps_ns = np.diff(self.stamp_ns)
         usual_ns = np.median(steps_ns[steps_ns > 0]) if np.any(steps_ns > 0) else 0
-        self._gaps = np.flatnonzero(steps_ns > silence_steps * usual_ns)
+        self._gaps = np.flatnonzero(steps_ns > SILENCE_STEPS * usual_ns)
         self.gap_s = float(np.sum(steps_ns[self._gaps])) / 1e9
         self.n_gaps = len(self._gaps)
-        limit_ns = max(2.0 * envelope.width_ns, silence_steps * usual_ns)
+        limit_ns = max(2.0 * envelope.width_ns, SILENCE_STEPS * usual_ns)
         self._cuts = np.flatnonzero(np.diff(at) * envelope.width_ns > limit_ns) + 1
 
     def plot(self, axes: Any, value_deg: Reals, look: Mapping[str, Any], label: str) -> None:
@@ -89,8 +90,7 @@ class _Trace:
                          f'{number(self.gap_s)} s')
 
 
-def draw_readings(streams: Mapping[str, Headings], pairs: Pairs, silence_steps: float,
-                  ) -> list[Drawing]:
+def draw_readings(streams: Mapping[str, Headings], pairs: Pairs) -> list[Drawing]:
     """
     Return the figures of the headings, and of their difference if there are pairs.
 
@@ -100,16 +100,13 @@ def draw_readings(streams: Mapping[str, Headings], pairs: Pairs, silence_steps: 
         One or two, by name: that of the TS first.
     pairs
         Their pairs.
-    silence_steps
-        A gap is longer than this many usual steps.
 
     """
     traces = {}
     streams = {_as_text(name): headings for name, headings in streams.items()}
     for name, headings in streams.items():
         readings = headings[np.isfinite(headings.heading_deg) & (headings.stamp_ns > 0)]
-        traces[name] = _Trace(readings.stamp_ns, np.unwrap(readings.heading_deg, period=360.0),
-                              silence_steps)
+        traces[name] = _Trace(readings.stamp_ns, np.unwrap(readings.heading_deg, period=360.0))
 
     def fill_headings(axes: Any) -> None:
         for row, (name, trace) in enumerate(traces.items()):
@@ -125,7 +122,7 @@ def draw_readings(streams: Mapping[str, Headings], pairs: Pairs, silence_steps: 
     differences = subtract(pairs)
     finite = np.isfinite(differences.x_deg)
     if np.any(finite):
-        trace = _Trace(differences.stamp_ns[finite], differences.x_deg[finite], silence_steps)
+        trace = _Trace(differences.stamp_ns[finite], differences.x_deg[finite])
 
         def fill_difference(axes: Any) -> None:
             trace.fill(axes, f'range in each {number(trace.width_s)} s')

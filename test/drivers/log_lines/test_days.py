@@ -18,8 +18,9 @@ from __future__ import annotations
 
 import pytest
 
+from heading_intercompare.core.utc_text import DAY_NS
 from heading_intercompare.drivers.log_lines.days import date_in_name, Days
-from heading_intercompare.drivers.log_lines.times import date_ns, DAY_NS
+from heading_intercompare.drivers.log_lines.times import date_ns
 
 MAY = date_ns(2024, 5, 28)
 

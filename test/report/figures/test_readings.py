@@ -49,21 +49,21 @@ def words(drawing):
 def test_the_gaps_of_each_stream_are_counted_and_added_up():
     ts = headings([*range(100), *range(160, 300)])
     rs = headings([*range(50), *range(70, 200), *range(230, 300)])
-    drawing, = draw_readings({'gyro': ts, 'gnss': rs}, NO_PAIRS, 10.0)
+    drawing, = draw_readings({'gyro': ts, 'gnss': rs}, NO_PAIRS)
     shown = words(drawing)
     assert 'headings as read: 240 of gyro, 250 of gnss' in shown
     assert 'gyro: 1 gap, 61 s' in shown and 'gnss: 2 gaps, 52 s' in shown
 
 
 def test_a_silence_of_a_few_steps_is_no_gap():
-    drawing, = draw_readings({'gyro': headings([*range(100), *range(105, 200)])}, NO_PAIRS, 10.0)
+    drawing, = draw_readings({'gyro': headings([*range(100), *range(105, 200)])}, NO_PAIRS)
     assert not [text for text in words(drawing) if 'gap' in text]
 
 
 def test_the_difference_stands_below_where_there_are_pairs():
     pairs = Pairs.of(T0 + np.arange(300) * S, np.full(300, 359.9), np.full(300, 0.1))
     streams = {'gyro': headings(range(300)), 'gnss': headings(range(300))}
-    _, drawing = draw_readings(streams, pairs, 10.0)
+    _, drawing = draw_readings(streams, pairs)
     assert (drawing.title, drawing.y_label) == ('gyro - gnss: n = 300', 'difference [deg]')
     assert '-0.2' in ' '.join(words(drawing))
 
@@ -72,10 +72,10 @@ def test_readings_that_cannot_be_drawn_are_left_out():
     """A stamp of zero would stretch the axis to 1970."""
     good = headings(range(300))
     bad = Headings.of([0, T0], [10.0, np.nan])
-    shown, alone = (words(draw_readings({'gyro': chunk}, NO_PAIRS, 10.0)[0])
+    shown, alone = (words(draw_readings({'gyro': chunk}, NO_PAIRS)[0])
                     for chunk in (Headings.concatenate([good, bad]), good))
     assert shown == [text.replace('300 of', '302 of') for text in alone]
-    draw_readings({'gyro': Headings.empty()}, NO_PAIRS, 10.0)
+    draw_readings({'gyro': Headings.empty()}, NO_PAIRS)
 
 
 def test_each_reason_has_a_bar_with_its_count():
@@ -88,7 +88,7 @@ def test_each_reason_has_a_bar_with_its_count():
 
 @pytest.mark.parametrize('name', ['$source', 'a$b$c', '$\\frac$', '_private'])
 def test_a_name_is_shown_as_it_is(name):
-    drawing, = draw_readings({name: headings(range(300))}, NO_PAIRS, 10.0)
+    drawing, = draw_readings({name: headings(range(300))}, NO_PAIRS)
     shown = words(drawing)
     assert f'headings as read: 300 of {name}' in shown
     assert any(text.startswith(name) for text in shown)
@@ -100,7 +100,7 @@ def test_a_name_is_shown_as_it_is(name):
                                            ('.svg', b'<?xml'), ('.PNG', b'\x89PNG')])
 def test_the_suffix_chooses_the_form(tmp_path, suffix, begin):
     path = tmp_path / f'read{suffix}'
-    write_readings(path, {'gyro': headings(range(300))}, NO_PAIRS, {'gyro: burst': 3}, 10.0)
+    write_readings(path, {'gyro': headings(range(300))}, NO_PAIRS, {'gyro: burst': 3})
     assert path.read_bytes().startswith(begin)
 
 
