@@ -32,6 +32,8 @@ from heading_intercompare.replaced_file import replace_file
 from heading_intercompare.report.figures.drawing import SVG_STYLE
 from heading_intercompare.report.formatting import number, with_uncertainty
 
+#: Histories with figures on a page.
+_MOST_DRAWN = 20
 _MARKERS, _DASHES = 'osv^D', ('-', '--', ':', '-.')
 _NAMES = {'mean': 'mean difference', 'sd': 'standard deviation'}
 #: The rows of the strip of days from the bottom, with their marks.
@@ -59,7 +61,8 @@ def write_page(histories: Sequence[History], path: str, since_ns: int | None = N
     """
     Write the charts of mean and standard deviation, with their limits, and the days with runs.
 
-    A ship with several sensors also has a picture of all of them.
+    A ship with several sensors also has a picture of all of them. Of several histories a table
+    lists all, the worst first, and the worst 20 have figures.
 
     Parameters
     ----------
@@ -79,13 +82,14 @@ def write_page(histories: Sequence[History], path: str, since_ns: int | None = N
 
     """
     parts = [_HEAD]
+    if len(histories) > 1:
+        parts.append(_list_histories(histories))
     for at, (ship, sensors) in enumerate(_group(histories).items()):
         parts.append(f'<h2>{escape(ship)}: {len(sensors)} sensors</h2>\n')
         parts += [_draw_together(sensors, figure, f's{at}{figure}', since_ns) + '\n'
                   for figure in _NAMES]
-    for at, history in enumerate(histories):
-        parts.append(f'<h2>{escape(history.ship or "(no ship)")}, settings '
-                     f'{history.settings_sha256[:8]}</h2>\n')
+    for at, history in enumerate(histories[:_MOST_DRAWN]):
+        parts.append(f'<h2 id="h{at}">{escape(history.name)}</h2>\n')
         sentences = [trend.words for trend in history.trends] or [
             f'No charts: {history.why_no_chart}']
         parts += [f'<p>{escape(words[0].upper() + words[1:])}.</p>\n' for words in sentences]
@@ -95,6 +99,21 @@ def write_page(histories: Sequence[History], path: str, since_ns: int | None = N
         parts += [_draw(points, figure, f'h{at}{figure}') + '\n' for figure in _NAMES]
         parts.append(_tabulate_days(days))
     replace_file(path, ''.join(parts) + '</body></html>\n')
+
+
+def _list_histories(histories: Sequence[History]) -> str:
+    """Return a row for each history, with a link to its figures."""
+    rows = []
+    for at, history in enumerate(histories):
+        newest, name = history.points[-1].row, escape(history.name)
+        linked = f'<a href="#h{at}">{name}</a>' if at < _MOST_DRAWN else name
+        words = (say_outcome(newest.outcome, newest.validity_effect), *history.state)
+        rows.append(f'<tr><td>{linked}</td><td>{len(history.points)}</td>'
+                    f'<td>{utc(newest.end_ns)[:16]}</td><td>{escape("; ".join(words))}</td></tr>')
+    return ('<div class="days"><table>\n<tr><th>ship</th><th>runs</th><th>newest, UTC</th>'
+            '<th>state</th></tr>\n' + '\n'.join(rows) + '\n</table></div>\n'
+            + f'<p>The worst {_MOST_DRAWN} have figures; history --ship NAME --html draws another '
+            'one.</p>\n' * (len(histories) > _MOST_DRAWN))
 
 
 def _draw_days(days: Sequence[Day], name: str) -> str:

@@ -31,6 +31,8 @@ from heading_intercompare.core.validity.condition import VOID
 from .control_chart import Chart, make_chart
 from .run_row import RunKey, RunRow
 
+_NAMES = {'mean': 'mean', 'sd': 'standard deviation'}
+
 #: Chance of a false lasting change in any of the charts that are listed together.
 FALSE_ALARM = 0.05
 #: At least this many runs between false alarms of a chart.
@@ -91,8 +93,7 @@ class Trend:
     @property
     def words(self) -> str:
         """Return what the chart says, in a sentence."""
-        name = {'mean': 'mean', 'sd': 'standard deviation'}[self.figure]
-        sentence = f'the {name} was {self.center_deg:.4f} deg in the baseline'
+        sentence = f'the {_NAMES[self.figure]} was {self.center_deg:.4f} deg in the baseline'
         if self.first_outside_ns is not None:
             more = f', {self.outside} of {self.watched} runs are outside' \
                 if self.outside > 1 else ''
@@ -166,6 +167,24 @@ class History:
     def list_since(self, since_ns: int | None) -> list[Point]:
         """Return the points of runs that ended at this stamp or later; None: all of them."""
         return [p for p in self.points if since_ns is None or p.row.end_ns >= since_ns]
+
+    @property
+    def name(self) -> str:
+        """Return the ship, and the beginning of the hash of its settings."""
+        return f'{self.ship or "(no ship)"}, settings {self.settings_sha256[:8]}'
+
+    @property
+    def state(self) -> list[str]:
+        """Return what the charts say of now, in words; empty for a sensor within its limits."""
+        words = [f'{_NAMES[trend.figure]} differs since {utc(trend.differs_since_ns)[:16]} UTC by '
+                 f'{trend.shift_deg:+.4f} deg' for trend in self.trends
+                 if trend.differs_since_ns is not None]
+        newest = self.points[-1]
+        if self.why_no_chart is not None:
+            words.append('no charts yet')
+        elif newest.outside:
+            words.append(f'{" and ".join(newest.outside)} outside the limits')
+        return words
 
     @property
     def concern(self) -> int:

@@ -42,7 +42,6 @@ from heading_intercompare.report import check_form
 
 SCHEMA = 'heading_intercompare/history/1'
 _DIFFERS_CODE = 1
-_FIGURES = {'mean': 'mean', 'sd': 'standard deviation'}
 _LIMITS = ('mean_low_deg', 'mean_high_deg', 'sd_low_deg', 'sd_high_deg')
 
 
@@ -166,7 +165,7 @@ def _list(histories: Sequence[History], changes: Sequence[Sequence[ServiceChange
     """Return the lines on standard output: runs, newest last, then what the charts say."""
     lines = []
     for history, service_changes in zip(histories, changes):
-        lines += [f'{_name(history)}: {count_words(len(history.points), "run")}',
+        lines += [f'{history.name}: {count_words(len(history.points), "run")}',
                   f'  {"start, UTC":16}  {"hours":>7}  {"n":>9}  {"mean/deg":>9}  {"sd/deg":>8}  '
                   'outcome']
         lines += [f'  {_describe(point)}' for point in history.list_since(since_ns)]
@@ -177,14 +176,10 @@ def _list(histories: Sequence[History], changes: Sequence[Sequence[ServiceChange
     return lines
 
 
-def _name(history: History) -> str:
-    return f'{history.ship or "(no ship)"}, settings {history.settings_sha256[:8]}'
-
-
 def _summarize(histories: Sequence[History],
                changes: Sequence[Sequence[ServiceChange]]) -> list[str]:
     """Return a line for each history, the worst first, and one for all of them."""
-    width = max(map(len, map(_name, histories)))
+    width = max(len(history.name) for history in histories)
     return [f'{"ship":{width}}  {"runs":>6}  {"newest, UTC":16}  outcome',
             *(_summarize_history(history, service_changes, width)
               for history, service_changes in zip(histories, changes)),
@@ -195,17 +190,10 @@ def _summarize(histories: Sequence[History],
 def _summarize_history(history: History, service_changes: Sequence[ServiceChange],
                        width: int) -> str:
     """Return the line of a history: runs, newest run, and what the charts say."""
-    newest = history.points[-1]
-    words = [f'{_FIGURES[trend.figure]} differs since {utc(trend.differs_since_ns)[:16]} UTC by '
-             f'{trend.shift_deg:+.4f} deg' for trend in history.trends
-             if trend.differs_since_ns is not None]
-    words += [change.words for change in service_changes]
-    if history.why_no_chart is not None:
-        words.append('no charts yet')
-    elif newest.outside:
-        words.append(f'{" and ".join(newest.outside)} outside the limits')
-    return (f'{_name(history):{width}}  {len(history.points):>6}  {utc(newest.row.end_ns)[:16]}  '
-            f'{_say_outcome(newest.row)}' + ''.join(f'; {word}' for word in words))
+    newest = history.points[-1].row
+    words = [*history.state, *(change.words for change in service_changes)]
+    return (f'{history.name:{width}}  {len(history.points):>6}  {utc(newest.end_ns)[:16]}  '
+            f'{_say_outcome(newest)}' + ''.join(f'; {word}' for word in words))
 
 
 def _say_outcome(row: RunRow) -> str:

@@ -201,6 +201,22 @@ def test_a_page_has_a_row_per_day_with_the_correction(tmp_path, capsys):
     assert page.read_text('utf-8').count('<tr><td>') == 1
 
 
+def test_the_page_of_a_fleet_lists_all_and_draws_the_worst(tmp_path):
+    """100 ships with all their figures were 100 times the page of one."""
+    pytest.importorskip('matplotlib')
+    book, page = str(tmp_path / 'fleet.sqlite'), tmp_path / 'h.html'
+    for ship in range(23):
+        Logbook(book).write(rows_of(f'MV {ship:02}', 24, 21 if ship == 17 else 99))
+    assert main(['history', book, '--html', str(page)]) == 0
+    text = page.read_text('utf-8')
+    names = re.findall(r'(MV \d\d), settings \w+(?:</a>)?</td>', text)
+    assert len(names) == 23 and names[0] == 'MV 17'
+    assert text.count('<a href="#h') == text.count('<h2 id="h') == 20
+    assert text.count('<svg') == 3 * 20
+    assert '#h0">MV 17' in text
+    assert re.search(r'mean differs since 2024-10-2\d 00:00 UTC by \+0\.[45]\d', text)
+
+
 def test_the_sensors_of_a_ship_are_listed_and_shown_together(tmp_path, capsys):
     """Before, --ship with the name of the ship listed none of them."""
     book = str(tmp_path / 'fleet.sqlite')
