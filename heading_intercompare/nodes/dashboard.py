@@ -54,10 +54,10 @@ class Dashboard(GraphNode):
         self.ended = False
         self.health = Health(self, priority=Priority.CAUTION)
         self._graph = BridgeIntake(self, self.health, settings, taking, _list_limits(settings))
-        self._actions = OperatorActions(self)
+        self._actions = OperatorActions(self, self.health)
         self._seen: tuple[BridgeView, float] = self._graph.view(), time.monotonic()
-        self.page = PageServer(Controls(self._look, self._actions.ask), host=node_settings.host,
-                               port=node_settings.port,
+        self.page = PageServer(Controls(self._look, self._actions.ask, self._actions.delay),
+                               host=node_settings.host, port=node_settings.port,
                                tokens=read_tokens(node_settings.token_file, os.environ),
                                names=node_settings.names,
                                connections_by_address=node_settings.connections_by_address)
@@ -78,9 +78,14 @@ class Dashboard(GraphNode):
         view, made_s = self._seen
         return view, time.monotonic() - made_s
 
+    def drop_action(self) -> None:
+        """Say of an action that still waits that it is not done."""
+        self._actions.drop()
+
     def end(self) -> None:
         """Close the page."""
         self.page.close()
+        self.drop_action()
         self.ended = True
 
 

@@ -233,6 +233,8 @@ class _Graph:
         for node in [node for node in self.nodes if isinstance(node, _JUDGES)]:
             self.judging.remove_node(node)
             self.executor.add_node(node)
+        for dashboard in self.of(Dashboard):
+            dashboard.drop_action()  # While the recorder can keep that it was not done.
         kinds = Synchronizer, Compliance, Recorder, AlertSender, Dashboard, Watcher
         end(self.executor, [*sources, *(node for kind in kinds for node in self.of(kind))])
 

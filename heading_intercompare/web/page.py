@@ -47,6 +47,7 @@ from heading_intercompare.web.bridge.view_texts import (
     tell,
     tile_state,
     vote_words,
+    waiting_words,
 )
 from heading_intercompare.web.drawing.compass_strip import draw_strip
 from heading_intercompare.web.drawing.gauge import draw_gauge
@@ -241,6 +242,12 @@ class _Page:
             sound.on('click', js_handler='() => window.testSound()')
             with ui.element('div').props('role=status'):
                 self._answer = ui.label('').classes('row k-answer')
+            self._waiting = self._box('waiting hidden')
+            with self._waiting:
+                with ui.element('div').props('role=timer'):
+                    self._label('waiting', 'row')
+                for what, text in (('undo', 'Undo'), ('now', 'Do it now')):
+                    self._button(text, partial(self._shorten, what), f'k-{what}')
 
     def _build_more(self) -> None:
         with self._box('more'):
@@ -288,6 +295,7 @@ class _Page:
         if age_s < _OLD_S:
             self._beat.set_text(str(self._ticks))
         self._show_alerts(view.alerts)
+        self._show_waiting(view)
         self._show_html('strip', self._strip, self._drawings.draw(
             view, 'strip', lambda: draw_strip(view.rows)))
         no_reference = any(row.reference and (row.now.stale or row.state in _NO_REFERENCE)
@@ -312,6 +320,20 @@ class _Page:
             if key in self._labels and self._shown.get(key) != phrase:
                 self._tone(self._labels[key], phrase)
                 self._shown[key] = phrase
+
+    def _show_waiting(self, view: BridgeView) -> None:
+        """Show the action that waits, from whichever page it comes, and how the last one ended."""
+        delay = self._controls.delay
+        action, outcome = delay.waiting, delay.outcome
+        if self._shown.setdefault('outcome', outcome) != outcome:
+            self._shown['outcome'] = outcome
+            self._answer.set_text(outcome)
+        if action is not None:
+            self._labels['waiting'].set_text(
+                waiting_words(action, delay.left_s(action), view.run))
+        if self._shown.get('action') != action:
+            self._shown['action'] = action
+            self._waiting.classes(remove='hidden', add='' if action is not None else 'hidden')
 
     def _show_slowly(self, view: BridgeView) -> None:
         """Show what need not be shown more often than once a second."""
@@ -461,6 +483,12 @@ class _Page:
         button.set_text(f'Tap again: {"a new run begins" if what == "start" else "the run ends"}')
         button.classes(add='sure')
         self._answer.set_text(mark_words(what, run))
+
+    async def _shorten(self, what: str) -> None:
+        """Undo the action that this page shows as waiting, or do it now."""
+        action = self._shown.get('action')
+        if action is not None:
+            await self._act(what, action.what)
 
     def _forget_tap(self) -> None:
         self._sure = '', 0.0

@@ -35,6 +35,7 @@ from heading_intercompare.nodes.dashboard import Dashboard
 from heading_intercompare.nodes.interface import qos
 from heading_intercompare.nodes.presence.health import Health
 from heading_intercompare.nodes.synchronizer import Synchronizer
+from heading_intercompare.web.controls import DELAY_S
 from heading_intercompare.web.tokens import VARIABLE
 
 T0_NS = 1_700_000_000_000_000_000
@@ -108,20 +109,91 @@ def test_the_page_is_no_subscriber_that_a_log_would_wait_for(ros, dashboard):
     ros.spin_until(lambda: sensor.get_subscription_count() == 1)
 
 
+def do_now(ros, dashboard, what, operator='J. Smith'):
+    """Begin or end a run as the page would, without the wait; return the answer."""
+    assert f'{what} run waits until ' in do(ros, dashboard, what, operator=operator)
+    return do(ros, dashboard, 'now', what, operator='Mate')
+
+
 def test_a_run_is_stopped_and_started_from_the_page(ros, graph):
-    assert do(ros, graph, 'stop').startswith('stop after the pair of')
+    assert do_now(ros, graph, 'stop').startswith('stop after the pair of')
     ros.spin_until(lambda: see(graph).lamp.given_ns is not None and see(graph).run.number == 0)
     assert see(graph).lamp.what == 'end of run 1' and see(graph).lamp.word != 'NONE YET'
     marks = ros.listen(DiagnosticArray, 'compliance/marker', qos.MARKER)
     actions = ros.listen(String, 'operator/action', qos.ACTION)
-    assert do(ros, graph, 'start', operator='').startswith('start after the pair of')
-    ros.spin_until(lambda: len(marks) == len(actions) == 2)
-    for mark, action, kind, name in zip(marks, actions, ('stop', 'start'),
+    assert do_now(ros, graph, 'start', operator='').startswith('start after the pair of')
+    ros.spin_until(lambda: len(marks) == 2 and len(actions) == 4)
+    hastened = [action.data for action in actions if ' dashboard: did now: ' in action.data]
+    assert len(hastened) == 2 and all(text.endswith(' run [by Mate]') for text in hastened)
+    of_marks = [action for action in actions if ' compliance: ' in action.data]
+    for mark, action, kind, name in zip(marks, of_marks, ('stop', 'start'),
                                         ('J. Smith', 'unknown operator')):
         assert mark.status[0].message == kind
         assert {pair.key: pair.value for pair in mark.status[0].values} == {'operator': name}
         assert f' compliance: {kind} after the pair of ' in action.data
         assert action.data.endswith(f' [by {name}]')
+
+
+@pytest.fixture
+def clock(graph):
+    """Return the time of the wait, a list of one number that a test sets."""
+    now_s = [100.0]
+    graph.page.controls.delay.clock_s = lambda: now_s[0]
+    return now_s
+
+
+def test_a_run_is_started_when_the_minute_is_over_whether_or_not_a_browser_is_there(
+        ros, graph, clock):
+    marks = ros.listen(DiagnosticArray, 'compliance/marker', qos.MARKER)
+    do(ros, graph, 'start')
+    clock[0] += DELAY_S - 1e-3
+    assert do(ros, graph, 'acknowledge').endswith('alerts acknowledged')
+    assert not marks and graph.page.controls.delay.waiting is not None
+    clock[0] += 1e-3
+    ros.spin_until(lambda: marks)
+    assert marks[0].status[0].values[0].value == 'J. Smith'
+    delay = graph.page.controls.delay
+    ros.spin_until(lambda: delay.outcome.startswith('start run: start after the pair of'))
+    assert delay.waiting is None
+
+
+def test_anybody_can_undo_an_action_that_waits_and_the_bag_says_who_did(ros, graph, clock):
+    actions = ros.listen(String, 'operator/action', qos.ACTION)
+    marks = ros.listen(DiagnosticArray, 'compliance/marker', qos.MARKER)
+    do(ros, graph, 'start')
+    assert do(ros, graph, 'stop', operator='Mate').startswith('start run waits already')
+    assert 'no longer waits' in do(ros, graph, 'undo', 'stop', operator='Mate')
+    assert do(ros, graph, 'undo', 'start', operator='Mate') == 'undid: start run'
+    ros.spin_until(lambda: actions)
+    assert actions[0].data.endswith(' dashboard: undid: start run [by Mate]')
+    clock[0] += 2.0 * DELAY_S
+    for what in ('undo', 'now'):
+        assert 'no longer waits' in do(ros, graph, what, 'start')
+    assert not marks and len(actions) == 1
+    assert graph.page.controls.delay.outcome == 'undid: start run [by Mate]'
+
+
+def test_the_end_of_the_page_says_that_the_waiting_action_was_not_done(ros, graph, clock):
+    actions = ros.listen(String, 'operator/action', qos.ACTION)
+    do(ros, graph, 'stop')
+    graph.drop_action()
+    ros.end(graph)
+    ros.spin_until(lambda: actions)
+    assert [action.data.partition(' dashboard: ')[2] for action in actions] == [
+        'not done, because the page ended: stop run [by J. Smith]']
+
+
+def test_an_action_is_not_done_and_says_so_if_the_compliance_node_is_gone(ros, dashboard):
+    actions = ros.listen(String, 'operator/action', qos.ACTION)
+    delay = dashboard.page.controls.delay
+    now_s = [100.0]
+    delay.clock_s = lambda: now_s[0]
+    delay.begin('start', 'J. Smith')
+    now_s[0] += DELAY_S
+    ros.spin_until(lambda: actions)
+    assert actions[0].data.endswith(' dashboard: not done, because the compliance node does not '
+                                    'answer: start run [by J. Smith]')
+    assert delay.outcome == ('start run: the compliance node does not answer: is it running?')
 
 
 def test_all_alarms_are_acknowledged_by_the_service_of_compliance(ros, graph):

@@ -33,6 +33,8 @@ from checksums import with_checksum
 from deadlines import DEADLINE_S
 import pytest
 
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+from heading_intercompare.bags.rosbag2.provenance import read_notes
 from heading_intercompare.web.guard import HEADERS
 
 pytestmark = [pytest.mark.slow, pytest.mark.process]
@@ -90,7 +92,7 @@ class Graph:
 
     def __init__(self, folder, ship, host, port):
         self.url = f'http://127.0.0.1:{port}/'
-        self._folder, self._web = folder, f'{host}:{port}'
+        self.folder, self._web = folder, f'{host}:{port}'
         self._config = folder / 'live.yaml'
         sections = [f'{role}_driver: {{ros__parameters: {{source: "udp://127.0.0.1:{number}"}}}}'
                     for role, number in zip(('ts', 'rs'), ship.ports)]
@@ -104,11 +106,11 @@ class Graph:
         self._process = None
 
     def start(self):
-        self.said = self._folder / 'said.txt'
+        self.said = self.folder / 'said.txt'
         with self.said.open('w') as out:
             self._process = subprocess.Popen(
                 [sys.executable, '-m', 'heading_intercompare', 'live', '--config',
-                 str(self._config), '--web', self._web, '--quiet'], cwd=self._folder, stdout=out,
+                 str(self._config), '--web', self._web, '--quiet'], cwd=self.folder, stdout=out,
                 stderr=subprocess.STDOUT, env={**os.environ, 'PYTHONPATH': os.pathsep.join(
                     [str(ROOT), os.environ.get('PYTHONPATH', '')])})
         deadline_s = time.monotonic() + DEADLINE_S
@@ -279,11 +281,42 @@ def test_an_action_needs_the_token(page):
     page.click('.k-start')
     await_text(page, '.k-start', '^Tap again')
     page.click('.k-start')
-    await_text(page, '.k-answer', '^start after the pair of')
+    await_text(page, '.k-answer', '^start run waits until')
+    page.click('.k-now')
+    await_text(page, '.k-answer', 'start after the pair of')
     assert not page.is_visible('.k-name')
     page.fill('.k-note input', 'rough sea')
     page.click('.k-keep')
     await_text(page, '.k-answer', '^the note was sent to the recorder')
+
+
+def test_every_page_shows_the_action_that_waits_and_can_undo_it(page, graph, browser):
+    await_text(page, '.k-run', r'^run \d')
+    page.fill('.k-token input', TOKEN)
+    page.click('.k-stop')
+    await_text(page, '.k-stop', '^Tap again: the run ends$')
+    page.click('.k-stop')
+    elsewhere = browser.new_context().new_page()
+    elsewhere.goto(graph.url)
+    words = (r'^The run ends at \d\d:\d\d:\d\d UTC, in [1-5]?\d s, asked by Mate: '
+             r'run \d+ would end')
+    first = await_text(elsewhere, '.k-waiting', words)
+    elsewhere.wait_for_function(
+        'first => document.querySelector(".k-waiting").textContent !== first', arg=first)
+    page.click('.k-start')
+    await_text(page, '.k-start', '^Tap again')
+    page.click('.k-start')
+    await_text(page, '.k-answer', '^stop run waits already')
+    elsewhere.click('.k-undo')
+    await_text(elsewhere, '.k-answer', 'refused: the token is wrong')
+    await_text(page, '.k-waiting', words)
+    elsewhere.fill('.k-token input', TOKEN)
+    elsewhere.click('.k-undo')
+    for shown in (page, elsewhere):
+        await_text(shown, '.k-answer', '^undid: stop run')
+        shown.wait_for_selector('.k-undo', state='hidden')
+    elsewhere.context.close()
+    await_text(page, '.k-run', r'^run \d')
 
 
 def test_the_browser_keeps_the_name_of_the_operator(page):
@@ -364,7 +397,16 @@ def request_status(url, headers=(), method='GET'):
 
 def test_the_page_says_it_is_not_live_and_goes_on_after_a_restart(page, graph):
     await_text(page, '.k-ts_heading', r'^\d{3}')
+    page.fill('.k-token input', TOKEN)
+    page.click('.k-start')
+    await_text(page, '.k-start', '^Tap again')
+    page.click('.k-start')
+    await_text(page, '.k-waiting', '^The run starts at ')
     graph.stop()
+    not_done = 'not done, because the page ended: start run [by Mate]'
+    assert not_done in graph.said.read_text()
+    bag, = graph.folder.glob('heading_*')
+    assert f'dashboard: {not_done}' in [note.text for note in read_notes(BagReader(bag))]
     page.wait_for_selector('#page-dead', state='visible', timeout=1000.0 * DEADLINE_S)
     assert re.search(r'NOT LIVE, last \d\d:\d\d:\d\d UTC', page.text_content('#page-dead'))
     assert page.evaluate("""() => [...document.querySelectorAll('.nicegui-error-popup')].every(

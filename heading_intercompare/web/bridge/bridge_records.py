@@ -327,3 +327,27 @@ class BagView:
     free_bytes: int | None = None
     age_s: float | None = None
     stale: bool = True
+
+
+@dataclass(frozen=True, slots=True)
+class WaitingAction:
+    """
+    An action of a person that can still be undone.
+
+    Attributes
+    ----------
+    what : {'start', 'stop'}
+        What it does to the run.
+    operator
+        Name of the person who asked for it; '' if it is not known.
+    due_s
+        When it is done, on the clock of its `Delay`, seconds.
+    due_ns
+        The same, UTC ns.
+
+    """
+
+    what: str
+    operator: str
+    due_s: float
+    due_ns: int

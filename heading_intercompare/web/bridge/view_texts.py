@@ -21,9 +21,10 @@ from typing import NamedTuple, TYPE_CHECKING
 
 from heading_intercompare.core.decision.coverage import span_words
 from heading_intercompare.core.utc_text import utc
+from heading_intercompare.messages.authors import clean_name
 from heading_intercompare.web.figures.stream_watch import SensorView
 
-from .bridge_records import AlertView, NodeView, RunView, Tone
+from .bridge_records import AlertView, NodeView, RunView, Tone, WaitingAction
 
 if TYPE_CHECKING:
     from .bridge_view import BridgeView
@@ -72,6 +73,19 @@ def clock(stamp_ns: int | None) -> str:
 
     """
     return '-' if stamp_ns is None else f'{utc(stamp_ns)[11:16]} UTC'
+
+
+def clock_with_seconds(stamp_ns: int) -> str:
+    """
+    Return the time of day of a stamp to the second.
+
+    Examples
+    --------
+    >>> clock_with_seconds(1_700_000_000_000_000_000)
+    '22:13:20 UTC'
+
+    """
+    return f'{utc(stamp_ns)[11:19]} UTC'
 
 
 def compass_words(heading_deg: float) -> str:
@@ -168,6 +182,26 @@ def mark_words(kind: str, run: RunView) -> str:
     if not run.number:
         return 'no run is in progress'
     return f'run {run.number} would end here, after {size}, and be judged as it is'
+
+
+def waiting_words(action: WaitingAction, left_s: float, run: RunView) -> str:
+    """
+    Return when a waiting action is done, who asked for it, and what it would do to the run.
+
+    Parameters
+    ----------
+    action
+        The action.
+    left_s
+        For how long it still waits, seconds.
+    run
+        The run in progress.
+
+    """
+    author = f', asked by {clean_name(action.operator)}' if action.operator else ''
+    return (f'The run {"starts" if action.what == "start" else "ends"} at '
+            f'{clock_with_seconds(action.due_ns)}, in {math.ceil(left_s)} s{author}: '
+            f'{mark_words(action.what, run)}')
 
 
 def size_words(size: int | None) -> str:

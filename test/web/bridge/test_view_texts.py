@@ -26,6 +26,7 @@ from heading_intercompare.web.bridge.bridge_records import (
     RunView,
     Tone,
     TrendView,
+    WaitingAction,
     WindowView,
 )
 from heading_intercompare.web.bridge.bridge_view import BridgeView
@@ -38,6 +39,7 @@ from heading_intercompare.web.bridge.view_texts import (
     stamp_words,
     tell,
     tile_state,
+    waiting_words,
 )
 from heading_intercompare.web.figures.stream_watch import SensorView
 
@@ -69,6 +71,16 @@ def test_the_first_tap_says_what_would_not_count(kind, number, marked, words):
     run = RunView(number=number, n=396_000, span_s=39_600.0, age_s=0.5, marked=marked)
     assert mark_words(kind, run) == words
     assert mark_words(kind, RunView()).startswith('it is not known whether')
+
+
+@pytest.mark.parametrize('what, operator, left_s, words', [
+    ('start', '', 42.1, 'The run starts at 22:13:20 UTC, in 43 s: '),
+    ('stop', 'Ma[te', 60.0, 'The run ends at 22:13:20 UTC, in 60 s, asked by Ma te: '),
+    ('stop', '', 0.0, 'The run ends at 22:13:20 UTC, in 0 s: ')])
+def test_a_waiting_action_says_when_and_what_would_not_count(what, operator, left_s, words):
+    run = RunView(number=3, n=396_000, span_s=39_600.0, age_s=0.5)
+    action = WaitingAction(what, operator, 7.0, 1_700_000_000_000_000_000)
+    assert waiting_words(action, left_s, run) == words + mark_words(what, run)
 
 
 def test_a_live_sensor_shows_heading_age_rate_and_offset():
