@@ -52,7 +52,7 @@ from heading_intercompare.core.statistics.variance_uncertainty import (
     STUDENT_DOF,
 )
 from heading_intercompare.core.typed_reader import make_plain, VerdictError
-from heading_intercompare.core.validity.condition import Finding, NOT_TESTABLE, VOID
+from heading_intercompare.core.validity.condition import DOUBTFUL, Finding, NOT_TESTABLE, VOID
 from heading_intercompare.core.version import RULE_VERSION, VERSION
 
 from .all_runs import compare_runs, compose_verdict, conclude_campaign
@@ -152,7 +152,8 @@ def _is_incomplete(verdict: Verdict) -> bool:
 def _find_repeats(verdict: Verdict) -> list[Finding]:
     """Return the finding that runs share readings; which they are is only in its words."""
     return [finding for finding in verdict.campaign.validity
-            if finding.condition == REPEATED_READINGS.name]
+            if finding.condition == REPEATED_READINGS.name
+            and finding.effect == DOUBTFUL and len(verdict.runs) > 1]
 
 
 def _conclude_together(verdict: Verdict, results: Sequence[RunResult], runs: Homogeneity,
@@ -168,8 +169,18 @@ def _conclude_together(verdict: Verdict, results: Sequence[RunResult], runs: Hom
               if finding.condition != REPEATED_READINGS.name]
     if len(others) < len(derived.validity):
         return outcome, coverage, replace(derived, validity=(*of_readings, *others))
-    return verdict.outcome, coverage, replace(
-        derived, reason=campaign.reason, sensor=campaign.sensor, homogeneity=campaign.homogeneity,
+    reason = campaign.reason
+    if settings.campaign.rule == 'sensor':
+        if verdict.outcome is Outcome.COMPLIANT:
+            return Outcome.INDETERMINATE, coverage, derived
+        outcome = verdict.outcome
+    elif outcome is Outcome.INDETERMINATE and verdict.outcome is not Outcome.COMPLIANT:
+        # Fewer runs share the risk of a false rejection.
+        outcome = verdict.outcome
+    else:
+        reason = derived.reason
+    return outcome, coverage, replace(
+        derived, reason=reason, sensor=campaign.sensor, homogeneity=campaign.homogeneity,
         validity=tuple(finding for finding in campaign.validity
                        if finding.condition != LEFT_OUT.name))
 

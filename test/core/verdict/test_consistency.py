@@ -57,7 +57,14 @@ def _judge_one_run_twice():
     return analyze([ts for ts, _ in trials], [rs for _, rs in trials], make_settings())
 
 
+def _judge_a_rejected_run():
+    trials = [make_turning_ship(run, np.random.default_rng(run).normal(0.05, sd_deg, 700))
+              for run, sd_deg in enumerate((0.2, 0.6))]
+    return analyze([ts for ts, _ in trials], [rs for _, rs in trials], make_settings())
+
+
 KINDS = {
+    'one of two rejected': _judge_a_rejected_run,
     'one run twice': _judge_one_run_twice,
     'compliant': lambda: judge_turning_ship(1, 900),
     'rejected': lambda: judge_turning_ship(1, 900, sigma_deg=0.6),
@@ -200,6 +207,20 @@ def test_emptied_findings_are_refused():
     document = _make('compliant')
     document = {**document, 'runs': [{**document['runs'][0], 'validity': []}]}
     with pytest.raises(VerdictError, match='runs.0..validity is '):
+        parse_any(json.dumps(document))
+
+
+@pytest.mark.parametrize('kind, effect', [
+    ('rejected', 'holds'), ('rejected', 'doubtful'), ('one of two rejected', 'doubtful'),
+    ('one of two rejected', 'holds'), ('sensor', 'doubtful')])
+def test_a_forged_finding_that_runs_repeat_lets_no_sensor_comply(kind, effect):
+    document = copy.deepcopy(_make(kind))
+    campaign = document['campaign']
+    campaign['validity'].insert(0, {
+        'condition': 'repeated_readings', 'effect': effect, 'words': 'x', 'evidence': 'x'})
+    document['outcome'] = 'compliant'
+    campaign['reason'] = 'every_run_compliant'
+    with pytest.raises(VerdictError, match='^outcome is compliant, but its figures give '):
         parse_any(json.dumps(document))
 
 
