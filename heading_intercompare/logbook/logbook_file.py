@@ -77,8 +77,11 @@ _CREATE = (f'CREATE TABLE runs (id INTEGER PRIMARY KEY, '
 _KEEP = {'bag': 'coalesce(excluded.bag, runs.bag)',
          **{name: f'iif(excluded.installation_offset_deg IS NULL, runs.{name}, excluded.{name})'
             for name in _ADDED}}
-_WRITE = (f'INSERT INTO runs ({", ".join(_COLUMNS)}) '
-          f'VALUES ({", ".join("?" * len(_COLUMNS))}) '
+# The id of a row that was taken out stays its own, so that the chain misses it.
+_NEXT_ID = ('SELECT coalesce(max(id), 0) + 1 '
+            'FROM (SELECT id FROM runs UNION SELECT run_id FROM chain)')
+_WRITE = (f'INSERT INTO runs (id, {", ".join(_COLUMNS)}) '
+          f'VALUES (({_NEXT_ID}), {", ".join("?" * len(_COLUMNS))}) '
           f'ON CONFLICT ({", ".join(_KEY)}) DO UPDATE SET '
           + ', '.join(f'{name} = {_KEEP.get(name, f"excluded.{name}")}'
                       for name in _COLUMNS if name not in _KEY)
@@ -246,6 +249,14 @@ class Logbook:
             raise LogbookError(f'{self.path}: is a logbook of version {version}, this program '
                                f'knows version {VERSION}: a newer heading_intercompare wrote it; '
                                'install that')
+        elif version == VERSION and not _has_chain(connection):
+            raise LogbookError(f'{self.path}: the chain of its rows was taken out; what the '
+                               'program wrote is no longer known')
+        elif trigger := connection.execute(
+                "SELECT name FROM sqlite_master WHERE type = 'trigger'").fetchone():
+            raise LogbookError(f'{self.path}: has the trigger {trigger[0]!r:.40}, which changes '
+                               'rows as they are written; what the program wrote is no longer '
+                               'known')
         elif write and version < VERSION:
             _renew(connection)
 

@@ -134,6 +134,7 @@ def test_a_cell_that_is_no_list_of_numbers_is_named(book, cell):
     with sqlite3.connect(book.path) as connection:
         connection.execute('UPDATE runs SET deviation_coefficients_deg = ?', (cell,))
         connection.execute('DROP TABLE chain')
+        connection.execute('PRAGMA user_version = 2')
     with pytest.raises(LogbookError, match='l.sqlite: row 1, column deviation_coefficients_deg '
                        r'\(.*\): must be a JSON list of numbers'):
         book.read()
@@ -161,7 +162,10 @@ COLUMNS = ', '.join(RunRow.columns())
      'FROM runs WHERE id = 1', 'row 4 was put in by another program'),
     ("UPDATE chain SET row_sha256 = 'ab' WHERE entry = 2", 'entry 2 of its chain does not follow'),
     ('DELETE FROM chain WHERE entry = 1', 'entry 2 of its chain does not follow'),
-    ('DELETE FROM chain WHERE entry = 3', 'row 3 was put in by another program')])
+    ('DELETE FROM chain WHERE entry = 3', 'row 3 was put in by another program'),
+    ('DROP TABLE chain', 'l.sqlite: the chain of its rows was taken out'),
+    ("CREATE TRIGGER t AFTER INSERT ON runs BEGIN UPDATE runs SET reason = 'x'; END",
+     "l.sqlite: has the trigger 't', which changes rows as they are written")])
 def test_a_row_that_another_program_changed_is_named(book, command, words):
     """Before, one word changed in a row was the outcome of the run ever after."""
     book.write([make_row(day, bag='trial') for day in range(3)])
@@ -170,6 +174,14 @@ def test_a_row_that_another_program_changed_is_named(book, command, words):
     for read in (book.read, lambda: book.read(ship='no ship')):
         with pytest.raises(LogbookError, match=words):
             read()
+
+
+def test_the_next_run_does_not_take_the_place_of_a_row_that_was_taken_out(book):
+    book.write([make_row(0), make_row(1)])
+    forge(book, 'DELETE FROM runs WHERE id = 2')
+    book.write([make_row(2)])
+    with pytest.raises(LogbookError, match='row 2 was taken out'):
+        book.read()
 
 
 def test_every_write_goes_into_the_chain_and_the_same_row_only_once(book, tmp_path):
