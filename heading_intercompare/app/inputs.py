@@ -502,4 +502,5 @@ def find_input(path: str, verdict: str) -> str | None:
     """Return where an input of a verdict lies: at its path, or beside the file of the verdict."""
     name = os.path.basename(path.rstrip(os.sep))
     places = (path, os.path.join(os.path.dirname(verdict), name))
-    return next((place for place in places if os.path.exists(place)), None)
+    # A device or a pipe, which anybody may state, has no end.
+    return next((place for place in places if os.path.isfile(place) or os.path.isdir(place)), None)

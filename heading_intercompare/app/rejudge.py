@@ -21,7 +21,6 @@ A verdict that is compared with a new one is read unchecked: it may be that of a
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any, Callable, Mapping, Sequence
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
@@ -39,7 +38,7 @@ from heading_intercompare.core.verdict.headline import OUTCOME_WORDS
 from heading_intercompare.core.verdict.verdict_document import Input, Software, Verdict
 from heading_intercompare.core.version import RULE_VERSION
 from heading_intercompare.readers.registry import has_streams, is_verdict
-from heading_intercompare.report.json import CONFIRMED, label, parse_unchecked
+from heading_intercompare.report.json import CONFIRMED, label, parse_unchecked, read_unchecked
 
 from .analysis import judge_bags, Judgement
 from .config import Config, settings_for
@@ -212,7 +211,7 @@ def rejudge_verdict(path: str, config: Config | None = None, assignments: Sequen
         If its inputs are not at hand, hold other data, or cannot be judged from it alone.
 
     """
-    former = _read_verdict(path)
+    former = read_unchecked(path)
     judged = _judge_inputs(path, former, config, assignments, jobs)
     return _compare(path, former, judged.verdict, judged.notes)
 
@@ -288,13 +287,6 @@ def _without_paths(verdict: Verdict) -> Verdict:
 def _drop_paths(inputs: Sequence[Input]) -> tuple[Input, ...]:
     return tuple(replace(recording, path='', same_as=None, continues=None, made_from=None)
                  for recording in inputs)
-
-
-def _read_verdict(path: str) -> Verdict | SensorsVerdict:
-    try:
-        return parse_unchecked(Path(path).read_bytes())
-    except VerdictError as error:
-        raise VerdictError(f'{path}: {error}') from error
 
 
 def _judge_inputs(path: str, former: Verdict | SensorsVerdict, config: Config | None,

@@ -19,7 +19,7 @@ from __future__ import annotations
 from dataclasses import replace
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Callable, TYPE_CHECKING, TypeVar
 
 import numpy as np
 
@@ -31,6 +31,8 @@ from .contents.identification import verdict_id
 
 if TYPE_CHECKING:
     from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
+
+_Kind = TypeVar('_Kind')
 
 NOT_JUDGED = 'printed from a file, not judged here'
 """What a verdict that was read says of itself."""
@@ -144,15 +146,21 @@ def read(path: str | Path) -> Verdict:
         and the problem.
 
     """
-    try:
-        return parse(Path(path).read_bytes())
-    except VerdictError as error:
-        raise type(error)(f'{path}: {error}') from error
+    return _read(path, parse)
+
+
+def read_unchecked(path: str | Path) -> Verdict | SensorsVerdict:
+    """Read a verdict as it stands, for one whose signature or inputs are checked."""
+    return _read(path, parse_unchecked)
 
 
 def read_any(path: str | Path) -> Verdict | SensorsVerdict:
     """Read a verdict on one sensor, or on several; errors as `read`."""
+    return _read(path, parse_any)
+
+
+def _read(path: str | Path, parse_text: Callable[[bytes], _Kind]) -> _Kind:
     try:
-        return parse_any(Path(path).read_bytes())
+        return parse_text(Path(path).read_bytes())
     except VerdictError as error:
         raise type(error)(f'{path}: {error}') from error

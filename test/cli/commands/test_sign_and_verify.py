@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 import json
+import os
 import shutil
 import subprocess
 
@@ -88,6 +89,29 @@ def test_each_change_of_a_signed_verdict_or_its_input_is_said(place, capsys, cha
     assert ended == code and any(text.startswith(line) for text in out.splitlines())
 
 
+def test_a_signed_verdict_of_an_older_rule_is_verified_as_it_stands(place, capsys):
+    verdict = json.loads((place / 'v.json').read_text())
+    verdict['software']['version'], verdict['campaign']['reason'] = '0.0.9', 'older words'
+    (place / 'v.json').write_text(json.dumps(verdict))
+    assert 'made by version 0.0.9' in refusal(capsys, 'verify', 'v.json')
+    assert main(['sign', 'v.json', '--key', 'key']) == 0
+    code, out = said(capsys, 'verify', 'v.json', '--signers', 'signers')
+    assert code == 0 and out.endswith('input pairs.csv: holds the data that were judged\n')
+
+
+@pytest.mark.parametrize('endless', ['/dev/zero', 'pipe'])
+def test_a_stated_input_that_has_no_end_is_not_read(place, capsys, endless):
+    pytest.importorskip('matplotlib')
+    os.mkfifo('pipe')
+    verdict = json.loads((place / 'v.json').read_text())
+    verdict['inputs'][0]['path'] = endless
+    (place / 'v.json').write_text(json.dumps(verdict))
+    code, out = said(capsys, 'verify', 'v.json')
+    assert code == 3 and f'input {endless}: not at hand, so it is not checked' in out
+    assert main(['report', 'v.json', '-o', 'p.html', '--quiet']) == 0
+    assert f'its input {endless} is neither there nor beside' in capsys.readouterr().err
+
+
 def test_page_one_says_who_signed_the_verdict_and_refuses_a_changed_one(place, capsys):
     pytest.importorskip('matplotlib')
     page = place / 'p.html'
@@ -146,7 +170,7 @@ def test_the_overview_of_several_sensors_says_who_signed_it(place):
      '--signers signers: names the signer of a verdict; give one in JSON as the INPUT, or add '
      '--sign KEY'),
     (['report', 'v.json', '-o', 'w.json', '--sign', 'key'],
-     'v.json: is a verdict, which is not judged again; leave out --sign key'),
+     'v.json: is a verdict, which is judged by its own settings; leave out --sign key'),
     (['report', 'v.json', '-o', 'w.xml'],
      'w.xml: a certificate names its laboratory, customer, person and item; set '
      'trial.laboratory, trial.customer, trial.operator, trial.ts_serial'),
