@@ -32,7 +32,7 @@ from typing import Any, get_args, get_origin, get_type_hints, Iterator, Sequence
 
 from heading_intercompare.core.typed_reader import read_plain, VerdictError
 
-from .row_chain import append_rows, ChainHead, CREATE, find_break, read_head
+from .row_chain import append_rows, ChainHead, create_chain, find_break, read_head
 from .row_consistency import find_contradiction
 from .run_row import RunRow
 
@@ -78,8 +78,8 @@ _KEEP = {'bag': 'coalesce(excluded.bag, runs.bag)',
          **{name: f'iif(excluded.installation_offset_deg IS NULL, runs.{name}, excluded.{name})'
             for name in _ADDED}}
 # The id of a row that was taken out stays its own, so that the chain misses it.
-_NEXT_ID = ('SELECT coalesce(max(id), 0) + 1 '
-            'FROM (SELECT id FROM runs UNION SELECT run_id FROM chain)')
+_NEXT_ID = ('SELECT 1 + max((SELECT coalesce(max(id), 0) FROM runs), '
+            '(SELECT coalesce(max(run_id), 0) FROM chain))')
 _WRITE = (f'INSERT INTO runs (id, {", ".join(_COLUMNS)}) '
           f'VALUES (({_NEXT_ID}), {", ".join("?" * len(_COLUMNS))}) '
           f'ON CONFLICT ({", ".join(_KEY)}) DO UPDATE SET '
@@ -129,7 +129,7 @@ def _renew(connection: sqlite3.Connection) -> None:
     for name in _ADDED:
         if name not in there:
             connection.execute(f'ALTER TABLE runs ADD COLUMN {_declare_column(name)}')
-    connection.execute(CREATE)
+    create_chain(connection)
     append_rows(connection, _read_cells(connection, f'{_SELECT} ORDER BY id'))
     connection.execute(f'PRAGMA user_version = {VERSION}')
 
@@ -242,7 +242,7 @@ class Logbook:
             connection.execute(f'PRAGMA application_id = {_APPLICATION}')
             connection.execute(f'PRAGMA user_version = {VERSION}')
             connection.execute(_CREATE)
-            connection.execute(CREATE)
+            create_chain(connection)
         elif application != _APPLICATION:
             raise LogbookError(f'{self.path}: is not a logbook of heading_intercompare')
         elif version > VERSION:

@@ -28,8 +28,9 @@ import json
 import sqlite3
 from typing import Any, Iterable, Mapping, NamedTuple
 
-CREATE = ('CREATE TABLE chain (entry INTEGER PRIMARY KEY, run_id INTEGER NOT NULL, '
-          'row_sha256 TEXT NOT NULL, sha256 TEXT NOT NULL)')
+_CREATE = ('CREATE TABLE chain (entry INTEGER PRIMARY KEY, run_id INTEGER NOT NULL, '
+           'row_sha256 TEXT NOT NULL, sha256 TEXT NOT NULL)',
+           'CREATE INDEX chain_of_run ON chain (run_id)')
 
 _START = '0' * 64
 
@@ -39,6 +40,12 @@ class ChainHead(NamedTuple):
 
     entry: int
     sha256: str
+
+
+def create_chain(connection: sqlite3.Connection) -> None:
+    """Create the table of an empty chain."""
+    for command in _CREATE:
+        connection.execute(command)
 
 
 def hash_row(cells: Mapping[str, Any]) -> str:
