@@ -180,7 +180,8 @@ def _add_conformity(parent: Any, verdict: Verdict) -> None:
     _add_text(statement, 'description', ' '.join(
         f'{name}: {words}' for name, words in state_conformity(verdict)))
     _add(statement, 'norm', 'ISO/IEC 17025:2017, 7.8.6')
-    _add_text(statement, 'declaration', verdict.headline)
+    _add_text(statement, 'declaration', '; '.join(filter(None, (
+        verdict.headline, verdict.provenance))))
     if verdict.outcome in _STATED:
         _add(statement, 'conformity',
              _STATED[verdict.outcome][verdict.validity_effect == DOUBTFUL])

@@ -30,6 +30,7 @@ from heading_intercompare.core.verdict.verdict_document import Input
 from heading_intercompare.report import check_form, write
 from heading_intercompare.report.certificate import compose, SCHEMA_VERSION
 from heading_intercompare.report.contents.identification import verdict_id
+from heading_intercompare.report.json import CONFIRMED, label, NOT_JUDGED
 
 xmlschema = pytest.importorskip('xmlschema')
 
@@ -92,6 +93,17 @@ def test_the_statement_of_conformity_is_that_of_the_verdict(made, schema, outcom
     assert schema.is_valid(text)
     assert ('<dcc:conformity>' in text) == (stated is not None)
     assert stated is None or f'<dcc:conformity>{stated}</dcc:conformity>' in text
+
+
+@pytest.mark.parametrize('words', [NOT_JUDGED, CONFIRMED])
+def test_the_certificate_of_a_verdict_from_a_file_says_so_beside_its_conformity(made, schema,
+                                                                                words):
+    verdict = named(made)
+    assert words not in compose(verdict).decode()
+    text = compose(label(verdict, words)).decode()
+    assert schema.is_valid(text)
+    statement = text.partition('<dcc:statement>')[2].partition('</dcc:statement>')[0]
+    assert f'{verdict.headline}; {words}; verdict id {verdict_id(verdict)}' in statement
 
 
 def test_pydcc_reads_names_and_figures_with_their_uncertainty(made, tmp_path, reader):
