@@ -22,7 +22,7 @@ from itertools import count
 import os
 from pathlib import Path
 import stat
-from typing import Any
+from typing import Any, Mapping
 
 _NUMBERS = count()
 
@@ -32,12 +32,13 @@ _MOST_CHARACTERS = 50
 
 def sync_folder(folder: Path) -> None:
     """Sync the names in a folder to the disk, where its file system can."""
-    descriptor = os.open(folder, os.O_RDONLY)
-    try:
-        with suppress(OSError):
+    with suppress(OSError):
+        # A folder may be open for writing and not for reading.
+        descriptor = os.open(folder, os.O_RDONLY)
+        try:
             os.fsync(descriptor)
-    finally:
-        os.close(descriptor)
+        finally:
+            os.close(descriptor)
 
 
 def draft_beside(target: Path) -> Path:
@@ -61,7 +62,8 @@ class ReplacedFile:
     A file that is written beside another, synced, and renamed to it when it is whole.
 
     Until `commit` the older file is unchanged, and a fault or a signal leaves it so. A pipe or a
-    device is written as it is. A symbolic link stays; what it points to is replaced.
+    device is written as it is, and so is a file in a folder that takes no new one. A symbolic
+    link stays; what it points to is replaced.
 
     Parameters
     ----------
@@ -104,9 +106,19 @@ class ReplacedFile:
             self._target = Path(os.path.realpath(path))
             self._draft = draft_beside(self._target)
         try:
-            self.file = open(self._draft, mode, **options)
+            self.file = self._open(mode, options)
         except OSError as error:
             raise self._name(error) from None
+
+    def _open(self, mode: str, options: Mapping[str, Any]) -> Any:
+        """Open the draft; in a folder that takes no new file, open the file itself."""
+        try:
+            return open(self._draft, mode, **options)
+        except PermissionError:
+            if not os.access(self._target, os.W_OK, effective_ids=True):
+                raise
+            self._draft = self._target
+            return open(self._target, mode, **options)
 
     def __enter__(self) -> Any:
         return self.file

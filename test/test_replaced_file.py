@@ -21,10 +21,12 @@ import errno
 import os
 from pathlib import Path
 import resource
+import shutil
 import signal
 import stat
 import subprocess
 import sys
+import tempfile
 import threading
 import time
 
@@ -175,3 +177,40 @@ def test_ctrl_c_in_import_does_not_block_the_next_try(bag, tmp_path, monkeypatch
     assert main(command) == 0
     assert main(command) == 2
     assert 'already exists; a bag is never overwritten' in capsys.readouterr().err
+
+
+@pytest.fixture
+def private_folder():
+    """Return a folder outside those of root, and act as its owner, who is not root."""
+    folder = Path(tempfile.mkdtemp())
+    user = os.geteuid()
+    try:
+        if user == 0:
+            os.chown(folder, 65534, -1)
+            os.seteuid(65534)
+        yield folder
+    finally:
+        os.seteuid(user)
+        folder.chmod(0o700)
+        shutil.rmtree(folder)
+
+
+def test_a_file_in_a_folder_that_takes_no_new_file_is_written_as_it_is(private_folder):
+    path = private_folder / 'verdict.json'
+    path.write_text('an older verdict that is longer')
+    private_folder.chmod(0o500)
+    replace_file(path, 'newer')
+    assert path.read_text() == 'newer'
+    with pytest.raises(PermissionError) as caught:
+        replace_file(private_folder / 'none.json', 'newer')
+    assert caught.value.filename == str(private_folder / 'none.json')
+    path.chmod(0o400)
+    with pytest.raises(PermissionError):
+        replace_file(path, 'newest')
+    assert path.read_text() == 'newer'
+
+
+def test_a_folder_that_nobody_may_list_takes_a_file(private_folder):
+    private_folder.chmod(0o300)
+    replace_file(private_folder / 'verdict.json', 'newer')
+    assert (private_folder / 'verdict.json').read_text() == 'newer'
