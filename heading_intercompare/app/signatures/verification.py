@@ -12,18 +12,21 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Whether a signature beside a file or a folder holds, and whether the inputs are those judged."""
+"""Whether a signature holds, and whether the inputs and recordings of a verdict are unchanged."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
 import os
 from pathlib import Path
+from typing import Iterable
 
 from heading_intercompare.app.inputs import find_input, sha256
 from heading_intercompare.app.sources.file_hash import hash_files
+from heading_intercompare.bags.rosbag2.bag_chain import read_chain
+from heading_intercompare.core.count_words import count_words
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
-from heading_intercompare.core.verdict.verdict_document import Input, Verdict
+from heading_intercompare.core.verdict.verdict_document import Input, RecordedChunks, Verdict
 from heading_intercompare.drivers.log_lines.log_files import is_several, list_files
 from heading_intercompare.drivers.logs import LogReader
 from heading_intercompare.readers.registry import is_verdict, sources_of
@@ -51,7 +54,7 @@ def sign_path(path: str, key: str) -> Path:
 
 def verify_path(path: str, signers: str | None) -> list[Checked]:
     """
-    Return what the signature of a file or a folder says; of a verdict also its inputs.
+    Return what the signature of a file or a folder says; of a verdict also its bags and logs.
 
     Raises
     ------
@@ -73,8 +76,9 @@ def verify_path(path: str, signers: str | None) -> list[Checked]:
     if checked.meaning == BROKEN or not is_verdict(path):
         return [checked]
     # A signed verdict may be that of an older rule, which gave other words.
-    read = json.read_unchecked if checked.meaning == GOOD else json.read_any
-    return [checked, *(_check_input(entry, path) for entry in read(path).inputs)]
+    verdict = (json.read_unchecked if checked.meaning == GOOD else json.read_any)(path)
+    return [checked, *(_check_input(entry, path) for entry in verdict.inputs),
+            *(_check_recording(recording, path) for recording in _list_recordings(verdict))]
 
 
 def _check_signature(path: str, signed: str, signers: str | None) -> Checked:
@@ -116,6 +120,33 @@ def _check_input(entry: Input, verdict: str) -> Checked:
         return Checked(f'  input {place}: holds the data that were judged', GOOD)
     return Checked(f'  input {place}: holds other data than those that were judged (SHA-256 '
                    f'{digest}, not {entry.sha256})', BROKEN)
+
+
+def _list_recordings(verdict: Verdict | SensorsVerdict) -> Iterable[RecordedChunks]:
+    """Return what a verdict, or those on several sensors, say of recordings, each once."""
+    verdicts = [verdict] if isinstance(verdict, Verdict) else verdict.verdicts.values()
+    return dict.fromkeys(recording for of_sensor in verdicts
+                         for recording in of_sensor.recordings or ())
+
+
+def _check_recording(recording: RecordedChunks, verdict: str) -> Checked:
+    """Return whether a bag begins with the chunks that a live verdict names."""
+    place = find_input(recording.path, verdict)
+    if place is None:
+        return Checked(f'  recording {recording.path}: not at hand, so it is not checked', GOOD)
+    try:
+        chain = read_chain(place, max(recording.chunks, 0))
+    except (OSError, ValueError) as error:
+        return Checked(f'  recording {place}: cannot be read: {error}', BROKEN)
+    n_chunks = count_words(recording.chunks, 'chunk')
+    if (chain.chunks, chain.sha256) == (recording.chunks, recording.sha256):
+        return Checked(f'  recording {place}: holds the first {n_chunks} that the live verdict '
+                       'names, unchanged', GOOD)
+    problem = (f'its first {n_chunks} are not those' if chain.chunks == recording.chunks else
+               f'it holds {count_words(chain.chunks, "chunk")}, fewer than the {n_chunks}')
+    return Checked(f'  recording {place}: does not hold: {problem} that the live verdict names. '
+                   'It was changed, or it is a recovered or rewritten copy; look for the bag as '
+                   'it was recorded', BROKEN)
 
 
 def _find_place(path: str, verdict: str) -> str | None:

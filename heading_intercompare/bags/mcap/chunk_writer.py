@@ -23,6 +23,7 @@ from __future__ import annotations
 
 from contextlib import suppress
 from dataclasses import dataclass
+from hashlib import sha256
 from itertools import count
 import os
 import struct
@@ -41,6 +42,7 @@ from heading_intercompare.messages.byte_columns import BytesLike
 
 from .attachments import read_attachment
 from .checksum import crc32
+from .chunk_chain import ChunkChain
 from .chunk_runs import Chunk
 from .index_records import build_ending, build_record, chunk_index, find_attached, message_index
 from .message_blocks import ENTRY_BYTES, HEAD, MESSAGE_HEAD, MESSAGE_HEADS, Record, walk
@@ -167,6 +169,11 @@ class ChunkWriter:
     library
         Program and version, for the header.
 
+    Attributes
+    ----------
+    chain : ChunkChain
+        The chain through the chunks written; a file that goes on after another one is given its.
+
     """
 
     def __init__(self, file: BinaryIO, compression: str, chunk_bytes: int, library: str) -> None:
@@ -184,6 +191,7 @@ class ChunkWriter:
         self._chunk_indexes: list[bytes] = []
         #: Chunks since the last one that defines all topics.
         self._undefined = 0
+        self.chain = ChunkChain()
         self._extra_indexes: list[mcap.AttachmentIndex | mcap.MetadataIndex] = []
         self.counts: dict[int, int] = {}
         self.start_ns: int | None = None
@@ -342,7 +350,11 @@ class ChunkWriter:
         self.end_chunk()
         shift = self._end - chunks[0].start
         self._append(data)
+        written = memoryview(data)
         for chunk in chunks:
+            start = chunk.start - chunks[0].start
+            self.chain = self.chain.after(
+                sha256(written[start:start + chunk.end - chunk.start]))
             self._list(chunk.start + shift, chunk.end + shift, chunk.counts, chunk.first_ns,
                        chunk.last_ns, chunk.compression, chunk.packed, chunk.size,
                        chunk.definitions)
@@ -396,6 +408,7 @@ class ChunkWriter:
         start = self._end
         self._append(b''.join((chunk, *(message_index(channel, entries)
                                         for channel, entries in self._index.items()))))
+        self.chain = self.chain.after(sha256(chunk))
         counts = [(channel, len(entries) // ENTRY_BYTES)
                   for channel, entries in self._index.items()]
         self._list(start, start + len(chunk), counts, self._first, self._last, self._compression,

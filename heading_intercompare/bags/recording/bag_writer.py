@@ -27,6 +27,7 @@ from typing import BinaryIO, Iterable, Mapping
 import numpy as np
 
 from heading_intercompare.bags.errors import BagError, utf8
+from heading_intercompare.bags.mcap.chunk_chain import ChunkChain
 from heading_intercompare.bags.mcap.chunk_writer import ChunkWriter, Rows
 from heading_intercompare.bags.rosbag2.bag_yaml import (
     bag_metadata,
@@ -204,6 +205,11 @@ class BagWriter:
     def chunks(self) -> ChunkWriter:
         """Return the writer of the current file, for whole chunks; then call `split_if_due`."""
         return self._chunks
+
+    @property
+    def chain(self) -> ChunkChain:
+        """Return the chain through the chunks written to all files."""
+        return self._chunks.chain
 
     def add_topic(self, topic: str, type_name: str, qos: Qos | None = None, *,
                   schema: Schema | None = None, numbers: _Numbers = (None, None)) -> int:
@@ -391,6 +397,7 @@ class BagWriter:
         waiting = old.take_pending()
         with suppress(OSError):
             self._file.close()
+        chunks.chain = old.chain
         self._file, self._chunks, self._number = file, chunks, number
         self._no_file = self._syncing.problem = None
         for message in waiting:

@@ -29,6 +29,7 @@ from pathlib import Path
 import shutil
 from typing import Callable, Mapping
 
+from heading_intercompare.bags.mcap.chunk_chain import ChunkChain
 from heading_intercompare.bags.rosbag2.bag_yaml import Qos
 from heading_intercompare.bags.settings import BagSettings
 
@@ -125,6 +126,11 @@ class Recording:
     def absent(self) -> int:
         """Return the number of messages written to files that somebody removed or moved."""
         return self._bag.absent
+
+    @property
+    def chain(self) -> ChunkChain:
+        """Return the hash chain through the chunks written."""
+        return self._bag.chain
 
     def add_topic(self, topic: str, type_name: str, qos: Qos | None = None) -> None:
         """Add a topic; see `BagWriter.add_topic`."""

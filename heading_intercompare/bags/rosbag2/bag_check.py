@@ -30,6 +30,7 @@ import numpy as np
 
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.checksum import crc32
+from heading_intercompare.bags.mcap.chunk_chain import ChunkChain, hash_record
 from heading_intercompare.bags.mcap.chunk_runs import Chunk, ChunkRuns
 from heading_intercompare.bags.mcap.chunks import CHUNK_HEAD
 from heading_intercompare.bags.mcap.fragments import find_chunk_head, HEAD_BYTES
@@ -162,10 +163,12 @@ class BagCheck:
 
     Attributes
     ----------
-    files, chunks, messages
+    files, messages
         Numbers read.
     unprotected
         Chunks that have no checksum.
+    chain
+        The chain through the chunks read.
     faults
         What is wrong, at most a few faults per file; the messages of a file are not read any
         further after its first fault.
@@ -177,13 +180,18 @@ class BagCheck:
     """
 
     files: int = 0
-    chunks: int = 0
+    chain: ChunkChain = ChunkChain()
     messages: int = 0
     unprotected: int = 0
     faults: list[str] = field(default_factory=list)
     topics: dict[str, Numbering] = field(default_factory=dict)
     late: dict[str, int] = field(default_factory=dict)
     _newest_ns: dict[str, int] = field(default_factory=dict)
+
+    @property
+    def chunks(self) -> int:
+        """Return the number of chunks read."""
+        return self.chain.chunks
 
     def take_times(self, topic: str, log_time_ns: Integers) -> None:
         """Take the log times of messages of a topic, at least one, as they lie."""
@@ -273,7 +281,7 @@ def _check_rest(stream: RecordStream, part: Part, check: BagCheck) -> Iterator[s
         record = stream.record(at, part.end)
         if record.opcode == Opcode.CHUNK:
             head = stream.content(Record(record.opcode, record.start, CHUNK_HEAD.size))
-            check.chunks += 1
+            check.chain = check.chain.after(hash_record(stream, record))
             check.unprotected += not CHUNK_HEAD.unpack(head)[3]
         elif record.opcode == Opcode.DATA_END:
             expected = parse_record(mcap.DataEnd, stream.content(record)).data_section_crc

@@ -39,6 +39,7 @@ from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
 from heading_intercompare.cli.terminal.console import say_lines, VERDICT_MARKS
 from heading_intercompare.cli.terminal.printable import safe_name
 from heading_intercompare.cli.terminal.progress import Progress
+from heading_intercompare.core.count_words import count_words
 from heading_intercompare.core.typed_reader import VerdictError
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.messages.sentence_messages import TOPIC_TYPES
@@ -473,6 +474,8 @@ def _extract(attachments: Sequence[Attachment], folder: Path) -> Iterator[str]:
 def _report_check(checked: BagCheck) -> Iterator[str]:
     yield (f'check: {checked.messages:,} messages in {checked.chunks:,} chunks of {checked.files} '
            f'file{"s" if checked.files > 1 else ""} read')
+    if checked.chunks:
+        yield f'  chain: {count_words(checked.chunks, "chunk")}, SHA-256 {checked.chain.sha256}'
     if checked.unprotected:
         yield (f'  {checked.unprotected:,} chunks have no checksum: damage is found only if it '
                'makes them unreadable')

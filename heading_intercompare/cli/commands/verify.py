@@ -34,7 +34,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of the command."""
     parser.add_argument('files', nargs='+', metavar='FILE',
                         help='a file with FILE.sig beside it, or a folder with FOLDER.sha256 and '
-                        'FOLDER.sha256.sig; of a verdict in JSON its inputs are checked too')
+                        'FOLDER.sha256.sig; of a verdict in JSON its inputs and recordings are '
+                        'checked too')
     add_signers_argument(parser)
 
 

@@ -133,6 +133,7 @@ def derive_verdict(verdict: Verdict) -> Verdict:
     missed = [problem for problem in derived.ledger_problems
               if problem not in verdict.ledger_problems]
     derived = replace(derived, software=verdict.software, rule_version=verdict.rule_version,
+                      operator_actions=verdict.operator_actions, recordings=verdict.recordings,
                       ledger_problems=(*missed, *verdict.ledger_problems))
     return mark_intermediate(derived) if verdict.intermediate else derived
 

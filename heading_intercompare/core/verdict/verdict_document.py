@@ -247,6 +247,15 @@ class Input:
 
 
 @dataclass(frozen=True, slots=True)
+class RecordedChunks:
+    """What a recorder had written to its bag, as the hash chain through its chunks says."""
+
+    path: str = figure('path of the bag, as its recorder has it')
+    chunks: int = figure('chunks written', 'over all its files in order', unit='1')
+    sha256: str = figure('newest hash of the chain through these chunks', 'see bags.md')
+
+
+@dataclass(frozen=True, slots=True)
 class Software:
     """The software that judged."""
 
@@ -270,6 +279,10 @@ class Verdict:
         'what operators did while the nodes ran, such as changes of settings',
         'a recording has it among the notes of its input',
         absent='if nothing, and in the verdict on a recording')
+    recordings: tuple[RecordedChunks, ...] | None = figure(
+        'bags that were recorded meanwhile, as their recorders said last',
+        '`verify` compares them; the newest second of a bag is not covered',
+        absent='if no recorder was heard, and in the verdict on a recording')
     inputs: Sequence[Input] = figure('where the readings came from', 'empty without files')
     ledger_problems: Sequence[str] = figure('why not every reading is accounted for, in sentences',
                                             'empty if all are', default=())

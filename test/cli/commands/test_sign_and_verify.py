@@ -21,10 +21,12 @@ import os
 import shutil
 import subprocess
 
+from bags.chained_bags import CHANGES, write as write_bag
 from command_line import NORMS, refusal
 import numpy as np
 import pytest
 
+from heading_intercompare.bags.rosbag2.bag_chain import read_chain
 from heading_intercompare.cli import main
 
 pytestmark = [pytest.mark.process, pytest.mark.skipif(
@@ -110,6 +112,37 @@ def test_a_stated_input_that_has_no_end_is_not_read(place, capsys, endless):
     assert code == 3 and f'input {endless}: not at hand, so it is not checked' in out
     assert main(['report', 'v.json', '-o', 'p.html', '--quiet']) == 0
     assert f'its input {endless} is neither there nor beside' in capsys.readouterr().err
+
+
+def leave_files(path, n):
+    """Remove all but the first `n` files."""
+    for file in sorted(path.glob('*.mcap'))[n:]:
+        file.unlink()
+
+
+@pytest.mark.parametrize('change, code, line', [
+    (lambda path: None, 3, 'holds the first 9 chunks that the live verdict names, unchanged'),
+    (lambda path: leave_files(path, 2), 3, 'holds the first 9 chunks that the live verdict '
+     'names, unchanged'),
+    *((change, 1, 'does not hold: its first 9 chunks are not those that the live verdict names. ')
+      for change in CHANGES),
+    (lambda path: (path / 'bag_1.mcap').unlink(), 1,
+     'does not hold: its first 9 chunks are not those that the live verdict names. '),
+    (lambda path: leave_files(path, 1), 1,
+     'does not hold: it holds 5 chunks, fewer than the 9 chunks that the live verdict names. '),
+    (lambda path: leave_files(path, 0), 1, 'cannot be read: bag: holds no .mcap file '),
+    (shutil.rmtree, 3, 'not at hand, so it is not checked')])
+def test_verify_says_whether_a_bag_begins_with_the_chunks_of_a_live_verdict(
+        place, capsys, change, code, line):
+    path, _ = write_bag(place / 'bag')
+    chain = read_chain(path, 9)
+    verdict = json.loads((place / 'v.json').read_text())
+    verdict['operator_actions'] = [{'stamp_ns': 1, 'text': 'compliance: start'}]
+    verdict['recordings'] = [{'path': 'bag', 'chunks': chain.chunks, 'sha256': chain.sha256}]
+    (place / 'live.json').write_text(json.dumps(verdict))
+    change(path)
+    ended, out = said(capsys, 'verify', 'live.json')
+    assert ended == code and out.splitlines()[2].startswith(f'  recording bag: {line}')
 
 
 def test_page_one_says_who_signed_the_verdict_and_refuses_a_changed_one(place, capsys):
