@@ -146,10 +146,13 @@ def test_a_forged_attachment_is_refused_after_the_rest_of_the_bag(trial, tmp_pat
     ('conditions', 'clocks=odd', "conditions are 'clocks=odd', which have no such effect"),
     ('end_ns', 5, 'end_ns lies before start_ns')])
 def test_an_edited_row_of_a_logbook_is_refused(trial, capsys, column, value, words):
+    """A logbook of version 2, which has no chain of its rows."""
     _, _, book = trial
     assert main(['history', book]) == 0
     capsys.readouterr()
     with sqlite3.connect(book) as connection:
+        connection.execute('DROP TABLE chain')
+        connection.execute('PRAGMA user_version = 2')
         connection.execute(f'UPDATE runs SET {column} = ?', [value])
     connection.close()
     assert main(['history', book]) == 2
