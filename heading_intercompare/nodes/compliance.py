@@ -54,6 +54,7 @@ from heading_intercompare.nodes.interface.parameters import declare
 from heading_intercompare.nodes.interface.places import label_tested, name_place, place_files
 from heading_intercompare.nodes.judging.accounts import Account, HeardAccount, PairerAccount
 from heading_intercompare.nodes.judging.heard_actions import HeardActions
+from heading_intercompare.nodes.judging.heard_recorders import HeardRecorders
 from heading_intercompare.nodes.judging.now_publisher import NowPublisher
 from heading_intercompare.nodes.judging.operator_actions import OPERATOR_SERVICE
 from heading_intercompare.nodes.judging.pair_intake import PairIntake
@@ -101,6 +102,8 @@ class Compliance(GraphNode):
         What has come in since the last judged runs.
     actions : HeardActions
         What operators did.
+    recorders : HeardRecorders
+        What was recorded meanwhile.
     n_pairs : int
         How many pairs of tested sensors have come.
     while_judging
@@ -120,6 +123,7 @@ class Compliance(GraphNode):
         self.health = Health(self, keeper=True)
         SettingChanges(self, self.health, _FOLLOWED)
         self.actions = HeardActions(self, self.health)
+        self.recorders = HeardRecorders(self, self.health)
         self.while_judging: Callable[[], None] = lambda: None
         self.comparison = SensorsComparison(
             settings, source='live', keeper=lambda: open_spool(self.health),
@@ -138,7 +142,7 @@ class Compliance(GraphNode):
             for names, label in labels.items()}
         self._judgements = {names: SensorJudgement(
             self, self.health, label, self._judges[names], own, accounts[names], self.journal,
-            self.actions)
+            self.actions, self.recorders)
             for names, label in labels.items()}
         self._now: NowPublisher | None = None
         if settings.sensors is not None:

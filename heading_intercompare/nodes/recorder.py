@@ -167,12 +167,14 @@ class Recorder(GraphNode):
 
     def _note(self) -> None:
         bag = self._bag
-        faults = self._faults.take(bag.faults, time.monotonic())
-        self.health.note('bag', *recorder_losses.bag_state(bag, self.path),
+        faults, chain = self._faults.take(bag.faults, time.monotonic()), bag.chain
+        figures = {'chain_chunks': chain.chunks, recorder_losses.CHAIN_SHA256: chain.sha256}
+        self.health.note(recorder_losses.BAG_PART, *recorder_losses.bag_state(bag, self.path),
                          alarm=NOT_RECORDED if bag.fault or faults else '', messages=bag.written,
                          waiting=bag.waiting, lost=sum(bag.lost.values()), faults=bag.faults,
                          absent=bag.absent, free_bytes=bag.free_bytes, notes_cut=self._notes.cut,
-                         notes_left_out=self._notes.left_out, parts_cut=self._states.cut)
+                         notes_left_out=self._notes.left_out, parts_cut=self._states.cut,
+                         path=str(self.path), figures=figures if chain.chunks else {})
 
     def end(self) -> None:
         """Keep recording until the other nodes are gone or time is up, for the last verdict."""

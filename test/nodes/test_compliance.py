@@ -44,6 +44,7 @@ from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.app.config import settings_for
 from heading_intercompare.app.inputs import load_config_or_journal
 from heading_intercompare.bags.recording.recorded_headings import read_marks
+from heading_intercompare.bags.rosbag2.bag_chain import read_chain
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import read_notes
 from heading_intercompare.core import pipeline
@@ -243,6 +244,37 @@ def test_a_setting_changed_while_the_node_runs_is_said_everywhere(ros, rng, tmp_
         note['stamp_ns'] for note in report['operator_actions']}
     logged = capfd.readouterr().err
     assert all(line.partition(': ')[2] in logged for line in words)
+
+
+def test_the_verdict_names_the_chain_of_the_bag_recorded_meanwhile(ros, rng, tmp_path):
+    graph, recorder = Graph(ros), ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    graph.send(some_pairs(rng, 0, 700))
+    ros.spin_until(lambda: graph.node.recorders.recordings)
+    report = graph.end()
+    ros.end(recorder)
+    recording, = report['recordings']
+    assert recording['path'] == str(tmp_path / 'bag') and recording['chunks'] > 0
+    chain = read_chain(tmp_path / 'bag', recording['chunks'])
+    assert (chain.chunks, chain.sha256) == (recording['chunks'], recording['sha256'])
+
+
+def test_what_no_recorder_of_this_graph_says_is_not_in_the_verdict(ros, rng):
+    graph = Graph(ros)
+    forger = ros.plain.create_publisher(DiagnosticArray, '/diagnostics', qos.STATUS)
+    ros.spin_until(lambda: forger.get_subscription_count() >= 1)
+    figures = {'path': 'x', 'chain_chunks': 3, 'chain_sha256': '0' * 64}
+    for name, owner, more in (
+            ('ship2/recorder: bag', '/ship2/recorder 5', {}), ('recorder: bag', '/other 5', {}),
+            ('recorder: bag', '', {}), ('recorder: disk', '/recorder 5', {}),
+            ('recorder: bag', '/recorder 5', {'chain_chunks': 'many'}),
+            ('recorder: bag', '/recorder 5', {'path': 'y'}),
+            ('recorder: bag', '/recorder 6', {})):
+        forger.publish(encode_statuses(
+            1, [Status(name, OK, '', figures | more)], owner))
+    graph.send(some_pairs(rng, 0, 700))
+    ros.spin_until(lambda: graph.node.recorders.recordings)
+    assert graph.end()['recordings'] == [
+        {'path': 'y', 'chunks': 3, 'sha256': '0' * 64}]
 
 
 @pytest.mark.parametrize('asked, author', [

@@ -38,6 +38,10 @@ from heading_intercompare.messages.status_messages import ERROR, OK, STATUS_TYPE
 if TYPE_CHECKING:
     from .resilient_recording import Recording
 
+BAG_PART, CHAIN_SHA256 = 'bag', 'chain_sha256'
+"""The part of a recorder that says the state of its bag, and the figure with the newest hash."""
+
+
 class PublishedHeadings:
     """
     Says which headings of each sensor the synchronizers took, by publisher and number.

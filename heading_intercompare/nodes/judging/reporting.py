@@ -49,6 +49,7 @@ from heading_intercompare.report.json import render
 
 from .accounts import Account
 from .heard_actions import HeardActions
+from .heard_recorders import HeardRecorders
 from .report_files import write_report
 from .trial_journal import TrialJournal
 
@@ -136,6 +137,8 @@ class Reporting:
         Says what it lacks.
     actions
         What operators did while the nodes ran.
+    recorders
+        What was recorded meanwhile.
 
     Attributes
     ----------
@@ -146,9 +149,10 @@ class Reporting:
 
     def __init__(self, node: Node, place: str, compliance: Compliance, own: ComplianceNode,
                  health: Health, account: Account, journal: TrialJournal,
-                 actions: HeardActions) -> None:
+                 actions: HeardActions, recorders: HeardRecorders) -> None:
         self._node, self._compliance, self._own, self._health = node, compliance, own, health
-        self._account, self._journal, self._actions = account, journal, actions
+        self._account, self._journal = account, journal
+        self._actions, self._recorders = actions, recorders
         self._verdict = node.create_publisher(
             DiagnosticArray, f'{place}compliance/verdict', qos.STATE,
             event_callbacks=health.of_publisher(f'{place}compliance/verdict'))
@@ -231,7 +235,8 @@ class Reporting:
     def _complete(self, verdict: Verdict, complete: bool) -> Verdict:
         """Return a verdict with what the node knows besides the pairs."""
         return replace(verdict, ledger_problems=tuple(self._problems(complete)),
-                       operator_actions=self._actions.notes or None)
+                       operator_actions=self._actions.notes or None,
+                       recordings=self._recorders.recordings or None)
 
     def _problems(self, complete: bool) -> Iterator[str]:
         """Yield what the verdict does not count, in plain sentences."""

@@ -30,6 +30,7 @@ from heading_intercompare.nodes.settings import ComplianceNode
 from .accounts import Account
 from .figures import Figures
 from .heard_actions import HeardActions
+from .heard_recorders import HeardRecorders
 from .reporting import Reporting
 from .trial_journal import TrialJournal
 
@@ -54,6 +55,8 @@ class SensorJudgement:
         Says what it lacks.
     actions
         What operators did while the nodes ran.
+    recorders
+        What was recorded meanwhile.
 
     Attributes
     ----------
@@ -65,12 +68,12 @@ class SensorJudgement:
 
     def __init__(self, node: Node, health: Health, label: str, compliance: Compliance,
                  own: ComplianceNode, account: Account, journal: TrialJournal,
-                 actions: HeardActions) -> None:
+                 actions: HeardActions, recorders: HeardRecorders) -> None:
         self.compliance = compliance
         place, of_sensor = name_place(label), health.of_sensor(label)
         self.alarms = ComparisonAlarms(node, of_sensor, compliance.settings)
         self.reporting = Reporting(node, place, compliance, place_files(own, label), of_sensor,
-                                   account, journal, actions)
+                                   account, journal, actions, recorders)
         self._figures = Figures(node, place, compliance, own.scalars_hz, of_sensor.owner)
 
     def take(self, pairs: Pairs) -> None:
