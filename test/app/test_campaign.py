@@ -292,7 +292,7 @@ def entered(gate, process) -> int:
 
 @pytest.mark.process
 @pytest.mark.parametrize('number, code', [
-    (signal.SIGINT, 130), (signal.SIGTERM, -signal.SIGTERM), (signal.SIGKILL, -signal.SIGKILL)])
+    (signal.SIGINT, 130), (signal.SIGTERM, 143), (signal.SIGKILL, -signal.SIGKILL)])
 def test_no_process_outlives_the_command(tmp_path, number, code):
     """Two of its processes wait for ever; a third input is not started."""
     gates = [tmp_path / f'{i}.csv' for i in range(3)]

@@ -12,13 +12,18 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Serves the page without ROS, and says for each line of its input how many files it can open."""
+"""
+Serves the page without ROS, and says for each line of its input how many files it can open.
+
+NiceGUI serves a page once in a process. An action is answered with what was asked, and by whom.
+"""
 
 from __future__ import annotations
 
 from concurrent.futures import Future
 import json
 import resource
+import subprocess
 import sys
 
 from heading_intercompare.web.bridge.bridge_view import BridgeView
@@ -45,10 +50,24 @@ def memory_mb():
         return next(int(line.split()[1]) for line in status if line.startswith('VmRSS')) / 1024
 
 
-def main(descriptors):
-    """Serve the page until the input ends."""
-    resource.setrlimit(resource.RLIMIT_NOFILE, (descriptors, descriptors))
-    page = PageServer(Controls(lambda: (BridgeView(), 0.0), lambda *_: Future()), port=0)
+def answer(*action):
+    """Return the answer to an action: the action."""
+    done = Future()
+    done.set_result(repr(action))
+    return done
+
+
+def serve_page(names):
+    """Return a process with the page: it says its address, and ends with its input."""
+    return subprocess.Popen([sys.executable, __file__, '0', names], text=True,
+                            stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+
+
+def main(descriptors, names=None):
+    """Serve the page, under these names too, until the input ends."""
+    if descriptors:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (descriptors, descriptors))
+    page = PageServer(Controls(lambda: (BridgeView(), 0.0), answer), port=0, names=names)
     print(page.url, flush=True)
     for _ in sys.stdin:
         print(json.dumps({'files': count_files(100), 'memory_mb': memory_mb()}), flush=True)
@@ -56,4 +75,4 @@ def main(descriptors):
 
 
 if __name__ == '__main__':
-    main(int(sys.argv[1]))
+    main(int(sys.argv[1]), *sys.argv[2:])

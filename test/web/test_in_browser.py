@@ -16,7 +16,6 @@
 
 from __future__ import annotations
 
-from concurrent.futures import Future
 import os
 from pathlib import Path
 import re
@@ -33,13 +32,11 @@ from urllib.request import Request, urlopen
 from checksums import with_checksum
 from deadlines import DEADLINE_S
 import pytest
+from web.page_process import serve_page
 
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import read_notes
-from heading_intercompare.web.bridge.bridge_view import BridgeView
-from heading_intercompare.web.controls import Controls
 from heading_intercompare.web.guard import HEADERS
-from heading_intercompare.web.server import PageServer
 
 pytestmark = [pytest.mark.slow, pytest.mark.process]
 
@@ -329,24 +326,21 @@ def test_where_tokens_name_the_operators_nobody_types_a_name(page):
 
 def test_without_named_tokens_the_browser_keeps_the_name_of_the_operator(browser):
     """The page of loopback, without a graph: what it asks for has the name that was typed."""
-    asked, answer = [], Future()
-    answer.set_result('kept')
-    server = PageServer(Controls(lambda: (BridgeView(), 0.0),
-                                 lambda *action: asked.append(action) or answer), port=0)
+    server = serve_page('')
     context = browser.new_context()
     try:
         page = context.new_page()
-        page.goto(server.url)
+        page.goto(server.stdout.readline().strip())
         page.fill('.k-name input', 'J. Smith')
         page.reload()
         page.wait_for_function('document.querySelector(".k-name input")?.value === "J. Smith"')
         page.fill('.k-note input', 'calm sea')
         page.click('.k-keep')
-        await_text(page, '.k-answer', '^kept')
+        answer = re.escape("('note', 'calm sea', 'J. Smith')")
+        await_text(page, '.k-answer', answer)
     finally:
         context.close()
-        server.close()
-    assert asked == [('note', 'calm sea', 'J. Smith')]
+        server.communicate(timeout=DEADLINE_S)
 
 
 def test_a_silent_sensor_goes_stale_raises_an_alarm_and_is_acknowledged(page, ship):

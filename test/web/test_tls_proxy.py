@@ -25,16 +25,13 @@ import shutil
 import ssl
 import subprocess
 import threading
+from urllib.parse import urlsplit
 
 from deadlines import DEADLINE_S
 import pytest
-
-from heading_intercompare.web.bridge.bridge_view import BridgeView
-from heading_intercompare.web.controls import Controls
+from web.page_process import serve_page
 
 pytest.importorskip('nicegui')
-from heading_intercompare.web.server import PageServer  # noqa: E402
-
 NAME = 'bridge.example'
 UPGRADE = {'Upgrade': 'websocket', 'Connection': 'Upgrade', 'Sec-WebSocket-Version': '13',
            'Sec-WebSocket-Key': 'dGhlIHNhbXBsZSBub25jZQ=='}
@@ -101,9 +98,8 @@ class ToProxy(http.client.HTTPSConnection):
 @pytest.fixture(scope='module')
 def ask(certificate):
     """Return a function that asks the page through TLS and returns status and headers."""
-    page = PageServer(Controls(lambda: (BridgeView(), 0.0), lambda *_: Future()), port=0,
-                      names=NAME)
-    proxy = TlsProxy(certificate, int(page.url.rstrip('/').rpartition(':')[2]))
+    page = serve_page(NAME)
+    proxy = TlsProxy(certificate, urlsplit(page.stdout.readline().strip()).port)
     context = ssl.create_default_context(cafile=certificate[0])
 
     def through(path, **headers):
@@ -114,7 +110,7 @@ def ask(certificate):
             return answer.status, answer.headers
     yield through
     proxy.close()
-    page.close()
+    page.communicate(timeout=DEADLINE_S)
 
 
 def test_the_page_is_served_through_tls_under_the_name_of_the_proxy(ask):
