@@ -32,7 +32,7 @@ QUIET = ('--headless', '--no-sandbox', '--disable-gpu', '--disable-quic', '--no-
          '--disable-background-networking', '--disable-component-update', '--disable-sync')
 #: Puts what is measured into the title of the page, for `--dump-dom` to print.
 PROBE = """<script>
-const figures = [...document.querySelectorAll('svg')].map(svg => svg.getBoundingClientRect());
+const figures = [...document.querySelectorAll('figure svg')].map(svg => svg.getBoundingClientRect());
 document.title = JSON.stringify({
   figures: figures.map(box => [box.width, box.height]),
   overflow: document.documentElement.scrollWidth - document.documentElement.clientWidth,
@@ -43,7 +43,7 @@ document.title = JSON.stringify({
 
 #: Gives a figure the focus, as a click does, and takes it away.
 FOCUS = """<script>
-const figure = document.querySelector('svg'), widths = [];
+const figure = document.querySelector('figure svg'), widths = [];
 const measure = () => widths.push(figure.getBoundingClientRect().width);
 measure(); figure.focus(); measure();
 const overflow = document.documentElement.scrollWidth - document.documentElement.clientWidth;
