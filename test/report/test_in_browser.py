@@ -32,7 +32,8 @@ QUIET = ('--headless', '--no-sandbox', '--disable-gpu', '--disable-quic', '--no-
          '--disable-background-networking', '--disable-component-update', '--disable-sync')
 #: Puts what is measured into the title of the page, for `--dump-dom` to print.
 PROBE = """<script>
-const figures = [...document.querySelectorAll('figure svg')].map(svg => svg.getBoundingClientRect());
+const figures = [...document.querySelectorAll('figure svg')].map(svg =>
+  svg.getBoundingClientRect());
 document.title = JSON.stringify({
   figures: figures.map(box => [box.width, box.height]),
   overflow: document.documentElement.scrollWidth - document.documentElement.clientWidth,
