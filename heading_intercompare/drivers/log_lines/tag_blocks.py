@@ -30,7 +30,7 @@ def tag_blocks(prefix: bytes) -> Iterator[list[bytes]]:
 
     Examples
     --------
-    >>> [*tag_blocks(rb'\s:HE0001,n:7*02\\s:II0001*00\\')]
+    >>> [*tag_blocks(b'\\s:HE0001,n:7*0A\\\\s:II0001*00\\')]
     [[b's:HE0001', b'n:7']]
 
     """
