@@ -47,7 +47,8 @@ class _Numbering:
     Attributes
     ----------
     n_missing
-        Lines missing so far by their numbers. A gap counts once the line after it goes on.
+        Lines missing so far by their numbers. A gap counts once the line after it goes on, and no
+        longer when a line of it comes late.
     n_restarts
         How often the numbers began elsewhere.
 
@@ -58,12 +59,16 @@ class _Numbering:
         self._lines: dict[int, tuple[bytes, int | None]] = {}
         self._steps, self._needed = 0, _PROOF
         self._n_old, self._n_repeated = 0, 0
-        self._gap = self.n_missing = self.n_restarts = 0
+        #: Numbers skipped: those of a gap that may be a jump, and those that count as missing.
+        self._gap: set[int] = set()
+        self._missing: set[int] = set()
+        self.n_missing = self.n_restarts = 0
 
     def refuse(self, number: int, text: bytes, received_ns: int | None) -> str:
         """Return why a line is no new one, or ''; see `LineNumbers.refuse`."""
         ahead = (number - self._newest) % _N_NUMBERS
         reason = ''
+        self.take_late(number)
         if 0 < ahead <= _AHEAD:
             self._go_on(number, ahead)
         elif self._lines and not self._goes_on_before(number):
@@ -78,13 +83,25 @@ class _Numbering:
 
     def _go_on(self, number: int, ahead: int) -> None:
         if ahead == 1:
-            self.n_missing += self._gap if self._steps >= self._needed else 0
-            self._gap = 0
+            if self._steps >= self._needed:
+                self.n_missing += len(self._gap)
+                self._missing |= self._gap
+            self._gap.clear()
         else:
-            self._gap += ahead - 1
+            self._gap |= {(number - back) % _N_NUMBERS for back in range(1, ahead)}
         self._before, self._newest = self._newest, number
         self._steps += 1
         self._n_old = self._n_repeated = 0
+
+    def take_late(self, number: int) -> None:
+        """Take a line that comes late out of those that are missing."""
+        is_late = (self._newest - number) % _N_NUMBERS < _AHEAD
+        number %= _N_NUMBERS
+        self._gap.discard(number)
+        if number in self._missing:
+            self._missing.remove(number)
+            # One of the round before has this number only by chance.
+            self.n_missing -= is_late
 
     def _goes_on_before(self, number: int) -> bool:
         """Tell whether a line goes on before the last jump, which was that of another sender."""
@@ -92,7 +109,7 @@ class _Numbering:
         if jump < _JUMP or not 0 < (number - self._before) % _N_NUMBERS < _JUMP:
             return False
         self._newest = self._before = number
-        self._gap = 0
+        self._gap.clear()
         return True
 
     def _look_back(self, number: int, text: bytes) -> str:
@@ -103,7 +120,9 @@ class _Numbering:
         if self._n_old >= (_RESTART_OF_REPEATS if self._n_repeated == self._n_old else _RESTART):
             self._newest = self._before = number
             self._needed *= 2 if proven else 1
-            self._steps = self._n_old = self._n_repeated = self._gap = 0
+            self._steps = self._n_old = self._n_repeated = 0
+            self._gap.clear()
+            self._missing.clear()
             self.n_restarts += 1
             return ''
         return '' if not proven else 'repeated' if is_repeated else 'old_number'
@@ -198,6 +217,8 @@ class LineNumbers:
         reason = numbering.refuse(number, text, received_ns)
         self.restarted = numbering.n_restarts > n_restarts
         if reason:
+            if self.source in self._by_source:
+                self._by_source[self.source].take_late(number)
             came_ns = numbering.came_ns(number)
             self.n_late += (reason == 'repeated' and came_ns is not None
                             and received_ns is not None and received_ns - came_ns > _LATE_NS)

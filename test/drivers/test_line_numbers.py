@@ -183,6 +183,28 @@ def test_lines_missing_by_their_numbers_are_counted(lost, n_missing):
     assert tenths == tenths_of(places) and decoder.numbers.n_missing == n_missing
 
 
+@pytest.mark.parametrize('start', [0, 90, 980])
+def test_lines_in_another_order_are_not_missing(start):
+    """Before, a line that came behind later ones of its datagrams was lost at the source, too."""
+    data = []
+    for place in range(start, start + 800):
+        text = sentence(f'HEHDT,{place / 10 % 360:.1f},T') if place % 4 == 0 else sentence(
+            'HEROT,1.0,A')
+        data.append(tag(['s:HE0001', f'n:{number_of(place)}']) + text)
+    for at in range(101, 700, 48):
+        data[at:at + 3] = data[at + 2], data[at], data[at + 1]
+    tenths, decoder = read(data)
+    headings = [place for place in range(start, start + 800) if place % 4 == 0]
+    assert tenths == tenths_of(headings) and decoder.numbers.n_missing == 0
+
+
+def test_a_heading_behind_a_later_one_is_rejected_and_not_missing_too():
+    places = [*range(100), 101, 102, 100, *range(103, 200)]
+    tenths, decoder = read(lines_of(places))
+    assert tenths == tenths_of([place for place in range(200) if place != 100])
+    assert decoder.counts == {'old_number': 1} and decoder.numbers.n_missing == 0
+
+
 def test_other_sentences_of_the_source_fill_its_numbers():
     """Of three lines in turn one is a heading: no line is missing."""
     data = []
