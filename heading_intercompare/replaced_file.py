@@ -12,7 +12,6 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-
 """Files that take the place of an older one only when they are whole and on the disk."""
 
 from __future__ import annotations
@@ -138,10 +137,11 @@ class ReplacedFile:
         return error
 
     def write(self, data: str | bytes) -> None:
-        """Write to the draft."""
+        """Write to the draft; where it cannot be written, it is discarded."""
         try:
             self.file.write(data)
         except OSError as error:
+            self.discard()
             raise self._name(error) from None
 
     def commit(self) -> None:

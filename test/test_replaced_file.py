@@ -37,8 +37,10 @@ import pytest
 from trials import write_headings
 
 from heading_intercompare import Headings
+from heading_intercompare.bags.csv.ensembles_csv import EnsemblesCsvWriter
 from heading_intercompare.cli import main
 from heading_intercompare.cli.commands import import_inputs
+from heading_intercompare.core.records import Pairs
 from heading_intercompare.replaced_file import replace_file, ReplacedFile
 
 S = 1_000_000_000
@@ -93,6 +95,30 @@ def test_whatever_ends_the_writing_leaves_the_older_file(tmp_path, error):
         raise error
     assert path.read_text() == OLDER and list(tmp_path.iterdir()) == [path]
     assert not isinstance(caught.value, OSError) or caught.value.filename == str(path)
+
+
+def test_a_table_whose_last_rows_do_not_fit_leaves_the_older_file(tmp_path, monkeypatch):
+    """The rows that `close` appends, beyond the buffer; before, their draft stayed."""
+    path = tmp_path / 'ensembles.csv'
+    path.write_text(OLDER)
+    table = EnsemblesCsvWriter(path, 60.0, gap_s=60.0, std_limit_deg=1.0)
+    monkeypatch.setattr(table._replaced, 'file', FullFile(table._replaced.file))
+    stamps = 1_400_000_000 * S + np.arange(30) * S
+    table.write(Pairs.of(stamps, np.full(30, 90.0), np.full(30, 90.0)))
+    with pytest.raises(OSError) as caught:
+        table.close()
+    assert caught.value.filename == str(path)
+    assert path.read_text() == OLDER and list(tmp_path.iterdir()) == [path]
+
+
+class FullFile:
+    """A file on a disk that takes no more."""
+
+    def __init__(self, file):
+        self.closed, self.close = False, file.close
+
+    def write(self, data):
+        raise OSError(errno.ENOSPC, 'No space left on device')
 
 
 def test_nobody_sees_half_of_a_file(tmp_path):

@@ -12,7 +12,6 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-
 """
 The chain of a logbook: a hash for each row that was written, each over the one before.
 

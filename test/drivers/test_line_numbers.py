@@ -125,7 +125,8 @@ def test_a_sender_that_restarts_at_1_loses_no_reading(before):
     data = [*lines_of(range(before)),
             *[line(number, 100.0 + 0.1 * number) for number in range(1, 40)]]
     decoder = NmeaDecoder(UDP)
-    chunks = [decoder.feed(each, T0_NS + at * STEP_NS) for at, each in enumerate(data)]
+    chunks = [decoder.feed(datagram, T0_NS + at * STEP_NS)
+              for at, datagram in enumerate(data)]
     stamps_ns = [ns for chunk in chunks for ns in chunk.stamp_ns.tolist()]
     assert stamps_ns == [T0_NS + at * STEP_NS for at in range(len(data))]
     assert decoder.counts == {} and decoder.lines == len(data)
@@ -148,7 +149,7 @@ def test_numbers_that_number_nothing_refuse_nothing(numbers):
 
 
 def test_a_damaged_tag_block_numbers_nothing():
-    data = [each.replace(b'n:', b'n;') for each in lines_of(range(60))]
+    data = [datagram.replace(b'n:', b'n;') for datagram in lines_of(range(60))]
     tenths, decoder = read(data + data)
     assert len(tenths) == 120 and decoder.counts == {}
 
@@ -224,7 +225,7 @@ def test_a_log_gives_the_headings_and_counts_of_the_live_line(tmp_path):
     data += [line(number, 50.0 + 0.1 * number, more=[f'c:{T0_NS // 10 ** 9 + 300 + number}'])
              for number in range(1, 50)]
     log = tmp_path / 'ship.nmea'
-    log.write_bytes(b''.join(each[6:] for each in data))
+    log.write_bytes(b''.join(datagram[6:] for datagram in data))
     settings = DriverSettings(sentence='HDT')
     headings, counts = read_log(str(log), settings)
     tenths, decoder = read(data)
@@ -282,8 +283,8 @@ def test_a_second_sender_over_the_loopback(numbered, host, delay, changes):
             socket.AF_INET, socket.SOCK_DGRAM) as sensor, socket.socket(
             socket.AF_INET, socket.SOCK_DGRAM) as second:
         second.bind((host, 0))
-        for place, each in enumerate(data):
-            copies = [(sensor, each)]
+        for place, line_of_place in enumerate(data):
+            copies = [(sensor, line_of_place)]
             if delay and place >= 20:
                 copies.append((second, data[place - delay]))
             for sender, datagram in copies:

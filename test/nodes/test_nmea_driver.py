@@ -226,32 +226,34 @@ def losses_from(messages):
     return sorted(rows)
 
 
-def test_what_the_kernel_dropped_is_told_with_the_stamp_of_the_next_heading(ros):
+def start_udp_driver(ros):
+    """Return the port, a driver that reads it, its headings, and what it says is lost."""
     port = free_port()
     node = ros.ours(NmeaDriver, source=f'udp://127.0.0.1:{port}', sentence='HDT')
     heard = ros.listen(Imu, 'ts/heading', qos.PAIRS_TAKEN)
-    told = ros.listen(DiagnosticArray, 'ts/heading/lost', qos.LOST)
+    lost = ros.listen(DiagnosticArray, 'ts/heading/lost', qos.LOST)
     ros.spin_until(lambda: node.count_subscribers('ts/heading/lost'))
+    return port, node, heard, lost
+
+
+def test_what_the_kernel_dropped_is_told_with_the_stamp_of_the_next_heading(ros):
+    port, node, heard, lost = start_udp_driver(ros)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
         for n in range(3):
             sender.sendto(sentence(10.0 + n).encode(), ('127.0.0.1', port))
             ros.spin_until(lambda n=n: len(heard) == n + 1)
             node._reading.source.counts['kernel_dropped'] += 100 * n
     ros.end(node)
-    ros.spin_until(lambda: len(told) == 2)
+    ros.spin_until(lambda: len(lost) == 2)
     stamps = headings_from(heard, 'enu').stamp_ns.tolist()
     # The last ones were dropped after the last heading.
-    assert losses_from(told) == [('lost.at_source', (stamps[2], stamps[1], 100)),
+    assert losses_from(lost) == [('lost.at_source', (stamps[2], stamps[1], 100)),
                                  ('lost.at_source', (stamps[2], stamps[2], 200))]
 
 
 def test_lines_that_come_a_second_time_and_gaps_of_their_numbers_are_told(ros):
     """Each datagram comes by two paths; then three lines are missing."""
-    port = free_port()
-    node = ros.ours(NmeaDriver, source=f'udp://127.0.0.1:{port}', sentence='HDT')
-    heard = ros.listen(Imu, 'ts/heading', qos.PAIRS_TAKEN)
-    told = ros.listen(DiagnosticArray, 'ts/heading/lost', qos.LOST)
-    ros.spin_until(lambda: node.count_subscribers('ts/heading/lost'))
+    port, node, heard, lost = start_udp_driver(ros)
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as sender:
         for n in [*range(1, 21), *range(24, 31)]:
             data = tag(['s:HE0001', f'n:{n}']) + sentence(10.0 + n).encode()
@@ -259,9 +261,9 @@ def test_lines_that_come_a_second_time_and_gaps_of_their_numbers_are_told(ros):
                 sender.sendto(data, ('127.0.0.1', port))
     ros.spin_until(lambda: len(heard) == 27)
     ros.end(node)
-    ros.spin_until(lambda: sum(row[2] for _, row in losses_from(told)) == 15)
+    ros.spin_until(lambda: sum(row[2] for _, row in losses_from(lost)) == 15)
     counts = Counter()
-    for lost_as, (_, _, n) in losses_from(told):
+    for lost_as, (_, _, n) in losses_from(lost):
         counts[lost_as] += n
     assert counts == {'rejected.repeated': 12, 'lost.at_source': 3}
     assert node._decoder.numbers.n_missing == 3

@@ -64,8 +64,8 @@ def of_owner(owner, name='compliance'):
      '/compliance 6', True)])
 def test_a_node_vouches_for_what_it_sent_since_its_start(heard, owner, vouched):
     vouchers = Vouchers()
-    for told, name, now_s in heard:
-        vouchers.hear(of_owner(told, name), now_s)
+    for stated, name, now_s in heard:
+        vouchers.hear(of_owner(stated, name), now_s)
     assert vouchers.vouch(owner) is vouched
 
 
