@@ -20,8 +20,12 @@
     remember('palette', name);
   };
 
-  const keepName = field => {
-    field.addEventListener('input', () => remember('operator', field.value));
+  // Heard from the first letter: the field may be filled before the page asks for the name it kept.
+  document.addEventListener('input', event => {
+    if (event.target.closest('.k-name')) remember('operator', event.target.value);
+  });
+  const recallName = field => {
+    if (field.value) return;
     field.value = recall('operator') || '';
     field.dispatchEvent(new Event('input', {bubbles: true}));
   };
@@ -77,7 +81,7 @@
     const waiting = setInterval(() => {
       if (!document.querySelector('.k-day')) return;
       press(root.dataset.palette);
-      keepName(document.querySelector('.k-name input'));
+      recallName(document.querySelector('.k-name input'));
       clearInterval(waiting);
     }, 100);
   });
