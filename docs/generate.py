@@ -104,6 +104,7 @@ SECTIONS = (
                  'norms.sigma_ref_deg': 0.05, 'norms.total_error_max_deg': 0.5,
                  'norms.systematic_max_deg': 0.75,
                  'norms.preset': 'imo_a424', 'norms.latitude_deg': 45.0,
+                 'norms.tests': 'static_error 0.5; follow_up 0.5 0-10',
                  'runs.every_h': 24.0, 'runs.cut_at_utc': '00:00,08:00,16:00',
                  'sequential.plan_s': 3600.0, 'risk.slowest_error_s': 300.0,
                  'bag_namespace': '/ship1', 'risk.sensor_class': 'gyrocompass',

@@ -50,8 +50,9 @@ STOREYS = (
 HEIGHTS = (1.4, 1.4, 2.0, 1.6, 0.85, 1.75)
 #: Rooms of core in the order in which they build on each other.
 CORE = ('units', 'time_rules', 'rows', 'statistics', 'raw_streams', 'pairing', 'timing',
-        'decision', 'observations', 'runs', 'conditions', 'motion', 'diagnostics', 'validity',
-        'sensor_conditions', 'record_conditions', 'verdict', 'alarms', 'sensors')
+        'decision', 'observations', 'runs', 'conditions', 'motion', 'diagnostics',
+        'norm_tests', 'validity', 'sensor_conditions', 'record_conditions', 'verdict', 'alarms',
+        'sensors')
 
 WIDTH, GAP, PAD = 15.0, 0.18, 0.12
 _FONT = {'svg.fonttype': 'none', 'svg.hashsalt': 'house', 'font.family': 'sans-serif'}

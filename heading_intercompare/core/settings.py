@@ -33,6 +33,7 @@ from .declared_settings import (
     SettingsError,
     to_mapping,
 )
+from .required_tests import read_required_tests
 from .sensor_table import read_sensors, SENSOR_CLASS_NAMES
 from .time_rules.clock_cuts import ClockCuts
 from .time_rules.exclusions import read_exclusions
@@ -72,10 +73,18 @@ class Norms(Checked):
         None, 'a named norm (see the command norms); replaces sigma_max_deg')
     latitude_deg: float | None = setting(
         None, 'latitude for the secant factor of a preset [deg]', -70.0, 70.0)
+    tests: str | None = setting(
+        None, "tests of a norm of one's own, in place of the same tests of the preset: rows of a "
+        "test and its limit, such as 'static_error 1.0' or 'follow_up 0.5 0-10', separated by "
+        'line ends or a semicolon; see docs/verdict.md')
 
     def __post_init__(self) -> None:
-        """Check ranges and the order of the bounds of M."""
+        """Check ranges, the order of the bounds of M, and the tests."""
         Checked.__post_init__(self)
+        try:
+            read_required_tests(self.tests)
+        except ValueError as error:
+            raise SettingsError(f'norms.tests, {error}') from error
         if self.sigma_max_deg is not None and self.sigma_max_deg <= 0.0:
             raise SettingsError(
                 f'norms.sigma_max_deg = {self.sigma_max_deg!r}: must be greater than 0')

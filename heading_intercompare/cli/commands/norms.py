@@ -21,6 +21,7 @@ import argparse
 from heading_intercompare.cli.terminal.console import say
 from heading_intercompare.core.decision.coverage import SENSOR_CLASSES, span_words
 from heading_intercompare.core.decision.norm_presets import PRESETS
+from heading_intercompare.core.required_tests import KINDS, RequiredTest, VERIFIED
 
 #: Highlights on a terminal: names, and norms whose text is unverified.
 _MARKS = ((r'(?m)^(?!use)(\w+): ', 'bold'), (r'(?m)\[unverified\]$', 'yellow'))
@@ -40,10 +41,10 @@ def run(arguments: argparse.Namespace) -> int:
         else:
             p = f'{preset.probability:g}' if preset.probability else 'norms.probability'
             rule = f'sigma_max = {preset.limit_deg:g}{secant} deg / K({p})'
-        if preset.systematic_deg is not None:
-            rule += f'; systematic error at most {preset.systematic_deg:g}{secant} deg'
-        lines.append(f'{name}: {preset.title} [{preset.status}]\n    {rule}\n'
-                     f'    requires: {preset.content}')
+        if preset.systematic is not None:
+            rule += f'; systematic error at most {preset.systematic.limit:g}{secant} deg'
+        lines.append(f'{name}: {preset.title} [{preset.status}]\n    {rule}')
+        lines += [f'    requires: {_say_test(test)}' for test in preset.tests]
     lines.append('use: --set norms.preset=NAME, and --set norms.latitude_deg=LAT if the rule has '
                  'sec(lat)')
     lines.append('\nclasses of sensors: the slowest error, and the shortest run it requires')
@@ -56,3 +57,12 @@ def run(arguments: argparse.Namespace) -> int:
                  'your own figure')
     say('\n'.join(lines), _MARKS)
     return 0
+
+
+def _say_test(test: RequiredTest) -> str:
+    """Return a required test with its limit and its clause."""
+    secant = ' sec(lat)' if test.secant else ''
+    status = '' if test.status == VERIFIED else f' [{test.status}]'
+    by = '' if KINDS[test.kind].is_judged else '; by a type test'
+    unit = KINDS[test.kind].unit
+    return f'{test.words} {test.limit:g}{secant} {unit} ({test.clause}){by}{status}'

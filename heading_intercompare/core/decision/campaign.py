@@ -49,6 +49,7 @@ CAMPAIGN_REASONS = {
     'a_run_non_compliant': "a run is rejected at its share of the producer's risk",
     'no_run_rejected_at_its_share':
         "a run is rejected on its own, but not at its share of the producer's risk",
+    'a_test_not_met': 'a test of the norm is not met',
     'an_input_not_judged': 'not every input could be judged',
     'a_run_void': 'a run is void, so it says nothing about the sensor',
     'a_run_indeterminate': 'not every run complies, and none is rejected',

@@ -23,8 +23,11 @@ import numpy as np
 
 from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.records import Integers, Reals
+from heading_intercompare.core.required_tests import SYSTEMATIC
 from heading_intercompare.core.settings import Risk, Settings
 from heading_intercompare.core.statistics.variance_uncertainty import LEAST_TIMES
+
+from .norm_presets import list_required
 
 _SECTOR_DEG = 10
 _ARCS = 3
@@ -60,7 +63,8 @@ class Scope:
         high = trial.latitude_max_deg if trial.latitude_max_deg is not None else stated
         ends = [end for end in (low, high) if end is not None]
         return cls(latitude_deg=(ends[0], ends[-1]) if ends else None,
-                   mean_is_judged=settings.norms.total_error_max_deg is not None,
+                   mean_is_judged=settings.norms.total_error_max_deg is not None or any(
+                       test.kind in SYSTEMATIC for test in list_required(settings.norms)),
                    alpha_consumer=settings.risk.alpha_consumer)
 
     @classmethod

@@ -17,13 +17,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Callable
+from typing import Callable, Sequence
 
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.guarded import Guarded
 from heading_intercompare.core.diagnostics.run_columns import RunColumns
 from heading_intercompare.core.diagnostics.run_diagnostics import Diagnostics
 from heading_intercompare.core.motion.motion_check import MotionCheck
+from heading_intercompare.core.norm_tests.judged_test import JudgedTest
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.pairing.ledger import LedgerSegment
 from heading_intercompare.core.raw_streams.decimal_steps import find_decimal_step
@@ -103,6 +104,8 @@ class RunAccount:
         long as unknown, as at a look.
     normality
         Holds the steps of both sensors as paired, and those whose rounding would show.
+    tests
+        The tests that the norm requires.
 
     """
 
@@ -115,6 +118,7 @@ class RunAccount:
     share: LedgerSegment | None = None
     inside: LedgerSegment | None = None
     normality: Normality | None = None
+    tests: Sequence[JudgedTest] = ()
 
     def step_deg(self, stream: str) -> float | None:
         """Return the step in which ``'ts'`` or ``'rs'`` reports, degrees; None if unknown."""

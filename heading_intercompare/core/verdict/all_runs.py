@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Sequence
+from typing import Collection, Sequence
 
 from heading_intercompare.core.decision.campaign import (
     conclude_every_run,
@@ -28,6 +28,12 @@ from heading_intercompare.core.decision.campaign import (
 from heading_intercompare.core.decision.coverage import Coverage, coverage_of
 from heading_intercompare.core.decision.sequential import risk_at_the_end
 from heading_intercompare.core.decision.taken_out import TakenOut
+from heading_intercompare.core.norm_tests.judged_test import (
+    find_not_met,
+    JudgedTest,
+    merge_runs,
+    TestRisks,
+)
 from heading_intercompare.core.outcome import Outcome, worst
 from heading_intercompare.core.record_conditions.left_out import judge_left_out
 from heading_intercompare.core.record_conditions.mean_over_runs import judge_mean_over_runs
@@ -100,6 +106,9 @@ def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,
         outcome, reason = conclude_every_run(
             [r.verdict.outcome for r in results],
             [r.outcome_among(len(once)) for r in results])
+    tests = _merge_tests(results, repeated, settings)
+    if find_not_met(tests) is not None and outcome is not Outcome.NON_COMPLIANT:
+        outcome, reason = Outcome.NON_COMPLIANT, 'a_test_not_met'
     if len(sound) < len(once) and outcome is not Outcome.NON_COMPLIANT:
         outcome, reason = Outcome.INDETERMINATE, 'a_run_void'
     if incomplete and outcome is Outcome.COMPLIANT:
@@ -107,7 +116,19 @@ def conclude_campaign(results: Sequence[RunResult], runs: Homogeneity,
     verdicts = [r.verdict for r in results]
     coverage = _cover_together(results, shared, settings)
     return outcome, coverage, Campaign.of(verdicts, runs, settings.campaign.rule, reason, shared,
-                                          _judge_campaign(results, runs, settings, incomplete))
+                                          _judge_campaign(results, runs, settings, incomplete),
+                                          tests)
+
+
+def _merge_tests(results: Sequence[RunResult], repeated: Collection[int],
+                 settings: Settings) -> tuple[JudgedTest, ...]:
+    """Return the tests of the norm by all sound runs, whose readings count once."""
+    tables = [(number, r.verdict.norm_tests) for number, r in enumerate(results, 1)
+              if r.verdict.norm_tests and number not in repeated
+              and r.verdict.validity_effect != VOID]
+    if not tables:
+        return ()
+    return merge_runs(tables, TestRisks.of(settings.risk, len(tables[0][1]), len(tables)))
 
 
 def _cover_together(results: Sequence[RunResult], shared: Together | None, settings: Settings,

@@ -24,8 +24,14 @@ from heading_intercompare.core.decision.criteria import Printed
 from heading_intercompare.core.decision.guarded import Guarded, REASONS
 from heading_intercompare.core.decision.needed_length import describe_need, describe_need_together
 from heading_intercompare.core.decision.sequential import find_rejection, LookVerdict
+from heading_intercompare.core.norm_tests.judged_test import (
+    find_not_met,
+    JudgedTest,
+    say_not_met,
+)
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.record_conditions.deciding_outliers import OUTLIERS
+from heading_intercompare.core.required_tests import KINDS
 from heading_intercompare.core.validity.condition import (
     DOUBTFUL,
     Finding,
@@ -48,6 +54,8 @@ ALL_REASONS = {
     'total_error_not_within_norm': 'the total error is not shown to be within its norm',
     'outliers_decide': 'a few outlying readings decide; without them the outcome would differ',
     'rejected_at_a_look': 'a look at the run in progress rejected, and a rejection stands',
+    **{f'test_not_met.{name}': f'a test of the norm is not met: the {kind.words}'
+       for name, kind in KINDS.items()},
     **VOID_REASONS,
 }
 """Reasons for the outcome of a run: code and words."""
@@ -55,6 +63,7 @@ ALL_REASONS = {
 
 _REJECTS = ('lower_bound_above_rejection_limit', 'count_lower_bound_above_allowed',
             'rejected_at_a_look')
+_TEST = 'test_not_met.'
 _ACCEPTS = 'upper_bound_within_acceptance_limit'
 
 
@@ -72,7 +81,9 @@ def outcome_of_reason(reason: str) -> Outcome | None:
         return None
     if reason == _ACCEPTS:
         return Outcome.COMPLIANT
-    return Outcome.NON_COMPLIANT if reason in _REJECTS else Outcome.INDETERMINATE
+    if reason in _REJECTS or reason.startswith(_TEST):
+        return Outcome.NON_COMPLIANT
+    return Outcome.INDETERMINATE
 
 
 def conclude(guarded: Guarded, printed: Printed) -> tuple[Outcome, str]:
@@ -85,6 +96,19 @@ def conclude(guarded: Guarded, printed: Printed) -> tuple[Outcome, str]:
             and printed.total.outcome not in (None, Outcome.COMPLIANT)):
         return Outcome.INDETERMINATE, 'total_error_not_within_norm'
     return guarded.outcome, guarded.reason
+
+
+def with_tests(outcome: Outcome, reason: str,
+               tests: Sequence[JudgedTest]) -> tuple[Outcome, str]:
+    """
+    Return outcome and reason after the tests of the norm.
+
+    A test that is not met rejects; a variance that is rejected stays the reason.
+    """
+    broken = find_not_met(tests)
+    if broken is None or outcome is Outcome.NON_COMPLIANT:
+        return outcome, reason
+    return Outcome.NON_COMPLIANT, f'{_TEST}{broken.kind}'
 
 
 def with_findings(outcome: Outcome, reason: str,
@@ -149,6 +173,10 @@ def explain(run: RunVerdict, reason: str | None = None) -> str:
     """
     reason = run.reason if reason is None else reason
     words = ALL_REASONS.get(reason, reason)
+    not_met = say_not_met(run.norm_tests or ())
+    if not_met and outcome_of_reason(reason) is Outcome.NON_COMPLIANT:
+        words = f'tests of the norm not met: {not_met}' if reason.startswith(_TEST) else (
+            f'{words}; tests of the norm not met: {not_met}')
     line = run.drift.line
     interval = None if line is None else line.interval_deg_per_h
     need = describe_need(
@@ -174,6 +202,8 @@ def campaign_words(campaign: Campaign, runs: Sequence[RunVerdict],
 
     """
     words = CAMPAIGN_REASONS.get(campaign.reason, campaign.reason)
+    if campaign.reason == 'a_test_not_met':
+        return f'{words}: {say_not_met(campaign.norm_tests or ())}'
     if campaign.rule == 'sensor':
         need = describe_need_together(campaign.reason, campaign.sensor, coverage)
         return f'{words}; {need}' if need else words

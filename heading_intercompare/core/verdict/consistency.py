@@ -40,6 +40,7 @@ from heading_intercompare.core.diagnostics.run_columns import HIGHEST_ORDER_REMO
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.record_conditions.drift_removed import DRIFT_REMOVED
 from heading_intercompare.core.record_conditions.left_out import LEFT_OUT
+from heading_intercompare.core.record_conditions.norm_tests import NORM_TESTS
 from heading_intercompare.core.record_conditions.repeated_readings import REPEATED_READINGS
 from heading_intercompare.core.sensor_conditions.motion import MOTION
 from heading_intercompare.core.settings import Risk, Settings
@@ -58,7 +59,7 @@ from heading_intercompare.core.version import RULE_VERSION, VERSION
 from .all_runs import compare_runs, compose_verdict, conclude_campaign
 from .compare_verdicts import list_differences
 from .conclusion import conclude
-from .judge import conclude_run, RunResult
+from .judge import conclude_run, RunResult, share_among
 from .runs_together import find_repeated_runs, shortest_apart_s
 from .spread_of_run import spread_of_run
 from .validity import CONDITIONS
@@ -236,7 +237,8 @@ def _rebuild_run(run: RunVerdict, settings: Settings) -> RunResult:
         run, **_sum_up(run, settings), variance_criterion=printed.variance,
         count_criterion=printed.counts, total_error=printed.total, paper_outcome=printed.outcome,
         guarded=run.guarded if is_close(guarded, run.guarded) else guarded,
-        coverage=_rebuild_coverage(run, settings, risk))
+        coverage=_rebuild_coverage(run, settings, risk),
+        norm_tests=share_among(run.norm_tests, settings.risk, 1) or None)
     return RunResult(
         verdict=conclude_run(verdict, alone, _list_findings(run)), evidence=evidence,
         limits=limits, printed=printed, alone=alone, risk=risk, settings=settings,
@@ -314,7 +316,8 @@ def _list_findings(run: RunVerdict) -> tuple[Finding, ...]:
     """Return the findings of a run; one that every run has and that is missing does not hold."""
     by_name = {finding.condition: finding for finding in run.validity}
     missing = {MOTION.name: run.motion is None,
-               DRIFT_REMOVED.name: not run.drift_coefficients_deg}
+               DRIFT_REMOVED.name: not run.drift_coefficients_deg,
+               NORM_TESTS.name: not run.norm_tests}
     return tuple(
         by_name.get(condition.name) or condition.find(NOT_TESTABLE, '', '')
         for condition in CONDITIONS

@@ -20,6 +20,7 @@ from typing import Sequence
 
 from heading_intercompare.core.decision.coverage import Coverage, span_words
 from heading_intercompare.core.decision.sequential import find_rejection, LookVerdict
+from heading_intercompare.core.norm_tests.judged_test import JudgedTest, NOT_MET, say_open
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.sensor_conditions.motion import MOTION
 from heading_intercompare.core.validity.condition import DOUBTFUL, Finding, VOID
@@ -49,7 +50,7 @@ def say_outcome(outcome: str, effect: str) -> str:
 
 
 def compose_headline(outcome: Outcome, findings: Sequence[Finding], coverage: Coverage | None,
-                     why: str = '') -> str:
+                     why: str = '', tests: Sequence[JudgedTest] = ()) -> str:
     """
     Compose the headline: outcome, findings that affect it, and the coverage or the reason.
 
@@ -63,6 +64,9 @@ def compose_headline(outcome: Outcome, findings: Sequence[Finding], coverage: Co
         None if there is no run.
     why
         The reason of the outcome, in words.
+    tests
+        The tests of the norm: a certificate names those that it leaves open, a rejection those
+        that are not met.
 
     Examples
     --------
@@ -76,7 +80,9 @@ def compose_headline(outcome: Outcome, findings: Sequence[Finding], coverage: Co
     text, complies = OUTCOME_WORDS[outcome.value], outcome is Outcome.COMPLIANT
     void = [f.words for f in findings if f.effect == VOID]
     doubts = [f.words for f in findings if f.effect == DOUBTFUL]
-    also = ''.join(f'; {words}' for words in _list_also(findings, complies, bool(void)))
+    of_tests = '' if void else say_open(tests) if complies else ''
+    also = ''.join(f'; {words}' for words in (
+        *([of_tests] if of_tests else []), *_list_also(findings, complies, bool(void))))
     if complies and coverage is not None and not doubts:
         return f'{text} {coverage.words}{also}'
     if void:
@@ -84,6 +90,9 @@ def compose_headline(outcome: Outcome, findings: Sequence[Finding], coverage: Co
         text += f', VOID: {void[0]}'
     elif doubts:
         text += f', DOUBTFUL: {"; ".join(doubts)}'
+        # Doubts stand in place of the reason.
+        text += ''.join(f'; not met: {test.line}' for test in tests
+                        if test.state == NOT_MET and test.line not in text)
     elif why and not complies:
         text += f': {why}'
     if complies and coverage is not None:

@@ -39,6 +39,8 @@ from heading_intercompare.core.diagnostics.run_columns import (
 from heading_intercompare.core.diagnostics.run_diagnostics import diagnose, with_runs
 from heading_intercompare.core.diagnostics.run_findings import describe_drift, left_in_deg2
 from heading_intercompare.core.motion.motion_check import check_motion
+from heading_intercompare.core.norm_tests.judged_test import JudgedTest, TestRisks
+from heading_intercompare.core.norm_tests.table import judge_tests
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.pairing.ledger import LedgerSegment
 from heading_intercompare.core.record_conditions.losses import (
@@ -67,6 +69,7 @@ from .conclusion import (
     explain,
     with_findings,
     with_looks,
+    with_tests,
 )
 from .headline import add_looks, compose_headline
 from .recorded import JudgedPiece
@@ -167,7 +170,8 @@ class RunResult:
             outcome=alone, guarded=verdict.guarded, limits=self.limits, settings=self.settings,
             lost_share=verdict.correlation.stamps.lost_share,
             interpolated=verdict.pairing.find_interpolated(self.settings.pairing.method),
-            share=self.share, inside=self.inside, normality=verdict.normality))
+            share=self.share, inside=self.inside, normality=verdict.normality,
+            tests=verdict.norm_tests or ()))
         return replace(self, verdict=conclude_run(verdict, self.alone, findings))
 
     def place_among(self, run: int, runs: Homogeneity) -> 'RunResult':
@@ -185,20 +189,30 @@ class RunResult:
         if m == 1 or self.verdict.outcome is not Outcome.NON_COMPLIANT:
             return self.verdict.outcome
         shared = replace(self.risk, alpha_producer=self.risk.alpha_producer / m)
-        among, _ = conclude(decide(self.evidence, self.limits, shared), self.printed)
+        among, _ = with_tests(
+            *conclude(decide(self.evidence, self.limits, shared), self.printed),
+            share_among(self.verdict.norm_tests, self.settings.risk, m))
         return Outcome.INDETERMINATE if among is Outcome.COMPLIANT else among
 
 
 def conclude_run(verdict: RunVerdict, alone: tuple[Outcome, str],
                  findings: Sequence[Finding]) -> RunVerdict:
     """Return a verdict with outcome and headline after findings and looks."""
-    at_end = with_findings(*alone, findings)
+    tests = verdict.norm_tests or ()
+    at_end = with_findings(*with_tests(*alone, tests), findings)
     outcome, reason = with_looks(*at_end, verdict.looks)
     line = compose_headline(at_end[0], findings, verdict.coverage,
-                            explain(verdict, at_end[1]))
+                            explain(verdict, at_end[1]), tests)
     return replace(verdict, outcome=outcome, reason=reason, validity=tuple(findings),
                    validity_effect=effect_with_looks(findings, reason, verdict.looks),
                    headline=add_looks(line, outcome, reason, verdict.looks))
+
+
+def share_among(tests: Sequence[JudgedTest] | None, risk: Risk,
+                runs: int) -> tuple[JudgedTest, ...]:
+    """Return the tests of a run if runs share the producer's risk."""
+    risks = TestRisks.of(risk, len(tests or ()), runs)
+    return tuple(test.judge(risks) for test in tests or ())
 
 
 class _Decision:
@@ -245,7 +259,7 @@ class _Decision:
 
 def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
               risk: Risk | None = None, looks: Sequence[LookVerdict] = (),
-              motion: Mapping[str, Motion] | None = None,
+              motion: Mapping[str, Motion] | None = None, is_look: bool = False,
               progress: Callable[[float], None] = lambda share: None) -> RunResult:
     """
     Judge a run as it is.
@@ -267,6 +281,8 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
     motion
         The motion of the ship by what it tells, to check the headings against; None if there is
         none.
+    is_look
+        Whether the run goes on: the tests of the norm have no looks.
     progress
         Called with the share of the work that is done, from 0 to 1.
 
@@ -349,6 +365,8 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
         correlation=correlation, allan=diagnostics.allan,
         assumptions=diagnostics.assumptions, taken_out=taken_out, motion=checked,
         limit_95=_estimate_limit_95(data, settings, correlation.n_effective_variance),
+        norm_tests=None if is_look else judge_tests(
+            columns, moments.mean_deg if moments.n else None, guarded) or None,
         warnings=(*_warnings(data, limits, guarded, settings), *diagnostics.warnings))
     return RunResult(
         verdict=verdict, evidence=evidence, limits=limits, printed=printed,
@@ -403,7 +421,7 @@ def look_at(run: RunSeries, look: Look, looks: int, settings: Settings,
     or without partner count only at the end.
 
     """
-    verdict = judge_run(run, settings, 0, '', risk=look.risk, motion=motion).verdict
+    verdict = judge_run(run, settings, 0, '', risk=look.risk, motion=motion, is_look=True).verdict
     return LookVerdict(look=look.index + 1, looks=looks, span_s=run.span_s,
                        outcome=verdict.outcome, reason=verdict.reason,
                        validity_effect=verdict.validity_effect, headline=verdict.headline)

@@ -37,6 +37,7 @@ from heading_intercompare.core.diagnostics.deviation import HeadingDependence
 from heading_intercompare.core.diagnostics.percentile import Percentile
 from heading_intercompare.core.diagnostics.run_findings import Allan, Correlation, Drift, RunSkew
 from heading_intercompare.core.motion.motion_check import MotionCheck
+from heading_intercompare.core.norm_tests.judged_test import JudgedTest
 from heading_intercompare.core.outcome import Outcome, worst
 from heading_intercompare.core.runs.pairing_figures import PairingFigures
 from heading_intercompare.core.settings import Settings
@@ -137,6 +138,9 @@ class RunVerdict:
                                         absent='if it is not known')
     limit_95: Percentile | None = figure('limit that 95 % of the differences keep',
                                          absent='with fewer than 20 independent differences')
+    norm_tests: Sequence[JudgedTest] | None = figure(
+        'tests that the norm requires, and what this run shows of each',
+        absent='if the norm requires none')
     clock_segment: int | None = figure('clocks set back before it',
                                        'stamps are repeated from segment to segment', unit='1',
                                        absent='if none was')
@@ -173,10 +177,14 @@ class Campaign:
     sensor: Together | None = figure('the variance that all runs share, under either rule',
                                      'null if no run has 128 differences')
     validity: Sequence[Finding] = figure('findings on the runs together, as those of a run')
+    norm_tests: Sequence[JudgedTest] | None = figure(
+        'tests that the norm requires, by all runs', 'each row is that of the run that decides',
+        absent='if the norm requires none')
 
     @classmethod
     def of(cls, runs: Sequence[RunVerdict], homogeneity: Homogeneity, rule: str, reason: str,
-           sensor: Together | None, validity: Sequence[Finding]) -> 'Campaign':
+           sensor: Together | None, validity: Sequence[Finding],
+           norm_tests: Sequence[JudgedTest]) -> 'Campaign':
         """Build the result of all runs together."""
         def apply(pick: Callable[[list[float]], float],
                  values: Iterable[float | None]) -> float | None:
@@ -199,7 +207,7 @@ class Campaign:
             low_worst_deg=apply(min, [r.total_error.low_deg for r in runs]),
             up_worst_deg=apply(max, [r.total_error.up_deg for r in runs]), homogeneity=homogeneity,
             runs_by_outcome={o.value: sum(r.outcome is o for r in runs) for o in Outcome},
-            sensor=sensor, validity=tuple(validity))
+            sensor=sensor, validity=tuple(validity), norm_tests=tuple(norm_tests) or None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -317,7 +325,8 @@ class Verdict:
                 replace(f, words=f'run {r.run}: {f.words}') if f.words and len(runs) > 1 else f
                 for r in runs for f in r.validity)]
             why = campaign_words(campaign, runs, coverage)
-            line = compose_headline(outcome, findings, coverage, why)
+            line = compose_headline(outcome, findings, coverage, why,
+                                    campaign.norm_tests or ())
         problems = tuple(f'{recording.path}: {problem}' for recording in inputs
                          for problem in recording.ledger_problems or ())
         return cls(outcome=outcome, headline=line, validity_effect=gravest(

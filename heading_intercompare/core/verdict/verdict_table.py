@@ -23,6 +23,7 @@ from xml.etree.ElementTree import Element, SubElement, tostring
 
 from heading_intercompare.core.decision.campaign import CAMPAIGN_REASONS
 from heading_intercompare.core.declared_figures import Figure, find_figure, list_figures
+from heading_intercompare.core.norm_tests.judged_test import MET
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.utc_text import utc
@@ -215,10 +216,22 @@ def verdict_text(verdict: Verdict, verbose: bool = False) -> str:
     lines = head_lines(verdict, verbose)
     for rows in _tables(verdict, verbose or asks_for_gk(verdict.settings)):
         lines += ['', *_align(rows)]
+    lines += _tabulate_tests(verdict)
     lines.append('')
     for line, findings in _reasons(verdict):
         lines += [line, *(f'  {more}' for more in findings)]
     return '\n'.join(map(_in_one_line, lines))
+
+
+def _tabulate_tests(verdict: Verdict) -> list[str]:
+    """Return the tests of the norm as lines; none if it requires none."""
+    tests = verdict.campaign.norm_tests or ()
+    if not tests:
+        return []
+    rows = _align([('tests of the norm', '', 'figure', 'limit', 'clause'),
+                   *((test.words, *test.cells) for test in tests)])
+    return ['', *rows, *(f'  {test.words}: {test.notes}' for test in tests
+                         if test.state != MET and test.notes)]
 
 
 def _align(rows: Sequence[tuple[str, ...]]) -> list[str]:

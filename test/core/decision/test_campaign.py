@@ -217,6 +217,19 @@ def test_no_run_and_no_difference_leave_it_open():
     assert concluded([short]) == (OPEN, 'insufficient_data')
 
 
+@pytest.mark.parametrize('rule,reason', [
+    ('every_run', 'a_run_non_compliant'), ('sensor', 'a_test_not_met')])
+def test_a_run_that_breaks_a_test_of_the_norm_rejects_the_campaign(rule, reason, rng):
+    ts, rs = inputs(rng, [0.2] * 3)
+    ts[1] = Headings.of(ts[1].stamp_ns, (ts[1].heading_deg + 1.5) % 360.0)
+    verdict = analyze(ts, rs, settings(campaign__rule=rule, norms__tests='static_error 1.0',
+                                       installation_offset_u_deg=0.01))
+    assert (verdict.outcome, verdict.campaign.reason) == (Outcome.NON_COMPLIANT, reason)
+    row, = verdict.campaign.norm_tests
+    assert (row.kind, row.state, row.run) == ('static_error', 'not_met', 2)
+    assert row.line in verdict.headline
+
+
 def test_every_reason_is_reached_by_a_test_of_this_file():
     text = Path(__file__).read_text('utf-8')
     assert {code for code in CAMPAIGN_REASONS if f"'{code}'" not in text} == set()

@@ -36,6 +36,7 @@ from heading_intercompare.report.contents.findings import (
 #: Shown by tables of their own; `test_html` finds every number of them in the page, and
 #: `test_first_page`, `test_uncertainty_budget` and `test_html` the rest.
 SHOWN = {'run', 'source', 'start_ns', 'end_ns', 'duration_s', 'pairing', 'n_input', 'n_invalid',
+         'norm_tests',
          'n_stabilization', 'n', 'mean_deg', 'min_deg', 'max_deg', 'max_abs_deg',
          'mean_square_deg2', 'circular_mean_deg', 'resultant_length', 'drift_coefficients_deg',
          'variance_deg2', 'std_deg', 'variance_criterion', 'count_criterion', 'total_error',

@@ -1,0 +1,83 @@
+# Copyright 2026 The heading_intercompare authors
+#
+# Licensed under the Apache License, Version 2.0 (the "License");
+# you may not use this file except in compliance with the License.
+# You may obtain a copy of the License at
+#
+#     http://www.apache.org/licenses/LICENSE-2.0
+#
+# Unless required by applicable law or agreed to in writing, software
+# distributed under the License is distributed on an "AS IS" BASIS,
+# WITHOUT WARRANTIES OR CONDITIONS OF ANY KIND, either express or implied.
+# See the License for the specific language governing permissions and
+# limitations under the License.
+
+"""The run that the tests of a norm are judged on."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+import math
+
+from heading_intercompare.core import lazy_scipy as scipy
+from heading_intercompare.core.diagnostics.run_columns import RunColumns
+from heading_intercompare.core.settings import Settings
+
+from .judged_test import TestRisks
+
+
+@dataclass(frozen=True)
+class TestedRun:
+    """
+    A run as its tests see it.
+
+    Attributes
+    ----------
+    columns
+        The analysed pairs, and what the detectors share.
+    mean_deg, mean_u_deg
+        Mean difference, and its standard uncertainty with that of the installation angle,
+        degrees; None if unknown.
+    mean_nu
+        Degrees of freedom of that uncertainty.
+    risks
+        Of each test.
+
+    """
+
+    __test__ = False
+
+    columns: RunColumns
+    mean_deg: float | None
+    mean_u_deg: float | None
+    mean_nu: float
+    risks: TestRisks
+
+    @property
+    def settings(self) -> Settings:
+        """Return the settings that the run is judged by."""
+        return self.columns.settings
+
+    @property
+    def is_mounting_stated(self) -> bool:
+        """Whether the angle between the sensors is known: stated, or its mean known as zero."""
+        settings = self.settings
+        return (settings.variant == 'A' or settings.installation_offset_deg != 0.0
+                or settings.installation_offset_u_deg > 0.0)
+
+    def reference_deg(self, upper: bool) -> float:
+        """Return the most, or the least, standard deviation of the RS, degrees."""
+        limits = self.columns.limits
+        return (limits.m_up if upper else limits.m_low) * limits.sigma_ref_max_deg
+
+
+def reach(alpha: float, nu: float) -> float:
+    """Return the quantile of Student's distribution beyond which the probability is alpha."""
+    if math.isinf(nu):
+        return -float(scipy.special.ndtri(alpha))
+    return -float(scipy.special.stdtrit(nu, alpha))
+
+
+def exceeding(t: float, nu: float) -> float:
+    """Return the probability that Student's variable exceeds t."""
+    return float(scipy.special.ndtr(-t) if math.isinf(nu) else scipy.special.stdtr(nu, -t))
