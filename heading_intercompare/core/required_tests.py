@@ -34,10 +34,12 @@ class TestKind:
     ----------
     words
         What is limited, as in a sentence.
-    unit : {'deg', 'h'}
-        Of its figure and of its limit.
     manoeuvre
         What to sail, or to wait for, so that a record can decide it.
+    least_s
+        How long that takes at least, seconds.
+    unit : {'deg', 'h'}
+        Of its figure and of its limit.
     is_judged
         Whether a record of headings can decide it at all.
 
@@ -47,40 +49,43 @@ class TestKind:
 
     words: str
     manoeuvre: str
+    least_s: float = 0.0
     unit: str = 'deg'
     is_judged: bool = True
 
 
+_SWELL = ('30 min on straight legs in a swell that yaws the ship by 1 deg or more, read every 5 s '
+          'or more often')
+_MOUNTING = 'installation_offset_deg and installation_offset_u_deg'
+
 KINDS: Mapping[str, TestKind] = {
     'resolution': TestKind(
         'transmission and resolution error',
-        'a slow turn through 5 deg, so that the readings show their step'),
+        'any turn through 5 deg: 30 changes of the reading show its step', 60.0),
     'static_error': TestKind(
         'static error',
         'eight steady headings, 45 deg apart, 10 min each, and the mounting angle stated with '
-        'installation_offset_deg and installation_offset_u_deg'),
-    'dynamic_error': TestKind(
-        'amplitude of the dynamic error',
-        '30 min on straight legs in a swell that yaws the ship by 1 deg or more'),
+        f'{_MOUNTING}', 4800.0),
+    'dynamic_error': TestKind('amplitude of the dynamic error', _SWELL, 1800.0),
     'fast_dynamic_error': TestKind(
-        'amplitude of the dynamic error of periods below 30 s',
-        '30 min on straight legs in a swell that yaws the ship by 1 deg or more, read every 5 s '
-        'or more often'),
+        'amplitude of the dynamic error of periods below 30 s', _SWELL, 1800.0),
     'follow_up': TestKind(
         'follow-up error',
-        'a zigzag or full circles, to port and to starboard, at the highest rate of turn'),
+        'a zigzag or full circles, to port and to starboard, as fast as the ship turns', 600.0),
     'settling_time': TestKind(
-        'settling time', 'record from switching the sensor on, for 8 h or more', unit='h'),
+        'settling time', 'record from switching the sensor on, for 8 h or more', 28800.0, 'h'),
     'settle_point': TestKind(
         'settle-point error',
-        '3 h on one heading after settling, with a bearing of a quay or a mark, or an RS whose '
-        'mounting angle is stated with installation_offset_deg and installation_offset_u_deg'),
+        '3 h on one heading after settling, and the mounting angle of the RS stated with '
+        f'{_MOUNTING}; or alongside, with a bearing of the quay or of a mark (observe)', 10800.0),
     'rms_of_ten': TestKind(
         'rms of ten readings, every 20 min, about their mean',
-        'sets of ten readings every 20 min on one heading after settling: 3 h each'),
+        'sets of ten readings every 20 min on one heading after settling, 3 h each; four sets '
+        'bound the rms to 1.3 times', 43200.0),
     'repeatability': TestKind(
         'repeatability of the settle point from start to start',
-        'three runs or more, each 3 h after settling, the sensor switched off between them'),
+        'three runs or more, each 3 h after settling, the sensor switched off between them',
+        32400.0),
     'speed_error': TestKind(
         'residual speed error', 'a type test, or legs to the north and to the south at full speed',
         is_judged=False),
@@ -91,6 +96,9 @@ KINDS: Mapping[str, TestKind] = {
 }
 """The kinds of tests by their names."""
 
+
+LEAST_SHARE_OF_RATES = 0.1
+"""Share of the fastest rate of a follow-up error at which a record says something of it."""
 
 SYSTEMATIC = 'static_error', 'settle_point'
 """The kinds that limit the systematic error."""
@@ -134,6 +142,21 @@ class RequiredTest:
         slowest, fastest = self.rates_deg_s
         return (f'{words} up to {fastest:g} deg/s' if slowest == 0.0 else
                 f'{words} from {slowest:g} to {fastest:g} deg/s')
+
+    @property
+    def manoeuvre(self) -> str:
+        """Return what to sail, or to wait for, with the rate of turn."""
+        manoeuvre = KINDS[self.kind].manoeuvre
+        return manoeuvre if self.least_rate_deg_s is None else (
+            f'{manoeuvre}, {self.least_rate_deg_s:g} deg/s or more')
+
+    @property
+    def least_rate_deg_s(self) -> float | None:
+        """Return the least rate of turn that a record must have, degrees per second."""
+        if self.rates_deg_s is None:
+            return None
+        slowest, fastest = self.rates_deg_s
+        return max(slowest, LEAST_SHARE_OF_RATES * fastest)
 
     def limit_at(self, latitude_deg: float | None) -> float:
         """Return the limit at a latitude, which must be known if the limit grows with it."""

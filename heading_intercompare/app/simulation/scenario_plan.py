@@ -34,6 +34,7 @@ from heading_intercompare.ahrs.simulator import Simulation
 from heading_intercompare.core.decision.coverage import least_duration_s
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.trial_plan import Chance
+from heading_intercompare.core.norm_tests.judged_test import JudgedTest, STATES
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.validity.condition import is_doubtful
@@ -110,6 +111,9 @@ class ScenarioPlan:
         How many of the longest trials have each outcome and reason, the most frequent first.
     chances
         The chances by length.
+    tests
+        For each test that the norm requires, the number of the longest trials in which it is met,
+        not met, open, or not sailed.
 
     """
 
@@ -121,14 +125,16 @@ class ScenarioPlan:
     advised_s: float | None
     reasons: dict[str, int]
     chances: tuple[Chance, ...]
+    tests: dict[str, dict[str, int]]
 
 
 @dataclass(frozen=True, slots=True)
 class _SeedTrial:
-    """The trial with one seed: outcome by length, reason of the longest, true deviations."""
+    """The trial with one seed: outcome by length, the longest, true deviations."""
 
     outcomes: tuple[Outcome, ...]
     reason: str
+    tests: tuple[JudgedTest, ...]
     ts_std_deg: float
     rs_std_deg: float
 
@@ -185,7 +191,7 @@ def plan_scenario(scenario: Scenario, settings: Settings, *, trials: int = 20,
         advised_s=next((chance.duration_s for chance in chances
                         if chance.compliant >= probability), None),
         reasons=dict(Counter(result.reason for result in results).most_common()),
-        chances=chances)
+        chances=chances, tests=_count_states(result.tests for result in results))
 
 
 def _try_seed(scenario: Scenario, settings: Settings, track: Track | None,
@@ -194,7 +200,18 @@ def _try_seed(scenario: Scenario, settings: Settings, track: Track | None,
     record = simulate_record(Simulation(replace(scenario, seed=seed), track=track))
     verdicts = [record.judge(settings, length_s + _MARGIN_S / 2.0) for length_s in lengths_s]
     return _SeedTrial(tuple(verdict.outcome for verdict in verdicts), _explain(verdicts[-1]),
+                      tuple(verdicts[-1].campaign.norm_tests or ()),
                       record.true_std_deg('ts'), record.true_std_deg('rs'))
+
+
+def _count_states(tables: Iterable[Sequence[JudgedTest]]) -> dict[str, dict[str, int]]:
+    """Return how often each test has each state."""
+    counts: dict[str, dict[str, int]] = {}
+    for table in tables:
+        for test in table:
+            states = counts.setdefault(test.words, dict.fromkeys(STATES, 0))
+            states[test.state] += 1
+    return counts
 
 
 def _explain(verdict: Verdict) -> str:

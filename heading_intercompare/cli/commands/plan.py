@@ -21,7 +21,7 @@ from dataclasses import asdict
 import json
 import math
 import sys
-from typing import Any, Iterator, TypeAlias
+from typing import Any, Iterator, Sequence, TypeAlias
 
 import numpy as np
 
@@ -44,6 +44,8 @@ from heading_intercompare.core.decision.trial_plan import (
     REMEDY_LEVEL,
     TrialPlan,
 )
+from heading_intercompare.core.norm_tests.judged_test import STATES
+from heading_intercompare.core.norm_tests.planned_tests import plan_tests, PlannedTest
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.replaced_file import replace_file
 from heading_intercompare.report import check_picture, write_chances, write_trial_page
@@ -143,8 +145,10 @@ def _plan_trial(arguments: argparse.Namespace, settings: Settings) -> _Plan:
                           trials=arguments.trials or 200, progress=progress.show)
     figure = draw_chances(list_lines(plan.chances), f'One run, {plan.trials} trials each',
                           least_s=plan.least_s, probability=plan.wanted)
-    return (_table(plan, settings, rate_hz, slow_share), {'levels': LEVELS, **asdict(plan)},
-            'Plan of a trial', figure)
+    tests = plan_tests(settings, rate_hz)
+    text = '\n'.join([_table(plan, settings, rate_hz, slow_share), *_list_tests(tests)])
+    document = {'levels': LEVELS, **asdict(plan), 'tests': [asdict(test) for test in tests]}
+    return (text, document, 'Plan of a trial', figure)
 
 
 def _plan_scenario(arguments: argparse.Namespace, settings: Settings) -> _Plan:
@@ -189,6 +193,11 @@ def _scenario_lines(plan: ScenarioPlan, settings: Settings) -> Iterator[str]:
         f'{count} {reason}' for reason, count in plan.reasons.items())
     yield f'each chance is from {len(plan.seeds)} simulated trials; a shorter one is a longer ' \
         'one cut'
+    if plan.tests:
+        yield f'tests of the norm in {longest}, of {len(plan.seeds)} trials:'
+    for words, states in plan.tests.items():
+        yield f'  {words}: ' + ', '.join(
+            f'{count} {STATES[state]}' for state, count in states.items() if count)
 
 
 def _table(plan: TrialPlan, settings: Settings, rate_hz: float, slow_share: float) -> str:
@@ -226,6 +235,19 @@ def _table(plan: TrialPlan, settings: Settings, rate_hz: float, slow_share: floa
         f'{span_words(plan.slowest_error_s)} between runs',
         f'each chance is from {plan.trials} simulated trials; its standard error is at most '
         f'{error:.0f} percent'])
+
+
+def _list_tests(tests: Sequence[PlannedTest]) -> list[str]:
+    """Return the tests of the norm: what to sail for each, or why this trial cannot decide it."""
+    if not tests:
+        return []
+    lines = ['', 'tests of the norm, and what to sail for each:']
+    for test in tests:
+        how = f'not decided: {test.obstacle}' if test.obstacle else test.manoeuvre
+        lines.append(f'  {test.words} (limit {test.limit:.3g} {test.unit}): {how}')
+    sailed = sum(test.least_s for test in tests if not test.obstacle)
+    return [*lines, f'one after the other these take {span_words(sailed)} at least; legs, turns '
+            'and waiting may serve several at once']
 
 
 def _name_remedies(plan: TrialPlan) -> list[str]:

@@ -38,13 +38,16 @@ LEAST_YAW_DEG = 1.0
 SHARE = 0.95
 """Share of the readings that the amplitude bounds: it is that of a sine to 0.3 %."""
 
-_NORMAL_QUANTILE = 1.959963984540054
+NORMAL_QUANTILE = 1.959963984540054
+"""Amplitude of normal errors in their standard deviations."""
+
+SLOWEST_STEP_S = 5.0
+"""Slower readings do not show a period of 30 s, seconds."""
+
 #: Order of the filter, which runs forwards and backwards.
 _ORDER = 8
 #: Length of the means in seconds; no error by the motion of a ship is faster than twice that.
 _STEP_S = 0.5
-#: Slower readings do not show a period of 30 s.
-_SLOWEST_STEP_S = 5.0
 #: The ship turns if she turns so fast over half a minute, degrees per second.
 _TURNING_DEG_S = 0.2
 _LEAST_LEG_S = 300.0
@@ -102,8 +105,8 @@ def _measure(tested: TestedRun, limit: float, *, is_fast: bool) -> Measurement:
     amplitude, nu = _amplitude(series), len(blocks) - 1.0
     u = float(np.std(of_blocks, ddof=1)) / math.sqrt(len(blocks))
     rounding_deg2 = sum(step.variance_deg2 for step in tested.columns.steps)
-    most = _NORMAL_QUANTILE * math.sqrt(tested.reference_deg(True) ** 2 + rounding_deg2)
-    least = _NORMAL_QUANTILE * tested.reference_deg(False)
+    most = NORMAL_QUANTILE * math.sqrt(tested.reference_deg(True) ** 2 + rounding_deg2)
+    least = NORMAL_QUANTILE * tested.reference_deg(False)
     low = amplitude - reach(tested.risks.not_met, nu) * u
     high = amplitude + reach(tested.risks.met, nu) * u
     beyond = amplitude - math.hypot(limit, most)
@@ -126,7 +129,7 @@ def _without(amplitude_deg: float, reference_deg: float) -> float:
 def find_motion(tested: TestedRun) -> _Motion | None:
     """Return the straight legs of a run, split by period; None if there is none."""
     tracks = tested.columns.tracks
-    if tracks is None or tracks.rs.step_s > _SLOWEST_STEP_S:
+    if tracks is None or tracks.rs.step_s > SLOWEST_STEP_S:
         return None
     parts = [_split_leg(x, rs, step_s) for x, rs, step_s in _list_legs(tracks.ts, tracks.rs)]
     if not parts:

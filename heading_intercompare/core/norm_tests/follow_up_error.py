@@ -28,12 +28,10 @@ from .tested_run import exceeding, reach, TestedRun
 _HELD_S = 5.0
 #: Turns of this time altogether show the rate, seconds.
 _LEAST_TURNING_S = 20.0
-#: Least share of the rates of the limit that a record must reach to decide.
-_SHARE_OF_RATES = 0.1
 
 
-def measure_follow_up(tested: TestedRun, limit: float,
-                      rates_deg_s: tuple[float, float]) -> Measurement:
+def measure_follow_up(tested: TestedRun, limit: float, rates_deg_s: tuple[float, float],
+                      least_rate_deg_s: float) -> Measurement:
     """
     Return the follow-up error at the highest rate of turn that was sailed.
 
@@ -41,6 +39,8 @@ def measure_follow_up(tested: TestedRun, limit: float,
     ----------
     rates_deg_s
         The rates of turn that the limit holds for, slowest and fastest.
+    least_rate_deg_s
+        The least rate of turn at which a record says something of it.
 
     Notes
     -----
@@ -69,7 +69,7 @@ def measure_follow_up(tested: TestedRun, limit: float,
     high = (abs(skew.skew_s) + reach(tested.risks.met, nu) * skew.u_s) * fastest
     return Measurement(
         value, max(0.0, value - reach(0.5 * tested.risks.not_met, nu) * u), high,
-        min(1.0, 2.0 * exceeding((value - limit) / u, nu)), rate >= _SHARE_OF_RATES * fastest,
+        min(1.0, 2.0 * exceeding((value - limit) / u, nu)), rate >= least_rate_deg_s,
         f'{record}; a lag of {skew.skew_s:.3f} s, u = {skew.u_s:.2g} s',
         f'the clocks of the sensors lie {abs(skew.skew_s):.2f} s apart')
 

@@ -110,7 +110,7 @@ class JudgedTest:
         'the number of tests', unit='1')
     sailed: bool = figure('whether the record holds what the test asks for')
     record: str = figure('what the record holds of it')
-    advice: str = figure('how to sail it, or what to wait for', 'empty if the test is decided')
+    manoeuvre: str = figure('what to sail, or to wait for, to decide it')
     unless: str = figure('another explanation of a figure above the limit', 'empty without one')
     run: int | None = figure('number of the run that decides', absent='in the table of a run, '
                              'and if all runs together decide', unit='')
@@ -136,16 +136,16 @@ class JudgedTest:
     @property
     def notes(self) -> str:
         """Return what the record holds, and what decides the test or explains its figure."""
-        return '; '.join(filter(None, (
-            self.record, self.unless and f'unless {self.unless}',
-            self.advice and f'to decide it: {self.advice}')))
+        parts = [self.record]
+        if self.state == NOT_MET and self.unless:
+            parts.append(f'unless {self.unless}')
+        if self.state in (OPEN, NOT_SAILED):
+            parts.append(f'to decide it: {self.manoeuvre}')
+        return '; '.join(filter(None, parts))
 
     def judge(self, risks: TestRisks) -> 'JudgedTest':
         """Return the test with the state that its figures give at these risks."""
-        state = self._find_state(risks)
-        kind = KINDS[self.kind]
-        return replace(self, state=state, unless=self.unless if state == NOT_MET else '',
-                       advice='' if state in (MET, NOT_MET) else kind.manoeuvre)
+        return replace(self, state=self._find_state(risks))
 
     def _find_state(self, risks: TestRisks) -> str:
         if self.value is not None and self.value > self.limit and (
@@ -163,7 +163,7 @@ def judge_measurement(required: RequiredTest, limit: float, measured: Measuremen
         kind=required.kind, words=required.words, clause=required.clause, status=required.status,
         unit=KINDS[required.kind].unit, limit=limit, state=OPEN, value=measured.value,
         low=measured.low, high=measured.high, risk_not_met=measured.risk_not_met,
-        sailed=measured.sailed, record=measured.record, advice='',
+        sailed=measured.sailed, record=measured.record, manoeuvre=required.manoeuvre,
         unless=measured.unless).judge(risks)
 
 

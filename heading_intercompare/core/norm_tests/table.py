@@ -67,7 +67,7 @@ def _judge(required: RequiredTest, tested: TestedRun) -> JudgedTest:
 def _measure(required: RequiredTest, limit: float, tested: TestedRun) -> Measurement:
     if not KINDS[required.kind].is_judged:
         return Measurement(record='a record of headings does not decide it')
-    if required.rates_deg_s is not None:
-        return measure_follow_up(tested, limit, required.rates_deg_s)
+    if required.rates_deg_s is not None and required.least_rate_deg_s is not None:
+        return measure_follow_up(tested, limit, required.rates_deg_s, required.least_rate_deg_s)
     measure = MEASURES.get(required.kind)
     return Measurement() if measure is None else measure(tested, limit)

@@ -109,3 +109,30 @@ def test_the_figure_of_a_plan_by_norms_shows_the_levels(tmp_path, capsys):
     assert main(['plan', *GIVEN, '--trials', '2', '--plot', str(tmp_path / 'p.svg')]) == 0
     text = (tmp_path / 'p.svg').read_text()
     assert all(f'TS at {level} of its norm' in text for level in (0.5, 0.7, 0.85))
+
+
+def test_a_plan_by_a_named_norm_says_what_to_sail_for_each_of_its_tests(capsys):
+    words = ['plan', '--set', 'norms.preset=imo_msc116', '--set', 'norms.sigma_ref_max_deg=0.2',
+             '--set', 'risk.slowest_error_s=30', '--trials', '2', '--quiet']
+    assert main(words) == 0
+    out = capsys.readouterr().out
+    assert ('  follow-up error up to 10 deg/s (limit 0.5 deg): a zigzag or full circles, to port '
+            'and to starboard, as fast as the ship turns, 1 deg/s or more\n') in out
+    assert ('  amplitude of the dynamic error of periods below 30 s (limit 0.5 deg): not decided: '
+            'needs an RS of 0.18 deg') in out
+    assert main([*words, '--json', '-']) == 0
+    tests = json.loads(capsys.readouterr().out)['tests']
+    assert len(tests) == 6 and sum(bool(test['obstacle']) for test in tests) == 1
+
+
+@pytest.mark.slow
+def test_a_plan_by_a_scenario_counts_the_tests_of_its_trials(capsys, tmp_path):
+    trial = tmp_path / 'trial.yaml'
+    trial.write_text('duration_s: 900\nlegs: 0 20 8; 300 110 8; 600 200 8\n'
+                     'ts: {white_deg: 0.1, latency_s: 0.4}\nrs: {white_deg: 0.02}\n')
+    words = ['plan', *NORMS, '--set', 'norms.tests=follow_up 0.05 0-2; static_error 0.5',
+             '--scenario', str(trial), '--trials', '2', '--quiet']
+    assert main(words) == 0
+    out = capsys.readouterr().out
+    assert 'tests of the norm in 15 min, of 2 trials:\n' in out
+    assert '  follow-up error up to 2 deg/s: 2 not met\n  static error: 2 met\n' in out

@@ -112,7 +112,7 @@ def test_what_was_not_sailed_is_not_met(errors, kinds):
     verdict = judge(errors)
     rows = {row.kind: row for row in verdict.runs[0].norm_tests if row.state == NOT_SAILED}
     assert set(rows) == kinds | {'follow_up'}
-    assert all(row.advice for row in rows.values())
+    assert all(row.manoeuvre for row in rows.values())
 
 
 def test_an_error_in_a_calm_sea_is_an_error():
