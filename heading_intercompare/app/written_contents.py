@@ -72,10 +72,8 @@ def _describe_table(path: str) -> Iterator[str]:
 
 
 def _describe_logbook(path: str) -> Iterator[str]:
-    book = Logbook(path)
-    runs = book.read()
+    runs, head = Logbook(path).read_with_head()
     yield f'runs: {len(runs)}'
-    head = book.read_head()
     yield ('chain: none, an older version wrote it' if head is None else
            f'chain: entry {head.entry} is the newest, SHA-256 {head.sha256}')
     if runs:

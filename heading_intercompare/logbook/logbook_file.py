@@ -193,22 +193,31 @@ class Logbook:
             a row was changed, put in or taken out by another program.
 
         """
+        return self._read(since_ns, ship)[0]
+
+    def read_with_head(self) -> tuple[list[RunRow], ChainHead | None]:
+        """
+        Return all rows, as `read` does, and the newest entry of the chain that they have.
+
+        Both are of one transaction. A logbook of before version 3 has no chain, so no entry.
+        """
+        return self._read(None, None)
+
+    def _read(self, since_ns: int | None,
+              ship: str | None) -> tuple[list[RunRow], ChainHead | None]:
         with self._open(write=False) as connection:
             rows = _read_cells(connection, f'{_SELECT} ORDER BY start_ns, end_ns, ship, id')
-            changed = find_break(connection, rows) if _has_chain(connection) else None
+            chained = _has_chain(connection)
+            changed = find_break(connection, rows) if chained else None
+            head = read_head(connection) if chained else None
         try:
             if changed:
                 raise LogbookError(f'{changed}; what the program wrote is no longer known')
             return [_to_row(cells) for cells in rows
                     if (since_ns is None or cells['end_ns'] >= since_ns)
-                    and ship in (None, cells['ship'])]
+                    and ship in (None, cells['ship'])], head
         except LogbookError as error:
             raise LogbookError(f'{self.path}: {error}') from None
-
-    def read_head(self) -> ChainHead | None:
-        """Return the newest entry of the chain; None for a logbook of before version 3."""
-        with self._open(write=False) as connection:
-            return read_head(connection) if _has_chain(connection) else None
 
     @contextmanager
     def _open(self, *, write: bool) -> Iterator[sqlite3.Connection]:

@@ -185,33 +185,33 @@ def test_the_next_run_does_not_take_the_place_of_a_row_that_was_taken_out(book):
 
 
 def test_every_write_goes_into_the_chain_and_the_same_row_only_once(book, tmp_path):
-    assert book.write([]) is None and book.read_head().entry == 0
+    assert book.write([]) is None and book.read_with_head()[1].entry == 0
     book.write([make_row(0), make_row(1)])
-    head = book.read_head()
+    head = book.read_with_head()[1]
     book.write([make_row(1)])
     merge_logbooks(book, [book])
-    assert book.read_head() == head and head.entry == 2
+    assert book.read_with_head()[1] == head and head.entry == 2
     book.write([make_row(1, paired=7)])
-    assert book.read_head().entry == 3 and len(book.read()) == 2
+    assert book.read_with_head()[1].entry == 3 and len(book.read()) == 2
     other = Logbook(tmp_path / 'other')
     other.write([make_row(0)])
     other.write([make_row(1)])
-    assert other.read_head() == head
+    assert other.read_with_head()[1] == head
 
 
 def test_whoever_noted_the_newest_hash_sees_a_chain_that_was_made_anew(book, tmp_path):
     book.write([make_row(0, headline='COMPLIANT for an hour'), make_row(1)])
-    noted = book.read_head()
+    noted = book.read_with_head()[1]
     forged = Logbook(tmp_path / 'forged')
     forged.write([make_row(0, headline='COMPLIANT for years'), make_row(1)])
-    assert forged.read() and forged.read_head().sha256 != noted.sha256
+    assert forged.read() and forged.read_with_head()[1].sha256 != noted.sha256
 
 
 def test_a_chain_begins_with_the_rows_of_an_old_logbook(book):
     make_old(book.path, make_row(0), make_row(1))
-    assert book.read_head() is None
+    assert book.read_with_head()[1] is None
     book.write([make_row(2)])
-    assert book.read_head().entry == 3
+    assert book.read_with_head()[1].entry == 3
     forge(book, 'UPDATE runs SET n = 5 WHERE id = 1')
     with pytest.raises(LogbookError, match='row 1 was changed'):
         book.read()

@@ -22,7 +22,7 @@ import json
 import os
 from pathlib import Path
 import sys
-from typing import Any, Sequence
+from typing import Any, Mapping, Sequence
 
 from heading_intercompare.app.correction_files import SUFFIXES, write_corrections
 from heading_intercompare.app.run_table import parse_stamp
@@ -30,11 +30,14 @@ from heading_intercompare.cli.terminal.console import say, say_lines, tell, VERD
 from heading_intercompare.core.count_words import count_words
 from heading_intercompare.core.typed_reader import make_plain
 from heading_intercompare.core.utc_text import utc
+from heading_intercompare.core.validity.condition import HOLDS
+from heading_intercompare.core.verdict.headline import say_outcome
 from heading_intercompare.core.verdict.verdict_document import Software
 from heading_intercompare.logbook.control_chart import LEAST_BASELINE
 from heading_intercompare.logbook.correction import list_corrections
 from heading_intercompare.logbook.history import History, Point, tell_histories
 from heading_intercompare.logbook.logbook_file import Logbook, merge_logbooks, to_cells
+from heading_intercompare.logbook.row_chain import ChainHead
 from heading_intercompare.logbook.run_row import RunRow
 from heading_intercompare.logbook.service_change import compare_service, ServiceChange
 from heading_intercompare.replaced_file import replace_file, ReplacedFile
@@ -83,15 +86,18 @@ def run(arguments: argparse.Namespace) -> int:
                    f'{arguments.merge_into}'])
         return 0
     since_ns, service_ns = _read_time(arguments, 'since'), _read_time(arguments, 'service')
+    contents = [book.read_with_head() for book in books]
     histories = tell_histories(
-        (row for book in books for row in book.read()
+        (row for rows, _ in contents for row in rows
          if arguments.ship is None or f'{row.ship}/'.startswith(f'{arguments.ship}/')),
         baseline=arguments.baseline, runs_between=arguments.one_in)
     changes = [() if service_ns is None else compare_service(
         [point.row for point in history.points], service_ns) for history in histories]
-    _write_files(histories, changes, arguments, since_ns)
+    heads = {book.path: head for book, (_, head) in zip(books, contents)}
+    document = '' if arguments.json is None else _render(histories, changes, heads, since_ns)
+    _write_files(histories, document, arguments, since_ns)
     if arguments.json == '-':
-        sys.stdout.write(_render(histories, changes, arguments, since_ns))
+        sys.stdout.write(document)
     elif arguments.csv == '-':
         _write_csv(histories, sys.stdout, since_ns)
     else:
@@ -104,10 +110,10 @@ def run(arguments: argparse.Namespace) -> int:
     return _DIFFERS_CODE if arguments.check and differs else 0
 
 
-def _write_files(histories: Sequence[History], changes: Sequence[Sequence[ServiceChange]],
-                 arguments: argparse.Namespace, since_ns: int | None) -> None:
+def _write_files(histories: Sequence[History], document: str, arguments: argparse.Namespace,
+                 since_ns: int | None) -> None:
     if arguments.json not in (None, '-'):
-        replace_file(arguments.json, _render(histories, changes, arguments, since_ns))
+        replace_file(arguments.json, document)
     if arguments.csv not in (None, '-'):
         with ReplacedFile(arguments.csv, 'w', encoding='utf-8', newline='') as file:
             _write_csv(histories, file, since_ns)
@@ -197,9 +203,8 @@ def _summarize_history(history: History, service_changes: Sequence[ServiceChange
 
 
 def _say_outcome(row: RunRow) -> str:
-    if row.validity_effect == 'holds':
-        return row.outcome.upper()
-    return f'{row.outcome.upper()}, {row.validity_effect.upper()}: {row.conditions}'
+    conditions = '' if row.validity_effect == HOLDS else f': {row.conditions}'
+    return say_outcome(row.outcome, row.validity_effect) + conditions
 
 
 def _describe(point: Point) -> str:
@@ -214,16 +219,15 @@ def _describe(point: Point) -> str:
 
 
 def _render(histories: Sequence[History], changes: Sequence[Sequence[ServiceChange]],
-            arguments: argparse.Namespace, since_ns: int | None) -> str:
-    """Return runs and charts as JSON."""
+            heads: Mapping[str, ChainHead | None], since_ns: int | None) -> str:
+    """Return runs and charts as JSON, and the newest entry of the chain of each logbook."""
     plain: list[dict[str, Any]] = [
         {**make_plain(history), 'points': make_plain(history.list_since(since_ns)),
          **({'service': make_plain(service_changes)} if service_changes else {})}
         for history, service_changes in zip(histories, changes)]
     return json.dumps({'schema': SCHEMA, 'software': make_plain(Software()),
                        'one_in': histories[0].runs_between if histories else None,
-                       'chains': {path: head and head._asdict() for path in arguments.logbooks
-                                  for head in (Logbook(path).read_head(),)},
+                       'chains': {path: head and head._asdict() for path, head in heads.items()},
                        'histories': plain},
                       indent=1, ensure_ascii=False, allow_nan=False) + '\n'
 

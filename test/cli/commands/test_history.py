@@ -34,6 +34,8 @@ from heading_intercompare.report.figures.drawing import SVG_STYLE
 
 DAY_NS = 86_400_000_000_000
 T0_NS = 20_000 * DAY_NS
+VOID_RUN = {'outcome': 'indeterminate', 'reason': 'void.clocks', 'validity_effect': 'void',
+            'headline': 'INDETERMINATE, VOID', 'conditions': 'clocks=void'}
 
 
 def rows_of(ship, days, shift_at):
@@ -86,6 +88,38 @@ def test_several_logbooks_are_one_and_a_ship_can_be_chosen(books, capsys):
     assert capsys.readouterr().out == 'no runs\n'
 
 
+@pytest.mark.parametrize('more, words', [
+    ({'outcome': 'non_compliant', 'headline': 'NON-COMPLIANT'}, 'NON-COMPLIANT'),
+    ({'outcome': 'non_compliant', 'headline': 'NON-COMPLIANT, DOUBTFUL: why',
+      'validity_effect': 'doubtful', 'conditions': 'losses=doubtful'},
+     'NON-COMPLIANT, DOUBTFUL: losses=doubtful'),
+    (VOID_RUN, 'INDETERMINATE, VOID: clocks=void')])
+def test_an_outcome_has_the_words_of_the_page(tmp_path, capsys, more, words):
+    """Before, the list said NON_COMPLIANT, and the page NON-COMPLIANT."""
+    book, row = str(tmp_path / 'l'), replace(*rows_of('MV A', 1, 9), **more)
+    Logbook(book).write([row, replace(row, ship='MV B')])
+    for options, lines in ([], 2), (['--ship', 'MV A'], 1):
+        assert main(['history', book, *options]) == 0
+        said = re.findall(r'  ([A-Z]{3}.*?)(?:; .*)?$', capsys.readouterr().out, re.MULTILINE)
+        assert said == [words] * lines
+
+
+def test_the_json_tells_rows_and_chain_of_one_instant(books, capsys, monkeypatch):
+    """A node writes a run after the logbook was read: neither its row nor its entry is told."""
+    read = Logbook._read
+
+    def read_before_a_write(book, *choice):
+        contents = read(book, *choice)
+        book.write(rows_of('MV C', 1, 9))
+        return contents
+
+    monkeypatch.setattr(Logbook, '_read', read_before_a_write)
+    assert main(['history', *books, '--json', '-']) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert [told['chains'][book]['entry'] for book in books] == [40, 35]
+    assert sorted(len(history['points']) for history in told['histories']) == [35, 40]
+
+
 def test_since_shortens_the_list_but_not_the_chart(books, capsys):
     assert main(['history', books[0], '--since', '2024-11-10']) == 0
     lines = capsys.readouterr().out.splitlines()
@@ -98,7 +132,7 @@ def test_json_and_csv_hold_runs_and_limits(books, tmp_path, capsys):
     told = json.loads(capsys.readouterr().out)
     assert told['schema'] == 'heading_intercompare/history/1'
     assert told['one_in'] == pytest.approx(780.3, abs=0.1)
-    assert told['chains'] == {books[0]: Logbook(books[0]).read_head()._asdict()}
+    assert told['chains'] == {books[0]: Logbook(books[0]).read_with_head()[1]._asdict()}
     history, = told['histories']
     assert history['trends'][0]['differs_since_ns'] == T0_NS + 30 * DAY_NS
     with table.open(newline='', encoding='utf-8') as file:
@@ -108,10 +142,6 @@ def test_json_and_csv_hold_runs_and_limits(books, tmp_path, capsys):
         assert float(row['mean_deg']) == point['row']['mean_deg']
         assert float(row['mean_high_deg']) == point['mean_high_deg']
         assert row['outside'] == ' '.join(point['outside'])
-
-
-VOID_RUN = {'outcome': 'indeterminate', 'reason': 'void.clocks', 'validity_effect': 'void',
-            'headline': 'INDETERMINATE, VOID', 'conditions': 'clocks=void'}
 
 
 def write_offsets(path, *rows):
