@@ -60,6 +60,10 @@ from heading_intercompare.core.settings import Settings
 
 N = 6000
 MS = 1_000_000
+#: One run, several, and several of which the journal keeps two.
+RUNS = {'one run': {}, 'runs': {'runs.every_h': 0.05},
+        'two runs kept': {'runs.every_h': 0.05, 'runs.keep': 2}}
+METHODS = ('auto', 'interpolate', 'interpolate_ts', 'nearest')
 
 
 def settings(**more):
@@ -193,15 +197,14 @@ class SensorsProcess:
                 for names, pair in self.all_pairs.items()}
 
 
-@pytest.mark.parametrize('most_batches', [20, 2000])
-@pytest.mark.parametrize('rule_given', [{}, {'runs.every_h': 0.05},
-                                  {'runs.every_h': 0.05, 'runs.keep': 2}])
+@pytest.mark.parametrize('runs, most_batches', [
+    ('one run', 20), ('runs', 2000), ('two runs kept', 20), ('two runs kept', 2000)])
 def test_after_any_kills_several_sensors_are_judged_as_in_a_trial_without(
-        tmp_path, monkeypatch, rule_given, most_batches):
+        tmp_path, monkeypatch, runs, most_batches):
     """The runs of each two end at other times; one sensor is silent for the second half."""
     monkeypatch.setattr(run_journal, '_MOST_BATCHES', most_batches)
-    rng = np.random.default_rng(most_batches + len(rule_given))
-    rule = settings(**{'pairing.method': 'interpolate', **rule_given,
+    rng = np.random.default_rng(most_batches + len(RUNS[runs]))
+    rule = settings(**{'pairing.method': 'interpolate', **RUNS[runs],
                        'sensors': 'a sigma_max_deg=0.3; b sigma_max_deg=0.3 rs; '
                                   'c sigma_max_deg=0.3'})
     whole, process = (SensorsProcess(tmp_path / name, rule) for name in ('whole', 'j'))
@@ -227,7 +230,7 @@ def test_after_any_kills_several_sensors_are_judged_as_in_a_trial_without(
             process.mark(kind, stamp_ns)
     assert kills > 5
     assert process.finish() == whole.finish()
-    if most_batches == 2000 and 'runs.every_h' in rule_given:
+    if most_batches == 2000:
         # All runs of the trial have 3 MB.
         assert (tmp_path / 'j').stat().st_size < 1_000_000
     process.kill()
@@ -238,16 +241,19 @@ def plain(verdict):
     return json.loads(json.dumps(verdict.to_dict()))
 
 
-@pytest.mark.parametrize('most_batches', [20, 2000])
-@pytest.mark.parametrize('method', ['auto', 'interpolate', 'interpolate_ts', 'nearest'])
-@pytest.mark.parametrize('rule', [{}, {'runs.every_h': 0.05},
-                                  {'runs.every_h': 0.05, 'runs.keep': 2}])
+@pytest.mark.parametrize('method, runs, most_batches', [
+    (method, runs, (20, 2000)[(at + place) % 2])
+    for at, runs in enumerate(RUNS) for place, method in enumerate(METHODS)])
 def test_after_any_kills_pairs_verdict_and_account_are_those_of_a_trial_without(
-        tmp_path, monkeypatch, method, rule, most_batches):
-    """Also between the writing of a batch and its judgement; a run ends at steps and silences."""
+        tmp_path, monkeypatch, method, runs, most_batches):
+    """
+    Also between the writing of a batch and its judgement; a run ends at steps and silences.
+
+    Any two of method, runs and size of the journal come together.
+    """
     monkeypatch.setattr(run_journal, '_MOST_BATCHES', most_batches)
-    rule, rng = settings(**{'pairing.method': method, 'pairing.auto_s': 20.0, **rule}), (
-        np.random.default_rng(len(method) + len(rule)))
+    rule, rng = settings(**{'pairing.method': method, 'pairing.auto_s': 20.0, **RUNS[runs]}), (
+        np.random.default_rng(len(method) + len(RUNS[runs])))
     whole, process = Process(tmp_path / 'whole', rule), Process(tmp_path / 'j', rule)
     began_ns, kills, made = process.journal.began_ns, 0, Pairs.empty()
     for number, batch in enumerate(make_batches(11)):
