@@ -53,11 +53,16 @@ def judge(path, *assignments, **more):
     return judge_bags([str(path)], settings, **more)
 
 
-@pytest.mark.parametrize('rule', [
-    {}, {'runs.every_h': 0.25}, {'runs.every_h': 0.25, 'runs.keep': 3},
-    {'runs.stabilization_s': 100.0}, {'sequential.plan_s': 3600.0}, {'norms.sigma_max_deg': 0.05}])
-@pytest.mark.parametrize('marks', [(), [(500, 'start')], [(500, 'start'), (3000, 'stop')]])
-@pytest.mark.parametrize('booked', [True, False])
+#: Settings and marks of a journal; whether it has a ledger goes with them in turn.
+RULES = ({}, {'runs.every_h': 0.25}, {'runs.every_h': 0.25, 'runs.keep': 3},
+         {'runs.stabilization_s': 100.0}, {'sequential.plan_s': 3600.0},
+         {'norms.sigma_max_deg': 0.05})
+MARKS = ((), [(500, 'start')], [(500, 'start'), (3000, 'stop')])
+
+
+@pytest.mark.parametrize('rule, marks, booked', [
+    (rule, marks, (at + place) % 2 == 0)
+    for at, rule in enumerate(RULES) for place, marks in enumerate(MARKS)])
 def test_a_journal_gives_the_verdict_that_its_node_would_have_given(tmp_path, rule, marks, booked):
     path = tmp_path / 'trial.journal'
     live = write_journal(path, some_pairs(4000, gap_at=1500), marks, booked=booked, **rule)
