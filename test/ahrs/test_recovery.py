@@ -33,7 +33,7 @@ from heading_intercompare.ahrs.simulator import Simulation
 
 pytestmark = pytest.mark.slow
 
-SEEDS = 80
+SEEDS = 48
 DURATION_S = 1200.0
 SIGMA_TS_DEG, SIGMA_RS_DEG = 0.1, 0.05
 TURNS = '; '.join(f'{60 * i} {60 * (i % 2)} 12' for i in range(20))

@@ -101,7 +101,7 @@ WORKS = {
     'import': (('--ts', 'ts.log', '--rs', 'rs.log', '-o', 'imported'), 'bag: imported'),
     'simulate': (('--scenario', 'scenario.yaml', '-o', 'simulated'), 'bag: simulated'),
     'report': (('v.json', '-o', 'same.json'), 'VERDICT: '),
-    'plan': ((*NORMS, '--set', 'risk.slowest_error_s=9', '--rate', '0.3'), 'a run must last '),
+    'plan': ((*NORMS, '--set', 'risk.slowest_error_s=9', '--trials', '2'), 'a run must last '),
     'norms': ((), 'imo_msc116: '),
     'sign': (('v.json', '--key', 'key'), 'signature: v.json.sig'),
     'verify': (('signed.json', '--signers', 'signers'), 'signed.json: signed by mate '),

@@ -85,7 +85,7 @@ def test_a_clock_set_back_opens_a_segment_however_the_streams_are_cut(name, meth
     for number, count in enumerate(counts):
         # The first reading of one sensor has none of the other around it.
         assert count - 2 <= int((whole.segment == number).sum()) <= count
-    for size, late_ts, late_rs in ((600, 0, 0), (300, 20, 0), (7, 0, 20), (7, 20, 0)):
+    for size, late_ts, late_rs in ((600, 0, 0), (300, 20, 0), (7, 0, 20), (13, 20, 0)):
         pairs, pairer = pair_in_chunks(ts, rs, size, late_ts=late_ts, late_rs=late_rs,
                                        method=method)
         assert pairs == whole or method == 'nearest'
