@@ -29,9 +29,9 @@ INSTALLED := setup.py setup.cfg pyproject.toml heading_intercompare/core/version
 PYTHON312 := $(shell for p in python3.12 "$$(pyenv prefix 3.12 2>/dev/null)/bin/python3.12"; do \
 	"$$p" -c 'import ensurepip, venv' 2>/dev/null && command -v "$$p" && break; done)
 
-# For two cores: two workers for the tests that run graphs, which mostly wait, and one that yields to
+# For two cores: two workers for the tests that run graphs, which mostly wait, and two that yield to
 # them (conftest.py).
-WORKERS ?= 3
+WORKERS ?= 4
 # Of the quick tests those that show what versions change: figures, bytes, readers, one whole path.
 OF_VERSIONS := $(addprefix test/,$(addprefix core/,statistics timing pairing decision verdict \
 	test_pipeline.py) messages readers bags/mcap app/test_analysis.py cli/test_what_binds.py \

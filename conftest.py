@@ -46,7 +46,7 @@ except ImportError:
 else:
     # A slow machine is not a fault of the code; an endless test meets its own deadline.
     hypothesis_settings.register_profile(
-        'quick', max_examples=100, derandomize=True, deadline=None,
+        'quick', max_examples=60, derandomize=True, deadline=None,
         suppress_health_check=[HealthCheck.too_slow])
     # Other versions of the libraries fail on any example, or on none.
     hypothesis_settings.register_profile(
