@@ -218,7 +218,7 @@ def test_the_window_can_be_changed_while_the_node_runs(ros, rng):
 
 def test_a_setting_changed_while_the_node_runs_is_said_everywhere(ros, rng, tmp_path, capfd):
     """The JSON said 600 s while it was 5, and no log, bag or warning told of the change."""
-    graph, recorder = Graph(ros), ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    graph, recorder = Graph(ros), ros.ours(Recorder, output=str(tmp_path / 'bag'), end_wait_s=2.0)
     synchronizer = ros.ours(Synchronizer, subscribers=0)
     states = ros.listen(DiagnosticArray, '/diagnostics', qos.DIAGNOSTICS_IN)
     graph.send(some_pairs(rng, 0, 100))
@@ -247,7 +247,7 @@ def test_a_setting_changed_while_the_node_runs_is_said_everywhere(ros, rng, tmp_
 
 
 def test_the_verdict_names_the_chain_of_the_bag_recorded_meanwhile(ros, rng, tmp_path):
-    graph, recorder = Graph(ros), ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    graph, recorder = Graph(ros), ros.ours(Recorder, output=str(tmp_path / 'bag'), end_wait_s=2.0)
     graph.send(some_pairs(rng, 0, 700))
     ros.spin_until(lambda: graph.node.recorders.recordings)
     report = graph.end()
@@ -283,7 +283,7 @@ def test_what_no_recorder_of_this_graph_says_is_not_in_the_verdict(ros, rng):
 def test_each_mark_has_its_operator_in_the_bag_and_in_the_verdict(
         ros, rng, tmp_path, asked, author):
     """A touch at hour 11 took 11 hours from the record, and nobody knew whose it was."""
-    graph, recorder = Graph(ros), ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    graph, recorder = Graph(ros), ros.ours(Recorder, output=str(tmp_path / 'bag'), end_wait_s=2.0)
     pairs = some_pairs(rng, 0, 300)
     for at, name in zip((100, 200), asked):
         graph.send(pairs[at - 100:at])

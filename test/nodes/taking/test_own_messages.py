@@ -197,7 +197,7 @@ def test_what_several_nodes_publish_is_no_trouble(ros, judge, topic):
 
 @pytest.fixture
 def recorder(ros, tmp_path):
-    return ros.ours(Recorder, output=str(tmp_path / 'bag'))
+    return ros.ours(Recorder, output=str(tmp_path / 'bag'), end_wait_s=2.0)
 
 
 def recorded(recorder, topic):
