@@ -96,7 +96,8 @@ _NODES = 'test/nodes'
 _GRAPHS = 2
 #: The modules that take longest begin first, so that no worker is still busy with one at the end.
 _LONG = tuple(f'test/{name}.py' for name in (
-    'nodes/test_graph_processes', 'ahrs/gimballed/test_gimballed_ahrs', 'app/test_cluster'))
+    'nodes/test_graph_processes', 'app/test_cluster', 'bags/recording/test_reading_journal',
+    'core/pairing/test_pairer', 'test_howtos', 'test_packaging'))
 
 
 def _runs_nodes(path: str) -> bool:
