@@ -42,6 +42,7 @@ from heading_intercompare.core.timing.skew_instrument import common_tracks, LEAS
 from heading_intercompare.core.timing.stamp_steps import measure_stamp_steps, StampSteps
 from heading_intercompare.core.timing.time_skew import estimate_skew, Skew
 
+from .averaged_pairs import AveragedPairs
 from .run_findings import Correlation, describe_correlation
 
 SETTLED_SHARE = 0.1
@@ -238,6 +239,14 @@ class RunColumns:
         if self.n < LEAST_PAIRS or self.stamp_ns[-1] <= self.stamp_ns[0]:
             return None
         return common_tracks(self.stamp_ns, self.x_deg, self.rs_deg)
+
+    @cached_property
+    def averaged(self) -> AveragedPairs | None:
+        """Return averages over a fraction of a second; None for too few pairs."""
+        if self.tracks is None:
+            return None
+        return AveragedPairs.of(self.tracks, self.n, Moments.of(self.x_deg).m2_deg2,
+                                self.settings.wrap_center_deg)
 
     @cached_property
     def skew(self) -> Skew:

@@ -22,7 +22,7 @@ from typing import Callable, Iterator, Sequence
 
 import numpy as np
 
-from heading_intercompare.core.angles import unwrap_deg, wrap180, wrap360
+from heading_intercompare.core.angles import unwrap_deg, wrap360
 from heading_intercompare.core.decision.guarded import Guarded
 from heading_intercompare.core.statistics.blocking import pick_stretches, samples_per_average
 from heading_intercompare.core.statistics.drift import Detrended
@@ -39,6 +39,7 @@ from heading_intercompare.core.timing.time_skew import Skew
 
 from . import assumptions
 from .assumptions import Assumption
+from .by_motion import ByMotion, divide_by_motion
 from .deviation import fit_deviation, HeadingDependence
 from .reference_noise import estimate_reference_noise, ReferenceNoise
 from .run_columns import RunColumns
@@ -59,6 +60,7 @@ class Diagnostics:
     skew: RunSkew
     drift: Drift
     heading_dependence: HeadingDependence
+    by_motion: ByMotion
     normality: Normality
     stationarity: Stationarity
     correlation: Correlation
@@ -120,9 +122,9 @@ def diagnose(columns: RunColumns, guarded: Guarded, *, drift: Drift, rest: Detre
     progress(0.5)
     moments = Moments.of(c.x_deg)
     block = describe_skew(estimate, moments.variance_deg2, c.limits, scan)
-    deviation = _fit_deviation(c.x_deg, c.rs_deg, c.tracks, moments.m2_deg2,
-                               settings.wrap_center_deg)
-    result = Diagnostics(skew=block, drift=drift, heading_dependence=deviation, normality=normal,
+    deviation = _fit_deviation(c)
+    result = Diagnostics(skew=block, drift=drift, heading_dependence=deviation,
+                         by_motion=divide_by_motion(c.averaged, deviation), normality=normal,
                          stationarity=examine_stationarity(c.series_deg, step or 0.0),
                          correlation=correlation, allan=allan, assumptions=(), warnings=())
     resolved = assumptions.is_resolved(rest.found)
@@ -149,17 +151,13 @@ def _noise_of_rs(x_deg: np.ndarray, rs_deg: np.ndarray, estimate: Skew, range_s:
                                     skew_variance_deg2=math.inf if added is None else added)
 
 
-def _fit_deviation(x_deg: np.ndarray, rs_deg: np.ndarray, tracks: Tracks | None, m2_deg2: float,
-                   center_deg: float) -> HeadingDependence:
+def _fit_deviation(columns: RunColumns) -> HeadingDependence:
     """Fit the deviation to the pairs, or to the averages of a long run."""
-    if tracks is None or samples_per_average(x_deg.size) == 1:
-        return fit_deviation(x_deg, rs_deg)
-    size = x_deg.size // len(tracks.rs)
-    # The tracks of a TS that turns against the RS move apart without end.
-    x = wrap180(tracks.ts.heading_deg - tracks.rs.heading_deg - center_deg) + center_deg
-    within_deg2 = max(0.0, m2_deg2 / x_deg.size - float(np.var(x)))
-    return fit_deviation(x, wrap360(tracks.rs.heading_deg), averaged=size,
-                         within_deg2=within_deg2)
+    averaged = columns.averaged
+    if averaged is None or samples_per_average(columns.n) == 1:
+        return fit_deviation(columns.x_deg, columns.rs_deg)
+    return fit_deviation(averaged.x_deg, wrap360(averaged.rs_deg), averaged=averaged.size,
+                         within_deg2=averaged.within_deg2)
 
 
 def _assumptions(diagnostics: Diagnostics, columns: RunColumns, guarded: Guarded,

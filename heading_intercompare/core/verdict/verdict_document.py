@@ -33,6 +33,7 @@ from heading_intercompare.core.decision.taken_out import TakenOut
 from heading_intercompare.core.declared_figures import figure, is_left_out, list_keys, no_key
 from heading_intercompare.core.declared_settings import settings_sha256, SettingsError
 from heading_intercompare.core.diagnostics.assumptions import Assumption
+from heading_intercompare.core.diagnostics.by_motion import ByMotion
 from heading_intercompare.core.diagnostics.deviation import HeadingDependence
 from heading_intercompare.core.diagnostics.percentile import Percentile
 from heading_intercompare.core.diagnostics.run_findings import Allan, Correlation, Drift, RunSkew
@@ -127,6 +128,7 @@ class RunVerdict:
     skew: RunSkew = figure('latency or clock offset between the sensors')
     drift: Drift = figure('drift and warm-up')
     heading_dependence: HeadingDependence = figure('dependence on the heading')
+    by_motion: ByMotion = figure('differences by heading and by the rate of turn')
     normality: Normality = figure('distribution of the errors')
     stationarity: Stationarity = figure('constancy in time')
     correlation: Correlation = figure('correlation in time')

@@ -132,6 +132,17 @@ FINDINGS = (
         'heading of the RS. A small probability means that the difference depends on it.', 'e',
         'reason coefficients_deg amplitude_deg f p residual_std_deg empty_arc_deg condition n'),
     Finding(
+        'by_motion.sectors',
+        'A mean by heading is one of steady headings, so that following late in turns does not '
+        'bend it. Its interval holds for errors that are correlated in time. It is missing where '
+        'they are slower than the stays in the sector.', '', '',
+        'heading_deg n duration_s mean_deg low_deg up_deg std_deg'),
+    Finding(
+        'by_motion.turns',
+        'A TS that follows late points to port of the RS in a turn to starboard, and to starboard '
+        'in a turn to port. Starboard is positive.', '', '',
+        'from_deg_s to_deg_s n duration_s rate_deg_s mean_deg low_deg up_deg std_deg'),
+    Finding(
         'normality',
         'The model assumes a normal or a uniform distribution. Normal values have neither '
         'skewness nor excess kurtosis; uniform ones have an excess kurtosis of -1.2. A small '
@@ -184,6 +195,8 @@ LEFT_TO_JSON = {
     'motion.legs.start_ns': 'the legs are printed in their order, and drawn on the track',
     'normality.ts_step_seen_deg': 'the finding on the resolution says the step',
     'normality.rs_step_seen_deg': 'the finding on the resolution says the step',
+    'by_motion.smoothed_s': 'the explanation says what a steady heading is',
+    'by_motion.rate_span_s': 'the figure by rate of turn has it',
     'heading_dependence.covariance_deg2': 'its diagonal is printed, as uncertainties',
 }
 """Figures that the protocol leaves to the JSON, and why."""
