@@ -60,6 +60,14 @@ class Event:
     kind: str
 
 
+@dataclass(frozen=True, slots=True)
+class RunUp:
+    """A start at `t_s`, after which a sensor settles at `error_deg` off its offset."""
+
+    t_s: float
+    error_deg: float
+
+
 def _entries(name: str, text: str) -> list[tuple[str, list[str]]]:
     """Split 'a b c; d e f' into entries, each with its words."""
     parts = [part.strip() for part in re.split(r'[;\n]', text)]
@@ -133,6 +141,32 @@ def parse_faults(text: str, name: str = 'faults') -> tuple[Fault, ...]:
         duration = (_number(where, words[3], 'duration', 0.0) if len(words) > 3 else math.inf)
         faults.append(Fault(_number(where, words[0], 'time', 0.0), words[1], value, duration))
     return tuple(faults)
+
+
+def parse_starts(text: str, name: str = 'starts') -> tuple[RunUp, ...]:
+    """
+    Return the starts written as 't_s error_deg; ...', after one at 0 s without an error.
+
+    Raises
+    ------
+    SettingsError
+        Names the wrong entry. Each must hold two numbers, and times increase.
+
+    Examples
+    --------
+    >>> parse_starts('43200 0.3')
+    (RunUp(t_s=0.0, error_deg=0.0), RunUp(t_s=43200.0, error_deg=0.3))
+
+    """
+    starts = [RunUp(0.0, 0.0)]
+    for where, words in _entries(name, text):
+        if len(words) != 2:
+            raise SettingsError(f"{where}: must be 't_s error_deg'")
+        start = RunUp(_number(where, words[0], 'time', 0.0), _number(where, words[1], 'error'))
+        if start.t_s <= starts[-1].t_s:
+            raise SettingsError(f'{where}: its time must exceed that of the start before')
+        starts.append(start)
+    return tuple(starts)
 
 
 def parse_utc(text: str, name: str = 'start_utc') -> int:

@@ -28,7 +28,7 @@ from heading_intercompare.ahrs.ship.ship_motion import ShipTruth
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.records import Headings, Integers, Reals
 
-from .plans import parse_deviation
+from .plans import parse_deviation, parse_starts
 from .random_noise import Markov, open_stream, Outages
 from .sensor_presets import terms_of
 from .settings import AHRS_MODELS, Sensor
@@ -102,6 +102,9 @@ class SimulatedSensor:
         self._settings = settings
         self._terms = terms_of(settings)
         self._deviation = parse_deviation(settings.deviation)
+        starts = parse_starts(settings.starts)
+        self._starts_s = np.array([start.t_s for start in starts])
+        self._settle_points_deg = np.array([start.error_deg for start in starts])
         self._truth = truth
         self._start_ns = start_ns
         self._rng = {name: open_stream(seed, f'{role}.{name}')
@@ -172,8 +175,11 @@ class SimulatedSensor:
         drawn = (white.standard_normal(t_s.size) if terms.white_shape == 'normal'
                  else math.sqrt(12.0) * (white.random(t_s.size) - 0.5))
         error_deg: Reals = terms.offset_deg + terms.drift_deg_h * t_s / 3600.0
+        start = np.searchsorted(self._starts_s, t_s, side='right') - 1
+        error_deg += self._settle_points_deg[start]
         if terms.settling_deg:
-            error_deg += terms.settling_deg * np.exp(-t_s / terms.settling_tau_s)
+            error_deg += terms.settling_deg * np.exp(
+                -(t_s - self._starts_s[start]) / terms.settling_tau_s)
         if terms.tone_deg:
             error_deg += terms.tone_deg * np.sin(
                 2.0 * math.pi / terms.tone_period_s * t_s + self._tone_phase_rad)

@@ -21,6 +21,7 @@ from typing import Any, Mapping
 
 from heading_intercompare.ahrs.ship.course import Current
 from heading_intercompare.ahrs.ship.seaway import SEAWAYS
+from heading_intercompare.ahrs.ship.steering import USUAL_TURN_DEG_S
 from heading_intercompare.ahrs.ship.wave_sea import Hull, Waves
 from heading_intercompare.core.declared_settings import (
     Checked,
@@ -40,6 +41,7 @@ from .plans import (
     parse_faults,
     parse_fixed,
     parse_legs,
+    parse_starts,
     parse_utc,
 )
 
@@ -162,8 +164,10 @@ class Sensor(Checked):
     deviation: str = setting('', "dependence on the true heading, 'B C D E': B sin + C cos + "
                              'D sin of twice + E cos of twice the heading [deg]')
     drift_deg_h: float = setting(0.0, 'steady drift [deg/h]', -3600.0, 3600.0)
-    settling_deg: float = setting(0.0, 'decaying error at the start [deg]', -360.0, 360.0)
+    settling_deg: float = setting(0.0, 'decaying error at each start [deg]', -360.0, 360.0)
     settling_tau_s: float = setting(1800.0, 'its time constant [s]', 1.0)
+    starts: str = setting('', "further starts, each with its settle-point error, 't_s error_deg; "
+                          "...': the settling error begins with each")
     tone_deg: float = setting(0.0, 'amplitude of a periodic error [deg]', 0.0, 180.0)
     tone_period_s: float = setting(5064.0, 'its period; 84.4 min is Schuler [s]', 0.1)
     white_deg: float = setting(0.0, 'standard deviation of white noise [deg]', 0.0, 180.0)
@@ -196,6 +200,7 @@ class Sensor(Checked):
         Checked.__post_init__(self)
         parse_faults(self.faults)
         parse_deviation(self.deviation)
+        parse_starts(self.starts)
         if self.stamp_jitter_s * self.rate_hz >= 0.5:
             raise SettingsError(
                 f'stamp_jitter_s = {self.stamp_jitter_s!r}: must be less than half the interval '
@@ -281,6 +286,9 @@ class Scenario(Checked):
     longitude_deg: float = setting(0.0, 'longitude of the start [deg]', -180.0, 180.0)
     seaway: str = setting('calm', 'state of the sea', choices=tuple(SEAWAYS))
     legs: str = setting('0 0 0', "course plan 't_s course_deg speed_kn; ...'")
+    turn_deg_s: float = setting(
+        USUAL_TURN_DEG_S, 'greatest rate of turn in a change of course; a ship that turns faster '
+        f'than {USUAL_TURN_DEG_S:g} deg/s answers faster in proportion [deg/s]', 0.01, 20.0)
     sea: SeaSettings = field(default_factory=SeaSettings)
     current: CurrentSettings = field(default_factory=CurrentSettings)
     track: TrackSettings = field(default_factory=TrackSettings)

@@ -200,7 +200,7 @@ class Simulation:
         s = self.scenario
         return ShipTruth(parse_legs(s.legs), s.latitude_deg, s.longitude_deg, s.seaway, s.seed,
                          current=s.current.current(), waves=s.sea.waves(), hull=s.sea.hull(),
-                         track=self._track)
+                         track=self._track, turn_deg_s=s.turn_deg_s)
 
     def chunks(self, chunk_s: float = 60.0, fast: bool = True) -> Iterator[SimulatedChunk]:
         """

@@ -23,6 +23,7 @@ from heading_intercompare.ahrs.plans import (
     parse_faults,
     parse_fixed,
     parse_legs,
+    parse_starts,
     parse_utc,
 )
 from heading_intercompare.core.declared_settings import SettingsError
@@ -55,6 +56,9 @@ def test_wrong_legs_are_named(text, reason):
     (parse_events, '5 reset now', "must be 't_s kind'"),
     (parse_fixed, 'drift_q 1', "name 'drift_q' must be drift_x or"),
     (parse_fixed, 'drift_x', "must be 'name value'"),
+    (parse_starts, '600', "entry 1 '600': must be 't_s error_deg'"),
+    (parse_starts, '600 x', "error 'x' must be a number"),
+    (parse_starts, '600 0.1; 300 0.2', "entry 2 '300 0.2': its time must exceed"),
     (parse_utc, 'yesterday', 'must be a UTC instant')])
 def test_wrong_entries_are_named(parse, text, reason):
     with pytest.raises(SettingsError, match=reason):

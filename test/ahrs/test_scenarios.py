@@ -25,6 +25,7 @@ import pytest
 from heading_intercompare import analyze, analyze_sensors, Headings, Settings
 from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.ahrs.simulator import Simulation
+from heading_intercompare.core.angles import wrap180
 
 yaml = pytest.importorskip('yaml')
 
@@ -74,6 +75,40 @@ def test_the_swing_finds_the_deviation_of_its_ts():
     fit = verdict.runs[0].heading_dependence
     for found, u, given in zip(fit.coefficients_deg, fit.u_deg, (0.1, 0.4, -0.3, 0.2, 0.0)):
         assert abs(found - given) < 4.0 * u < 0.1
+
+
+def errors_of(name, until_s):
+    """Return seconds since the start and errors of the TS of a scenario, without the RS."""
+    trial = Simulation(replace(read(FOLDER / f'{name}.yaml'), duration_s=until_s))
+    ts = Headings.concatenate(chunk.ts for chunk in trial.chunks())
+    t_s, ship = (ts.stamp_ns - trial.start_ns) / 1e9, trial.truth()
+    return (t_s, wrap180(ts.heading_deg - ship.heading_deg(t_s)),
+            np.degrees(ship.heading_rate_rad_s(t_s)))
+
+
+@pytest.mark.parametrize('name, lag_s, fastest_deg_s', [
+    ('zigzag', 0.3, 1.0), ('fast_zigzag', 0.02, 17.0)])
+def test_a_zigzag_shows_its_rate_and_its_lag(name, lag_s, fastest_deg_s):
+    """The slope of the error over the rate of turn, within six standard errors."""
+    t_s, error_deg, turn_deg_s = errors_of(name, 900.0)
+    assert np.abs(turn_deg_s).max() == pytest.approx(fastest_deg_s, rel=0.05)
+    slope = np.sum(error_deg * turn_deg_s) / np.sum(turn_deg_s**2)
+    assert slope == pytest.approx(-lag_s, abs=6.0 * 0.06 / np.sqrt(np.sum(turn_deg_s**2)))
+
+
+def test_the_swell_has_a_ts_with_its_tone():
+    """An amplitude of 0.4 degrees: rms 0.4 / sqrt 2 beside the white noise."""
+    t_s, error_deg, _ = errors_of('swell', 3600.0)
+    assert np.std(error_deg) == pytest.approx(np.hypot(0.4 / np.sqrt(2.0), 0.05), rel=0.02)
+
+
+def test_each_run_up_settles_where_the_file_says():
+    t_s, error_deg, _ = errors_of('run_ups', 97200.0)
+    for begin_s, settle_point_deg in ((0.0, 0.1), (32400.0, 0.3), (64800.0, -0.15)):
+        run = (t_s >= begin_s) & (t_s < begin_s + 31200.0)
+        assert error_deg[run][0] == pytest.approx(settle_point_deg + 20.0, abs=0.5)
+        assert np.mean(error_deg[run][-7200:]) == pytest.approx(settle_point_deg, abs=0.1)
+        assert np.sum(run) == 31200
 
 
 @pytest.mark.slow

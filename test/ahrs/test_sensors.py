@@ -78,6 +78,27 @@ def test_terms_by_hand():
     assert tone[:1000] == pytest.approx(tone[1000:2000], abs=1e-9)
 
 
+def test_each_start_settles_at_its_own_point_by_hand():
+    """0.3 from the offset, at the second start and two time constants after it."""
+    x = errors(offset_deg=0.3, settling_deg=2.0, settling_tau_s=100.0, rate_hz=1.0,
+               starts='5000 -0.4; 8000 0.2')
+    assert x[[0, 200, 4999]] == pytest.approx([2.3, 0.3 + 2.0 * math.exp(-2.0), 0.3])
+    assert x[[5000, 5200, 7999]] == pytest.approx([1.9, -0.1 + 2.0 * math.exp(-2.0), -0.1])
+    assert x[8000] == pytest.approx(2.5)
+
+
+def test_a_late_stamp_is_a_lag_of_the_heading_in_a_turn():
+    """0.5 s late at 1 deg/s: half a degree behind, in a turn to either side."""
+    ship = ShipTruth([Leg(0.0, 60.0, 12.0), Leg(60.0, 180.0, 12.0), Leg(300.0, 60.0, 12.0)], 45.0,
+                     turn_deg_s=1.0)
+    late = SimulatedSensor(Sensor(stamp_offset_s=0.5), ship, START_NS, 3, 'ts').take(400.0)
+    t_s = (late.headings.stamp_ns - START_NS) / 1e9
+    behind_deg = wrap180(late.headings.heading_deg - ship.heading_deg(t_s))
+    assert behind_deg == pytest.approx(-0.5 * np.degrees(ship.heading_rate_rad_s(t_s - 0.25)),
+                                       abs=0.003)
+    assert behind_deg.min() < -0.49 and behind_deg.max() > 0.49
+
+
 def test_presets_join_the_terms_given():
     """Satellite compass 0.05 and 0.08 with 0.12 white: the claim is their root sum of squares."""
     read = readings(1.0, model='gnss_compass', white_deg=0.12)
@@ -161,6 +182,7 @@ def test_invalid_readings_claim_nothing():
     ({'rate_hz': 0.0}, 'rate_hz = 0.0: must be a number from'),
     ({'stamp_jitter_s': 0.05, 'rate_hz': 10.0}, 'stamp_jitter_s = 0.05: must be less than'),
     ({'faults': '5 melt'}, "kind 'melt'"),
+    ({'starts': '0 0.1'}, 'time must exceed that of the start before'),
     ({'deviation': '0.1 0.2'}, 'must be four numbers'),
     ({'deviation': '1 2 3 x'}, "coefficient 'x'"),
     ({'dropout': 1.5}, 'dropout = 1.5')])

@@ -28,7 +28,7 @@ from heading_intercompare.core.records import Reals
 from .course import Course, Current, NO_CURRENT
 from .earth import EARTH_RATE_RAD_S, gravity, radii
 from .seaway import BLOCK_S, BLOCK_STEPS, CHANNELS, GRID_S, Sea, Seaway
-from .steering import Leg, Steering
+from .steering import Leg, Steering, USUAL_TURN_DEG_S
 from .track_course import SeaAboard, Track, TrackCourse
 from .wave_sea import Hull, USUAL_HULL, Waves, WaveSea
 
@@ -104,6 +104,8 @@ class ShipTruth:
         How the ship answers these waves.
     track
         A recorded voyage to repeat.
+    turn_deg_s
+        Greatest rate of turn that the autopilot orders.
 
     Attributes
     ----------
@@ -115,9 +117,10 @@ class ShipTruth:
     def __init__(self, legs: Sequence[Leg], latitude_deg: float, longitude_deg: float = 0.0,
                  seaway: str = 'calm', seed: int = 0, *, current: Current = NO_CURRENT,
                  waves: Waves | None = None, hull: Hull = USUAL_HULL,
-                 track: Track | None = None) -> None:
+                 track: Track | None = None,
+                 turn_deg_s: float = USUAL_TURN_DEG_S) -> None:
         self.course: Course = (
-            Steering(legs, latitude_deg, longitude_deg, current) if track is None
+            Steering(legs, latitude_deg, longitude_deg, current, turn_deg_s) if track is None
             else TrackCourse(track, latitude_deg, longitude_deg, current))
         sea: Sea = (Seaway(seaway, seed) if waves is None
                     else WaveSea(waves, hull, self.course, seed))

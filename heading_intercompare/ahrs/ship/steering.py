@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 import math
-from typing import Any, Callable, Sequence
+from typing import Any, Callable, NamedTuple, Sequence
 
 import numpy as np
 
@@ -34,7 +34,7 @@ HORIZON_STEPS = 7200
 NOMOTO_S = 20.0
 RUDDER_GAIN_1_S = 0.08
 RUDDER_RAD = math.radians(25.0)
-TURN_RAD_S = math.radians(2.0)
+USUAL_TURN_DEG_S = 2.0
 COURSE_GAIN_1_S = 0.02
 RATE_GAIN = 1.5
 SPEED_LAG_S = 90.0
@@ -47,6 +47,40 @@ class Leg:
     t_s: float
     course_deg: float
     speed_kn: float
+
+
+class Helm(NamedTuple):
+    """
+    How a ship answers its autopilot.
+
+    Attributes
+    ----------
+    turn_rad_s
+        Greatest rate of turn that the autopilot orders.
+    rudder_rad_s
+        Rate of turn with the rudder hard over.
+    course_gain_1_s
+        Rate of turn ordered for an angle off the course.
+    lag_s
+        Time in which the rate of turn follows the rudder.
+    decay
+        What a step leaves of a difference of the rate of turn.
+
+    """
+
+    turn_rad_s: float
+    rudder_rad_s: float
+    course_gain_1_s: float
+    lag_s: float
+    decay: float
+
+    @classmethod
+    def of_turn(cls, turn_deg_s: float) -> 'Helm':
+        """Return that of a ship; one that turns faster than the usual ship answers faster."""
+        agility = max(1.0, turn_deg_s / USUAL_TURN_DEG_S)
+        lag_s = NOMOTO_S / agility
+        return cls(math.radians(turn_deg_s), RUDDER_GAIN_1_S * RUDDER_RAD * agility,
+                   COURSE_GAIN_1_S * agility, lag_s, math.exp(-STEP_S / lag_s))
 
 
 class Steering:
@@ -63,6 +97,8 @@ class Steering:
         Initial position, degrees.
     current
         Carries the ship along; the plan is one of headings and of speeds through the water.
+    turn_deg_s
+        Greatest rate of turn that the autopilot orders, degrees per second.
 
     Attributes
     ----------
@@ -79,7 +115,8 @@ class Steering:
     """
 
     def __init__(self, legs: Sequence[Leg], latitude_deg: float, longitude_deg: float = 0.0,
-                 current: Current = NO_CURRENT) -> None:
+                 current: Current = NO_CURRENT, turn_deg_s: float = USUAL_TURN_DEG_S) -> None:
+        self._helm = Helm.of_turn(turn_deg_s)
         self._legs = tuple(legs)
         self._current_m_s = current.velocity_m_s
         first = self._legs[0]
@@ -125,7 +162,7 @@ class Steering:
     def read_heading(self, t_s: Reals) -> tuple[Reals, Reals]:
         """Return the steered heading, rad, and the rate of turn, rad/s."""
         grid, step, u = self._place(t_s)
-        decay, slope = u / NOMOTO_S, grid[2][step]
+        decay, slope = u / self._helm.lag_s, grid[2][step]
         turn = grid[1][step] + slope * u * (1.0 - decay / 2.0 + decay**2 / 6.0)
         heading = grid[0][step] + u * (grid[1][step] + slope * u * (
             0.5 - decay / 6.0 + decay**2 / 24.0))
@@ -165,14 +202,14 @@ class Steering:
         if self.sail is not sail:
             rows, columns = np.array(rows), [np.array(column) for column in columns]
         self._state = self.sail(
-            self._first, self._state, *columns, math.exp(-STEP_S / NOMOTO_S),
-            math.exp(-STEP_S / SPEED_LAG_S), *self._current_m_s, rows)
+            self._first, self._state, *columns, self._helm, math.exp(-STEP_S / SPEED_LAG_S),
+            *self._current_m_s, rows)
         self._first += steps
         return np.array(rows).T
 
 
 def sail(first: int, state: State, begins_s: Sequence[float], courses_rad: Sequence[float],
-         speeds_m_s: Sequence[float], turn_decay: float, speed_decay: float,
+         speeds_m_s: Sequence[float], helm: Helm, speed_decay: float,
          current_east_m_s: float, current_north_m_s: float, rows: list[list[float]]) -> State:
     """
     Steer for some steps; numba can compile this.
@@ -186,8 +223,10 @@ def sail(first: int, state: State, begins_s: Sequence[float], courses_rad: Seque
         and the north, metres.
     begins_s, courses_rad, speeds_m_s
         The legs, from the first.
-    turn_decay, speed_decay
-        What a step leaves of a difference of the rate of turn and of the speed.
+    helm
+        How the ship answers its autopilot.
+    speed_decay
+        What a step leaves of a difference of the speed.
     current_east_m_s, current_north_m_s
         Velocity of the current.
     rows : list of lists, or ndarray, shape (steps, 9)
@@ -200,21 +239,22 @@ def sail(first: int, state: State, begins_s: Sequence[float], courses_rad: Seque
 
     """
     heading, r, v, latitude, longitude, way_east, way_north = state
-    rudder, leg = RUDDER_GAIN_1_S * RUDDER_RAD, 0
+    turn, rudder, gain, lag, turn_decay = helm
+    leg = 0
     north, east = v * math.cos(heading), v * math.sin(heading)
     for k in range(len(rows)):
         while leg + 1 < len(begins_s) and begins_s[leg + 1] <= (first + k) * STEP_S:
             leg += 1
         away = courses_rad[leg] - heading
         away -= 2.0 * math.pi * math.floor(away / (2.0 * math.pi) + 0.5)
-        wanted = min(max(COURSE_GAIN_1_S * away, -TURN_RAD_S), TURN_RAD_S)
+        wanted = min(max(gain * away, -turn), turn)
         drive = min(max(wanted + RATE_GAIN * (wanted - r), -rudder), rudder)
         v_wanted = speeds_m_s[leg]
         row = rows[k]
-        row[0], row[1], row[2] = heading, r, (drive - r) / NOMOTO_S
+        row[0], row[1], row[2] = heading, r, (drive - r) / lag
         row[3], row[4] = v, (v_wanted - v) / SPEED_LAG_S
         row[5], row[6], row[7], row[8] = latitude, longitude, way_east, way_north
-        heading += drive * STEP_S + (r - drive) * NOMOTO_S * (1.0 - turn_decay)
+        heading += drive * STEP_S + (r - drive) * lag * (1.0 - turn_decay)
         r = drive + (r - drive) * turn_decay
         v = v_wanted + (v - v_wanted) * speed_decay
         meridian, normal = radii(latitude)

@@ -97,7 +97,7 @@ def test_noise_of_the_other_sensor_is_compiled_where_the_loop_is(monkeypatch, mo
 
 def sailed(compile_it, legs='0 30 10; 300 350 4; 900 20 14; 900.3 185 14; 5000 185 0'):
     """Return where a ship was in 2 h of turns through north and to the back, in a current."""
-    course = Steering(parse_legs(legs), 59.9, 10.7, Current(set_deg=70.0, drift_kn=2.0))
+    course = Steering(parse_legs(legs), 59.9, 10.7, Current(70.0, 2.0), turn_deg_s=7.0)
     if compile_it:
         compiled_loop.compile_steering(course)
     assert (course.sail is sail) is not compile_it

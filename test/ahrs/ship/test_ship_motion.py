@@ -45,6 +45,17 @@ def test_turn_takes_the_short_way_and_ends_on_course():
     assert np.degrees(ship.heading_rate_rad_s(t_s)).max() <= 2.0
 
 
+@pytest.mark.parametrize('turn_deg_s', [0.2, 1.0, 2.0, 10.0, 20.0])
+def test_a_change_of_course_is_made_at_the_rate_set(turn_deg_s):
+    """From 60 to 220 degrees: the rate is nearly reached, and the course is met."""
+    ship = ShipTruth([Leg(0.0, 60.0, 12.0), Leg(60.0, 220.0, 12.0)], 45.0, turn_deg_s=turn_deg_s)
+    t_s = np.arange(0.0, 2000.0, 0.5)
+    rate_deg_s = np.degrees(ship.heading_rate_rad_s(t_s))
+    assert 0.9 * turn_deg_s < rate_deg_s.max() < 1.01 * turn_deg_s
+    assert rate_deg_s.min() > -0.05 * turn_deg_s
+    assert ship.heading_deg(t_s[-1:])[0] == pytest.approx(220.0, abs=0.05)
+
+
 def test_steering_follows_its_differential_equation():
     """Nomoto's equation and the autopilot, integrated by scipy with the rudder held for 0.5 s."""
     heading, r = math.radians(350.0), 0.0
