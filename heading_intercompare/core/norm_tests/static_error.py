@@ -12,43 +12,81 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The static error: the mean difference on steady headings."""
+"""The static error: the mean difference on steady headings, on the worst of them."""
 
 from __future__ import annotations
 
+from dataclasses import replace
 import math
+
+from heading_intercompare.core.diagnostics.by_motion import BySector
 
 from .judged_test import Measurement
 from .tested_run import exceeding, reach, TestedRun
 
+LEAST_HEADINGS = 4
+"""Sectors of 45 degrees that a static error must have been measured on, ISO 22090-2."""
+
+_NORMAL_QUANTILE_95 = 1.959963984540054
+
 
 def measure_static_error(tested: TestedRun, limit: float) -> Measurement:
     """
-    Return the size of the mean difference.
+    Return the size of the mean difference in the sector of headings where it is largest.
 
-    The error may exceed its limit on either side, so half of the risk of a false rejection
-    belongs to each.
+    Notes
+    -----
+    The sectors hold steady headings alone. A sensor meets the test if every sector does, on at
+    least four. The risk of a false rejection is shared among the sectors.
 
     References
     ----------
-    MSC.116(73) 3.6 and 4.3.2.2.
+    MSC.116(73) 3.6 and 4.3.2.2; ISO 22090-2.
 
     """
-    mean, u, nu = tested.mean_deg, tested.mean_u_deg, tested.mean_nu
-    if mean is None or u is None:
-        return Measurement(record='too few differences')
-    return measure_mean(tested, mean, u, nu, limit, 'the mean difference of the run')
+    means = _list_means(tested.by_motion.sectors)
+    if len(means) < LEAST_HEADINGS:
+        return measure_mean_of_run(tested, limit, f'{len(means)} of 8 sectors of headings')
+    offset_u = tested.settings.installation_offset_u_deg
+    measured = [measure_mean(tested, mean, math.hypot(u, offset_u), math.inf, limit,
+                             f'{len(means)} of 8 sectors; most at {heading:03.0f} deg',
+                             len(means)) for heading, mean, u in means]
+    worst = max(measured, key=lambda sector: sector.value or 0.0)
+    return replace(worst, high=max(sector.high or 0.0 for sector in measured))
 
 
-def measure_mean(tested: TestedRun, mean: float, u: float, nu: float, limit: float,
-                 record: str) -> Measurement:
-    """Return what a mean difference with its standard uncertainty shows of a systematic error."""
-    size, risks = abs(mean), tested.risks
-    risk = 2.0 * exceeding((size - limit) / u, nu) if u > 0.0 else float(size <= limit)
+def _list_means(sectors: BySector) -> list[tuple[float, float, float]]:
+    """Return heading, mean difference and its standard uncertainty where that is known."""
+    return [(heading, mean, 0.5 * (up - low) / _NORMAL_QUANTILE_95)
+            for heading, mean, low, up in zip(sectors.heading_deg, sectors.mean_deg,
+                                              sectors.low_deg, sectors.up_deg)
+            if mean is not None and low is not None and up is not None]
+
+
+def measure_mean_of_run(tested: TestedRun, limit: float, record: str,
+                        sailed: bool = False) -> Measurement:
+    """Return the size of the mean difference of a whole run."""
+    if tested.mean_deg is None or tested.mean_u_deg is None:
+        return Measurement(record=record)
+    return replace(measure_mean(tested, tested.mean_deg, tested.mean_u_deg, tested.mean_nu, limit,
+                                record), sailed=sailed)
+
+
+def measure_mean(tested: TestedRun, mean_deg: float, u_deg: float, nu: float, limit: float,
+                 record: str, means: int = 1) -> Measurement:
+    """
+    Return what one of several mean differences shows of a systematic error.
+
+    The error may exceed its limit on either side, so half of the risk of a false rejection
+    belongs to each.
+    """
+    size, risks = abs(mean_deg), tested.risks
+    risk = 2.0 * means * exceeding((size - limit) / u_deg, nu) if u_deg > 0.0 else float(
+        size <= limit)
     unless = '' if tested.is_mounting_stated else (
-        f'the sensors are mounted {mean:.2f} deg apart: state installation_offset_deg and '
+        f'the sensors are mounted {mean_deg:.2f} deg apart: state installation_offset_deg and '
         'installation_offset_u_deg')
     return Measurement(
-        size, max(0.0, size - reach(0.5 * risks.not_met, nu) * u),
-        size + reach(risks.met, nu) * u, min(1.0, risk), True,
-        record if math.isinf(nu) or u == 0.0 else f'{record}, u = {u:.2g} deg', unless)
+        size, max(0.0, size - reach(0.5 * risks.not_met / means, nu) * u_deg),
+        size + reach(risks.met, nu) * u_deg, min(1.0, risk), True,
+        record if u_deg == 0.0 else f'{record}, u = {u_deg:.2g} deg', unless)

@@ -20,6 +20,7 @@ from typing import Callable, Mapping
 
 from heading_intercompare.core.decision.guarded import Guarded
 from heading_intercompare.core.decision.norm_presets import list_required
+from heading_intercompare.core.diagnostics.by_motion import ByMotion
 from heading_intercompare.core.diagnostics.run_columns import RunColumns
 from heading_intercompare.core.required_tests import KINDS, RequiredTest
 from heading_intercompare.core.statistics.variance_uncertainty import MEAN_DOF
@@ -40,8 +41,8 @@ MEASURES: Mapping[str, Callable[[TestedRun, float], Measurement]] = {
 """What measures each kind of test on one run; the follow-up error has rates of turn besides."""
 
 
-def judge_tests(columns: RunColumns, mean_deg: float | None,
-                guarded: Guarded) -> tuple[JudgedTest, ...]:
+def judge_tests(columns: RunColumns, mean_deg: float | None, guarded: Guarded,
+                by_motion: ByMotion) -> tuple[JudgedTest, ...]:
     """
     Return the table of tests of a run.
 
@@ -51,11 +52,13 @@ def judge_tests(columns: RunColumns, mean_deg: float | None,
         Its analysed pairs.
     mean_deg, guarded
         Its mean difference, degrees, and its guarded decision, which knows the uncertainty of it.
+    by_motion
+        Its differences by heading and by rate of turn.
 
     """
     required = list_required(columns.settings.norms)
     risks = TestRisks.of(columns.settings.risk, len(required))
-    tested = TestedRun(columns, mean_deg, guarded.bias_u_deg, MEAN_DOF, risks)
+    tested = TestedRun(columns, mean_deg, guarded.bias_u_deg, MEAN_DOF, by_motion, risks)
     return tuple(_judge(test, tested) for test in required)
 
 

@@ -20,6 +20,7 @@ from dataclasses import dataclass
 import math
 
 from heading_intercompare.core import lazy_scipy as scipy
+from heading_intercompare.core.diagnostics.by_motion import ByMotion
 from heading_intercompare.core.diagnostics.run_columns import RunColumns
 from heading_intercompare.core.settings import Settings
 
@@ -40,6 +41,8 @@ class TestedRun:
         degrees; None if unknown.
     mean_nu
         Degrees of freedom of that uncertainty.
+    by_motion
+        The differences by heading and by rate of turn.
     risks
         Of each test.
 
@@ -51,6 +54,7 @@ class TestedRun:
     mean_deg: float | None
     mean_u_deg: float | None
     mean_nu: float
+    by_motion: ByMotion
     risks: TestRisks
 
     @property

@@ -18,13 +18,16 @@ from __future__ import annotations
 
 import json
 
+import numpy as np
 import pytest
 from sailed_trials import sail
 
 from heading_intercompare import analyze
+from heading_intercompare.core.angles import wrap180
 from heading_intercompare.core.declared_settings import SettingsError
 from heading_intercompare.core.norm_tests.judged_test import MET, NOT_MET, NOT_SAILED, OPEN
 from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.consistency import check_consistency, ContradictionError
 from heading_intercompare.core.verdict.verdict_document import Verdict
@@ -100,6 +103,23 @@ def test_a_mounting_angle_or_a_clock_may_explain_what_is_not_met():
 def test_the_mounting_angle_is_known_only_so_well(u_deg, state):
     assert states(judge({'static_deg': 0.8}, installation_offset_u_deg=u_deg))[
         'static_error'] == state
+
+
+def test_a_deviation_on_one_heading_is_a_static_error():
+    """The mean of the run is within the limit, that at 135 degrees is not."""
+    ts, rs = sail()
+    at = np.abs(wrap180(rs.heading_deg - 135.0)) < 20.0
+    bent = Headings.of(ts.stamp_ns, (ts.heading_deg + np.where(at, 1.5, 0.1)) % 360.0)
+    verdict = analyze(bent, rs, settings=Settings.of(**WIDE, installation_offset_u_deg=0.05))
+    row = next(row for row in verdict.runs[0].norm_tests if row.kind == 'static_error')
+    assert row.state == NOT_MET and row.value == pytest.approx(1.5, abs=0.05)
+    assert '8 of 8 sectors; most at 135 deg' in row.record
+
+
+def test_a_static_error_on_one_heading_says_nothing_of_the_others():
+    """It may break the norm there; it cannot meet it."""
+    assert states(judge({'leg_s': 1e9}))['static_error'] == NOT_SAILED
+    assert states(judge({'leg_s': 1e9, 'static_deg': 1.5}))['static_error'] == NOT_MET
 
 
 @pytest.mark.parametrize('errors,kinds', [
