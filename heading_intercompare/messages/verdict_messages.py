@@ -19,6 +19,13 @@ from __future__ import annotations
 from typing import Any
 
 from heading_intercompare.core.decision.sequential import LookVerdict
+from heading_intercompare.core.norm_tests.judged_test import (
+    MET,
+    NOT_MET,
+    NOT_SAILED,
+    OPEN,
+    STATES,
+)
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.typed_reader import make_plain
 from heading_intercompare.core.validity.condition import DOUBTFUL, VOID
@@ -28,6 +35,11 @@ from .status_messages import encode_statuses, ERROR, OK, Status, WARN
 
 OUTCOME_LEVELS = {Outcome.COMPLIANT: OK, Outcome.INDETERMINATE: WARN,
                   Outcome.NON_COMPLIANT: ERROR}
+
+TEST = 'test: '
+"""What the name of the status of a test of the norm begins with."""
+
+_TEST_LEVELS = {MET: OK, OPEN: WARN, NOT_SAILED: WARN, NOT_MET: ERROR}
 
 NO_VERDICT = 'no run has ended'
 """What a verdict says before the first one."""
@@ -54,7 +66,7 @@ def encode_no_verdict(ns: int, owner: str = '') -> bytes:
 
 def encode_verdict(verdict: Verdict, ns: int, early: LookVerdict | None = None,
                    owner: str = '') -> bytes:
-    """Return a verdict: conclusion, each run with its reason, a look at the run in progress."""
+    """Return a verdict: conclusion, runs, tests of the norm, a look at the run in progress."""
     whole = Status('verdict', verdict_level(verdict.outcome, verdict.validity_effect),
                    verdict.headline,
                    {'outcome': verdict.outcome, 'paper_outcome': verdict.paper_outcome,
@@ -62,6 +74,11 @@ def encode_verdict(verdict: Verdict, ns: int, early: LookVerdict | None = None,
     runs = [Status(f'run {run.run}', verdict_level(run.outcome, run.validity_effect),
                    run.reason, _run_values(run))
             for run in verdict.runs]
+    tests = [Status(f'{TEST}{test.words}', _TEST_LEVELS[test.state], ', '.join(
+        (STATES[test.state], *test.cells[1:])), {
+            'state': test.state, 'value': test.value, 'low': test.low, 'high': test.high,
+            'limit': test.limit, 'unit': test.unit, 'clause': test.source, 'notes': test.notes})
+             for test in verdict.campaign.norm_tests or ()]
     looks = [] if early is None else [Status('run in progress', OUTCOME_LEVELS[early.outcome],
                                              early.reason, make_plain(early))]
-    return encode_statuses(ns, [whole, *runs, *looks], owner)
+    return encode_statuses(ns, [whole, *runs, *tests, *looks], owner)

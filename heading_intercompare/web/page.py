@@ -29,6 +29,7 @@ from heading_intercompare.web.bridge.bridge_records import (
     AlertView,
     JudgedDayView,
     JudgedRunView,
+    JudgedTestView,
     Tone,
 )
 from heading_intercompare.web.bridge.bridge_view import BridgeView
@@ -253,6 +254,7 @@ class _Page:
         with self._box('more'):
             with ui.element('details').classes('k-history'):
                 ui.html('Days and runs', sanitize=False, tag='summary')
+                self._tests = ui.html('', sanitize=False).classes('k-tests')
                 self._runs = ui.html('', sanitize=False)
             with ui.element('details').classes('k-details'):
                 ui.html('Details', sanitize=False, tag='summary')
@@ -345,6 +347,8 @@ class _Page:
         self._show_html('sensors', self._sensor_rows, ''.join(
             f'<p class="row {phrase.tone}">{escape(name)}: {escape(phrase.text)}</p>'
             for name, phrase in sensor_words(view)))
+        self._show_html('tests', self._tests, draw(
+            view, 'tests', lambda: _list_tests(view.tests)))
         self._show_html('runs', self._runs, draw(view, 'runs', lambda: _list_days(view.runs)))
         self._show_html('nodes', self._nodes, ''.join(
             f'<p class="row {phrase.tone}">{escape(phrase.text)}</p>'
@@ -541,6 +545,18 @@ def _draw_gauges(view: BridgeView) -> str:
     mean_norm_deg = window.limit_deg if window.judges_mean else None
     return (draw_gauge('sd', window.std_deg, window.limit_deg)
             + draw_gauge('mean', window.mean_deg, mean_norm_deg))
+
+
+def _list_tests(tests: Sequence[JudgedTestView]) -> str:
+    """Return the tests of the norm as a table; nothing if it requires none."""
+    if not tests:
+        return ''
+    cells = ''.join(f'<tr><td>{escape(test.words)}</td><td class="{test.tone}">'
+                    f'{escape(test.result)}</td><td>{escape(test.notes)}</td></tr>'
+                    for test in tests)
+    return ('<div class="scrolls" tabindex="0"><table><thead><tr><th>test of the norm</th>'
+            '<th>result, figure, limit</th><th>what the record holds</th></tr></thead>'
+            f'<tbody>{cells}</tbody></table></div>')
 
 
 def _list_days(runs: Sequence[JudgedRunView]) -> str:

@@ -148,6 +148,16 @@ class AlertView:
 
 
 @dataclass(frozen=True, slots=True)
+class JudgedTestView:
+    """A test of the norm: what is limited, its result with figure and limit, why, its gravity."""
+
+    words: str
+    result: str
+    notes: str
+    tone: str
+
+
+@dataclass(frozen=True, slots=True)
 class JudgedRunView:
     """
     A run that was judged.

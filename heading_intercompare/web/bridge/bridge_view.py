@@ -36,6 +36,7 @@ from .bridge_records import (
     AlertView,
     BagView,
     JudgedRunView,
+    JudgedTestView,
     LampView,
     NodeView,
     RunView,
@@ -44,7 +45,7 @@ from .bridge_records import (
     ValidityView,
     WindowView,
 )
-from .judged_runs import list_runs
+from .judged_runs import list_runs, list_tests
 from .sensors_panel import SensorRow, SensorsPanel, SensorsView
 from .verdict_lamp import light_lamp
 from .view_texts import integer, lacking_words, real, shorten
@@ -88,6 +89,8 @@ class BridgeView:
         The trend of each tested sensor; the first one is `trend`.
     runs
         The runs that were judged, the newest first.
+    tests
+        The tests that the norm requires, by all these runs.
     nodes
         By name.
     mode
@@ -121,6 +124,7 @@ class BridgeView:
     rows: tuple[SensorRow, ...] = ()
     trends: tuple[TrendView, ...] = ()
     runs: tuple[JudgedRunView, ...] = ()
+    tests: tuple[JudgedTestView, ...] = ()
     nodes: tuple[NodeView, ...] = ()
     mode: str | None = None
     bag: BagView = BagView()
@@ -351,7 +355,8 @@ class Bridge:
             rejected=None if ledger is None else ledger.rejected,
             lamp=light_lamp(self._verdict.statuses, self._verdict.stamp_ns, run.next_look_ns,
                             run.ends_ns),
-            runs=list_runs(self._verdict.statuses), validity=validity, window=window, run=run,
+            runs=list_runs(self._verdict.statuses), tests=list_tests(self._verdict.statuses),
+            validity=validity, window=window, run=run,
             trend=trend, trends=(trend,), rows=tuple(
                 SensorRow(name, name == 'rs', now, title=self._titles[name],
                           difference_deg=x_deg if name == 'ts' else None,

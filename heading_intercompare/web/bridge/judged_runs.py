@@ -20,14 +20,17 @@ from itertools import groupby
 import math
 from typing import Sequence
 
+from heading_intercompare.core.norm_tests.judged_test import MET, NOT_MET
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.validity.condition import VOID
 from heading_intercompare.messages.status_messages import Status
+from heading_intercompare.messages.verdict_messages import TEST
 
-from .bridge_records import JudgedDayView, JudgedRunView
+from .bridge_records import JudgedDayView, JudgedRunView, JudgedTestView, Tone
 from .verdict_lamp import GRAVITY, make_lamp
 from .view_texts import integer, real, shorten
 
+_TONES = {MET: Tone.GOOD, NOT_MET: Tone.BAD}
 #: The runs of a month, one a day or one a watch.
 _MOST_RUNS = 200
 
@@ -50,6 +53,15 @@ def list_runs(statuses: Sequence[Status]) -> tuple[JudgedRunView, ...]:
             reason=shorten(values.get('headline') or status.message, 400),
             void=validity == VOID))
     return tuple(sorted(runs, key=lambda run: -run.number))[:_MOST_RUNS]
+
+
+def list_tests(statuses: Sequence[Status]) -> tuple[JudgedTestView, ...]:
+    """Return the tests of the norm in a message on `compliance/verdict`."""
+    return tuple(JudgedTestView(
+        shorten(status.name.removeprefix(TEST), 80), shorten(status.message, 200),
+        shorten(status.values.get('notes', ''), 400),
+        _TONES.get(status.values.get('state', ''), Tone.DOUBT))
+        for status in statuses if status.name.startswith(TEST))
 
 
 def group_by_day(runs: Sequence[JudgedRunView]) -> tuple[JudgedDayView, ...]:
