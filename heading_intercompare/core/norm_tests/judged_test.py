@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from typing import Sequence
 
 from heading_intercompare.core.declared_figures import figure
@@ -143,6 +143,11 @@ class JudgedTest:
             parts.append(f'to decide it: {self.manoeuvre}')
         return '; '.join(filter(None, parts))
 
+    def with_measurement(self, measured: Measurement, risks: TestRisks) -> 'JudgedTest':
+        """Return the test with what a record shows of it, judged."""
+        return replace(self, **{declared.name: getattr(measured, declared.name)
+                                for declared in fields(measured)}).judge(risks)
+
     def judge(self, risks: TestRisks) -> 'JudgedTest':
         """Return the test with the state that its figures give at these risks."""
         return replace(self, state=self._find_state(risks))
@@ -161,10 +166,9 @@ def judge_measurement(required: RequiredTest, limit: float, measured: Measuremen
     """Return a required test with what a record shows of it."""
     return JudgedTest(
         kind=required.kind, words=required.words, clause=required.clause, status=required.status,
-        unit=KINDS[required.kind].unit, limit=limit, state=OPEN, value=measured.value,
-        low=measured.low, high=measured.high, risk_not_met=measured.risk_not_met,
-        sailed=measured.sailed, record=measured.record, manoeuvre=required.manoeuvre,
-        unless=measured.unless).judge(risks)
+        unit=KINDS[required.kind].unit, limit=limit, state=OPEN, value=None, low=None, high=None,
+        risk_not_met=None, sailed=False, record='', manoeuvre=required.manoeuvre,
+        unless='').with_measurement(measured, risks)
 
 
 def merge_runs(tables: Sequence[tuple[int, Sequence[JudgedTest]]],

@@ -40,6 +40,7 @@ from heading_intercompare.core.diagnostics.run_diagnostics import diagnose, with
 from heading_intercompare.core.diagnostics.run_findings import describe_drift, left_in_deg2
 from heading_intercompare.core.motion.motion_check import check_motion
 from heading_intercompare.core.norm_tests.judged_test import JudgedTest, TestRisks
+from heading_intercompare.core.norm_tests.resolution_error import settle_resolution
 from heading_intercompare.core.norm_tests.table import judge_tests
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.pairing.ledger import LedgerSegment
@@ -166,6 +167,10 @@ class RunResult:
     def conclude(self) -> 'RunResult':
         """Return the result with outcome and headline after findings and looks."""
         verdict, (alone, _) = self.verdict, self.alone
+        if verdict.norm_tests and self.inside is not None:
+            verdict = replace(verdict, norm_tests=settle_resolution(
+                verdict.norm_tests, self.inside.changes('ts'),
+                TestRisks.of(self.settings.risk, len(verdict.norm_tests))))
         findings = settle(self.judged, RunAccount(
             outcome=alone, guarded=verdict.guarded, limits=self.limits, settings=self.settings,
             lost_share=verdict.correlation.stamps.lost_share,

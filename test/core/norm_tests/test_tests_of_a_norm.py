@@ -135,6 +135,17 @@ def test_what_was_not_sailed_is_not_met(errors, kinds):
     assert all(row.manoeuvre for row in rows.values())
 
 
+@pytest.mark.parametrize('step_deg,state', [(0.1, MET), (0.5, NOT_MET), (0.0, MET)])
+def test_a_slow_reference_does_not_hide_the_step_of_the_sensor(step_deg, state):
+    """The TS is interpolated to the stamps of the RS; its step is that of what it sent."""
+    ts, rs = sail(rate_hz=10.0, hours=1.0, step_deg=step_deg)
+    slow = Headings.of(rs.stamp_ns[3::10] + 30_000_000, rs.heading_deg[3::10])
+    verdict = analyze(ts, slow, settings=Settings.of(**WIDE))
+    row = next(row for row in verdict.runs[0].norm_tests if row.kind == 'resolution')
+    assert row.state == state and row.value == pytest.approx(max(step_deg, 0.01) / 2.0)
+    check_consistency(verdict)
+
+
 def test_an_error_in_a_calm_sea_is_an_error():
     verdict = judge({'dynamic_deg': 0.8, 'yaw_deg': 0.2})
     assert states(verdict)['fast_dynamic_error'] == NOT_MET
