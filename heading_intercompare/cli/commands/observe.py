@@ -28,6 +28,8 @@ from heading_intercompare.app.observations.targets import parse_position, Target
 from heading_intercompare.app.outputs import check_outputs, Outputs
 from heading_intercompare.cli.terminal.console import say, tell, VERDICT_MARKS
 from heading_intercompare.core.declared_settings import settings_sha256
+from heading_intercompare.core.norm_tests.judged_test import JudgedTest
+from heading_intercompare.core.norm_tests.observed_tests import judge_observed
 from heading_intercompare.core.observations.wording import explain_outcome, explain_scatter
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.typed_reader import make_plain
@@ -115,7 +117,8 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.json == '-':
         sys.stdout.write(_render(observed, settings))
     else:
-        say('\n'.join(_list(observed)), VERDICT_MARKS)
+        say('\n'.join([*_list(observed), *(_say_test(test) for test in judge_observed(
+            observed.error, settings))]), VERDICT_MARKS)
         if arguments.json:
             replace_file(arguments.json, _render(observed, settings))
     for name in observed.table.ignored:
@@ -177,6 +180,12 @@ def _list(observed: Observed) -> Iterator[str]:
                'systematic error, unless norms.sigma_max_deg and risk.slowest_error_s state them.')
 
 
+def _say_test(test: JudgedTest) -> str:
+    """Return a test of the norm as a line."""
+    result, figures, limit, clause = test.cells
+    return f'test of the norm: {test.words} {figures}, limit {limit} ({clause}): {result}'
+
+
 def _budget(observed: Observed) -> Iterator[str]:
     """Yield the lines of the uncertainty budget."""
     error = observed.error
@@ -205,6 +214,7 @@ def _render(observed: Observed, settings: Settings) -> str:
         'headline': explain_outcome(observed.error),
         'cannot_decide': explain_scatter(observed.error),
         **make_plain(observed.error), 'target': table.target, 'observations': rows,
+        'norm_tests': make_plain(judge_observed(observed.error, settings)),
         'not_used': dict(corrections.not_used), 'span_s': corrections.span_s,
         'ts_step_deg': corrections.step_deg, 'recording': observed.recording,
         'recording_sha256': observed.recording_sha256, 'table_sha256': observed.table_sha256,

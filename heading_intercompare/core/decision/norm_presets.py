@@ -204,8 +204,8 @@ def systematic_max_deg(norms: Norms) -> float | None:
     Parameters
     ----------
     norms
-        The preset gives the norm; without one, or if it has none, it is `systematic_max_deg`,
-        which may be None.
+        A required test of it gives the norm; without one it is `systematic_max_deg`, which may be
+        None.
 
     Returns
     -------
@@ -223,10 +223,10 @@ def systematic_max_deg(norms: Norms) -> float | None:
     1.5
 
     """
-    preset = _find_preset(norms)
-    if preset is None or preset.systematic is None:
-        return norms.systematic_max_deg
-    return preset.systematic.limit / _divisor(preset, norms)
+    for test in list_required(norms):
+        if test.kind in SYSTEMATIC:
+            return test.limit_at(norms.latitude_deg)
+    return norms.systematic_max_deg
 
 
 def list_required(norms: Norms) -> tuple[RequiredTest, ...]:

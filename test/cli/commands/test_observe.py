@@ -23,6 +23,7 @@ from command_line import refusal
 import pytest
 
 from heading_intercompare.cli import main
+from heading_intercompare.core.norm_tests.judged_test import STATES
 
 NORM = ('--set', 'norms.systematic_max_deg=0.75')
 START = 1_773_136_800
@@ -58,6 +59,18 @@ def test_it_prints_each_correction_the_budget_and_the_decision(capsys):
 def test_the_exit_code_is_the_outcome(norm, code):
     assert main(['observe', 'gyro.csv', 'quay.csv', '--bearing', '73.42', '--common-u-deg',
                  '0.05', '--set', f'norms.systematic_max_deg={norm}', '--check']) == code
+
+
+@pytest.mark.parametrize('limit,state', [(0.75, 'met'), (0.02, 'not_met'), (0.2, 'open')])
+def test_the_settle_point_is_a_test_of_the_norm(limit, state, capsys):
+    arguments = ['observe', 'gyro.csv', 'quay.csv', '--bearing', '73.42', '--common-u-deg', '0.05',
+                 '--set', f'norms.tests=settle_point {limit:g}']
+    assert main(arguments) == 0
+    assert (f'limit {limit:g} deg (norms.tests): {STATES[state]}\n') in capsys.readouterr().out
+    assert main([*arguments, '--json', '-']) == 0
+    [test] = json.loads(capsys.readouterr().out)['norm_tests']
+    assert (test['kind'], test['state'], test['record']) == (
+        'settle_point', state, '8 observations')
 
 
 def test_the_json_has_every_figure_of_the_text(capsys, place):
