@@ -273,8 +273,9 @@ def _tabulate(runs: Sequence[RunVerdict], records: Sequence[_DrawnRecord], setti
     return _RunTables(
         runs=runs, ledger=rows_by_run(LEDGER, _number(runs)),
         summary=rows_by_run((*SUMMARY, *GK_SUMMARY) if gk else SUMMARY, _number(runs)),
-        sectors=[(record.subject.title('differences by heading'), tabulate_sectors(record.subject))
-                 for record in records if record.subject is not None],
+        sectors=[(f'Run {run.run}: differences by heading',
+                  tabulate_sectors(run.by_motion.sectors))
+                 for run in runs if run.by_motion is not None],
         budgets=[(run.run, budget_of(run, settings)) for run in runs])
 
 

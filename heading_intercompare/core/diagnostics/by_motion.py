@@ -49,17 +49,15 @@ _SMOOTHED_S, _STEADY_DEG, _PRESENT = 20.0, 4.0, 0.75
 class BySector:
     """The differences on steady headings; keys of the JSON, an item for each sector of 45 deg."""
 
-    heading_deg: tuple[float, ...] = figure('heading', 'middle of the sector, of the RS',
-                                            default=())
-    n: tuple[int, ...] = figure('differences', 'on steady headings', default=())
-    duration_s: tuple[float, ...] = figure('time in the sector', default=())
-    mean_deg: tuple[float | None, ...] = figure('mean difference', 'null without differences',
-                                                default=())
-    std_deg: tuple[float | None, ...] = figure('standard deviation', default=())
+    heading_deg: tuple[float, ...] = figure('heading', 'middle of the sector, of the RS')
+    n: tuple[int, ...] = figure('differences', 'on steady headings')
+    duration_s: tuple[float, ...] = figure('time in the sector')
+    mean_deg: tuple[float | None, ...] = figure('mean difference', 'null without differences')
+    std_deg: tuple[float | None, ...] = figure('standard deviation')
     low_deg: tuple[float | None, ...] = figure(
         'mean, 95 % from', 'the interval holds for errors that are correlated in time; null where '
-        'they are too slow to say', default=())
-    up_deg: tuple[float | None, ...] = figure('mean, 95 % to', default=())
+        'they are too slow to say')
+    up_deg: tuple[float | None, ...] = figure('mean, 95 % to')
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,7 +69,7 @@ class ByRate:
     to_deg_s: tuple[float, ...] = figure('rate of turn to', default=())
     n: tuple[int, ...] = figure('differences', default=())
     duration_s: tuple[float, ...] = figure('time in the band', default=())
-    rate_deg_s: tuple[float | None, ...] = figure('mean rate of turn', default=())
+    rate_deg_s: tuple[float, ...] = figure('mean rate of turn', default=())
     mean_deg: tuple[float | None, ...] = figure('mean difference', default=())
     std_deg: tuple[float | None, ...] = figure('standard deviation', default=())
     low_deg: tuple[float | None, ...] = figure('mean, 95 % from', 'as for a sector', default=())
@@ -82,15 +80,12 @@ class ByRate:
 class ByMotion:
     """The differences by heading and by the rate of turn; keys of the JSON."""
 
-    smoothed_s: float | None = figure(
-        'time before and after, whose mean headings are close on a steady heading', 'by 4 degrees '
-        'at most; null for fewer than 64 differences', default=None)
-    rate_span_s: float | None = figure('span of the rates of turn', 'longer for noisy headings',
-                                       default=None)
-    sectors: BySector = figure('by heading', 'eight sectors on steady headings; empty for fewer '
-                               'than 64 differences', default=BySector())
+    smoothed_s: float = figure('time before and after, whose mean headings are close on a steady '
+                               'heading', 'by 4 degrees at most')
+    rate_span_s: float = figure('span of the rates of turn', 'longer for noisy headings')
+    sectors: BySector = figure('by heading', 'eight sectors on steady headings')
     turns: ByRate = figure('by rate of turn', 'the bands that have differences, from port to '
-                           'starboard', default=ByRate())
+                           'starboard')
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -156,7 +151,8 @@ class _Blocks:
         return steady
 
 
-def divide_by_motion(pairs: AveragedPairs | None, dependence: HeadingDependence) -> ByMotion:
+def divide_by_motion(pairs: AveragedPairs | None,
+                     dependence: HeadingDependence) -> ByMotion | None:
     """
     Return the differences by heading and by the rate of turn.
 
@@ -186,7 +182,7 @@ def divide_by_motion(pairs: AveragedPairs | None, dependence: HeadingDependence)
 
     """
     if pairs is None:
-        return ByMotion()
+        return None
     least_s = max(_BLOCK_S, float(np.median(np.diff(pairs.t_s))))
     for factor in _LONGER:
         blocks = _Blocks.of(pairs, factor * least_s)
@@ -234,10 +230,10 @@ def _summarise(blocks: _Blocks, group: Integers, count: int,
         yield _Row(round(n), duration_s, mean if n else None, std, *ends)
 
 
-def _mean_rates(blocks: _Blocks, band: Integers, rate_deg_s: Reals) -> Iterator[float | None]:
-    """Yield the mean rate of turn in each band; None in an empty one."""
+def _mean_rates(blocks: _Blocks, band: Integers, rate_deg_s: Reals) -> Iterator[float]:
+    """Yield the mean rate of turn in each band; 0 in an empty one."""
     member, count = band >= 0, len(BANDS_DEG_S)
     n, sums = (np.bincount(band[member], weights=weights[member], minlength=count).tolist()
                for weights in (blocks.n, blocks.n * rate_deg_s))
     for number, rate_sum in zip(n, sums):
-        yield rate_sum / number if number else None
+        yield rate_sum / max(number, 1.0)

@@ -60,7 +60,7 @@ class Diagnostics:
     skew: RunSkew
     drift: Drift
     heading_dependence: HeadingDependence
-    by_motion: ByMotion
+    by_motion: ByMotion | None
     normality: Normality
     stationarity: Stationarity
     correlation: Correlation

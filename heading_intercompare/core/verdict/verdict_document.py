@@ -128,7 +128,6 @@ class RunVerdict:
     skew: RunSkew = figure('latency or clock offset between the sensors')
     drift: Drift = figure('drift and warm-up')
     heading_dependence: HeadingDependence = figure('dependence on the heading')
-    by_motion: ByMotion = figure('differences by heading and by the rate of turn')
     normality: Normality = figure('distribution of the errors')
     stationarity: Stationarity = figure('constancy in time')
     correlation: Correlation = figure('correlation in time')
@@ -138,6 +137,8 @@ class RunVerdict:
     taken_out: TakenOut | None = figure('what was taken out by hand', absent='if nothing was')
     motion: MotionCheck | None = figure('headings against the motion of the ship',
                                         absent='if it is not known')
+    by_motion: ByMotion | None = figure('differences by heading and by the rate of turn',
+                                        absent='with fewer than 64 differences')
     limit_95: Percentile | None = figure('limit that 95 % of the differences keep',
                                          absent='with fewer than 20 independent differences')
     norm_tests: Sequence[JudgedTest] | None = figure(

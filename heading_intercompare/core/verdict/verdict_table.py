@@ -18,11 +18,12 @@ from __future__ import annotations
 
 from functools import cache, partial
 import math
-from typing import Callable, Iterator, Sequence
+from typing import Callable, Iterator, Mapping, Sequence
 from xml.etree.ElementTree import Element, SubElement, tostring
 
 from heading_intercompare.core.decision.campaign import CAMPAIGN_REASONS
 from heading_intercompare.core.declared_figures import Figure, find_figure, list_figures
+from heading_intercompare.core.diagnostics.by_motion import ByRate, BySector
 from heading_intercompare.core.norm_tests.judged_test import MET
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.settings import Settings
@@ -217,6 +218,8 @@ def verdict_text(verdict: Verdict, verbose: bool = False) -> str:
     for rows in _tables(verdict, verbose or asks_for_gk(verdict.settings)):
         lines += ['', *_align(rows)]
     lines += _tabulate_tests(verdict)
+    for run in verdict.runs if verbose else ():
+        lines += _list_by_motion(run)
     lines.append('')
     for line, findings in _reasons(verdict):
         lines += [line, *(f'  {more}' for more in findings)]
@@ -232,6 +235,26 @@ def _tabulate_tests(verdict: Verdict) -> list[str]:
                    *((test.words, *test.cells) for test in tests)])
     return ['', *rows, *(f'  {test.words}: {test.notes}' for test in tests
                          if test.state != MET and test.notes)]
+
+
+def _list_by_motion(run: RunVerdict) -> Iterator[str]:
+    """Yield the lines of the differences by heading and by the rate of turn."""
+    if run.by_motion is None:
+        return
+    yield from ('', f'run {run.run}, differences by heading, on steady headings:')
+    yield from _align([*_list_columns(run.by_motion.sectors, list_figures(BySector))])
+    yield from ('', f'run {run.run}, differences by rate of turn, starboard positive:')
+    yield from _align([*_list_columns(run.by_motion.turns, list_figures(ByRate))])
+
+
+def _list_columns(block: BySector | ByRate,
+                  figures: Mapping[str, Figure]) -> Iterator[tuple[str, ...]]:
+    """Yield the head and the rows of figures that are lists of equal length."""
+    yield tuple(f'{figure.words} [{figure.unit}]' if figure.unit != '1' else figure.words
+                for figure in figures.values())
+    for row in zip(*(getattr(block, key) for key in figures)):
+        yield tuple(_number(value, 1 if key.endswith(('_s', 'heading_deg')) else 4)
+                    for key, value in zip(figures, row))
 
 
 def _align(rows: Sequence[tuple[str, ...]]) -> list[str]:

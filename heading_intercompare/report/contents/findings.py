@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from itertools import zip_longest
 import math
 from typing import Any, Mapping, Sequence
@@ -24,6 +24,7 @@ from typing import Any, Mapping, Sequence
 import numpy as np
 
 from heading_intercompare.core.declared_figures import Figure, list_figures
+from heading_intercompare.core.diagnostics.by_motion import BySector
 from heading_intercompare.core.diagnostics.deviation import (
     deviation_at,
     HeadingDependence,
@@ -132,12 +133,6 @@ FINDINGS = (
         'heading of the RS. A small probability means that the difference depends on it.', 'e',
         'reason coefficients_deg amplitude_deg f p residual_std_deg empty_arc_deg condition n'),
     Finding(
-        'by_motion.sectors',
-        'A mean by heading is one of steady headings, so that following late in turns does not '
-        'bend it. Its interval holds for errors that are correlated in time. It is missing where '
-        'they are slower than the stays in the sector.', '', '',
-        'heading_deg n duration_s mean_deg low_deg up_deg std_deg'),
-    Finding(
         'by_motion.turns',
         'A TS that follows late points to port of the RS in a turn to starboard, and to starboard '
         'in a turn to port. Starboard is positive.', '', '',
@@ -196,6 +191,8 @@ LEFT_TO_JSON = {
     'normality.ts_step_seen_deg': 'the finding on the resolution says the step',
     'normality.rs_step_seen_deg': 'the finding on the resolution says the step',
     'by_motion.smoothed_s': 'the explanation says what a steady heading is',
+    **{f'by_motion.sectors.{declared.name}': 'the table by heading, among the results, has it'
+       for declared in fields(BySector)},
     'by_motion.rate_span_s': 'the figure by rate of turn has it',
     'heading_dependence.covariance_deg2': 'its diagonal is printed, as uncertainties',
 }

@@ -16,10 +16,11 @@
 
 from __future__ import annotations
 
-from typing import Any, Iterator
+from typing import Any, Iterator, Sequence
 
 import numpy as np
 
+from heading_intercompare.core.diagnostics.by_motion import ByRate, BySector
 from heading_intercompare.core.records import Reals
 from heading_intercompare.report.formatting import number
 from heading_intercompare.report.series_sketch import HEADING_BINS
@@ -35,6 +36,8 @@ _LEAST_BINS = 4
 _MIDDLE = (0.05, 0.95)
 _BARS: dict[str, Any] = {'color': '#767676', 'linewidth': 1.4}
 _Y_LABEL = 'difference TS - RS [deg]'
+_INTERVALS: dict[str, Any] = {'color': '#000000', 'fmt': 'D', 'markersize': 4.5,
+                              'markerfacecolor': 'none', 'capsize': 3.0, 'linewidth': 1.2}
 
 
 def _harmonics(coefficients: tuple[float, ...], heading_deg: Reals) -> Reals:
@@ -44,6 +47,15 @@ def _harmonics(coefficients: tuple[float, ...], heading_deg: Reals) -> Reals:
     deviation_deg: Reals = (a + b * np.sin(psi) + c * np.cos(psi) + d * np.sin(2.0 * psi)
                             + e * np.cos(2.0 * psi))
     return deviation_deg
+
+
+def _draw_intervals(axes: Any, at: Sequence[float], means: BySector | ByRate, label: str) -> None:
+    """Draw the means of a run that have an interval; without any nothing."""
+    rows = [(x, mean, low, up) for x, mean, low, up in zip(
+        at, means.mean_deg, means.low_deg, means.up_deg) if None not in (mean, low, up)]
+    if rows:
+        x, mean, low, up = np.array(rows, np.float64).T
+        axes.errorbar(x, mean, (mean - low, up - mean), **_INTERVALS, label=label)
 
 
 def draw_against_heading(about: Subject) -> Iterator[Drawing | LeftOut]:
@@ -63,6 +75,7 @@ def draw_against_heading(about: Subject) -> Iterator[Drawing | LeftOut]:
         low = min(band.center_deg - band.sigma_deg for band in bands)
         up = max(band.center_deg + band.sigma_deg for band in bands)
         lines += [(up, SIGMA, 'mean +/- root of the limit of GK (5)'), (low, SIGMA, None)]
+    blocks = [run.by_motion for run in runs if run.by_motion is not None]
     fits = [fit for run in runs
             if (fit := run.heading_dependence.coefficients_deg) is not None]
     why_not = sorted({run.heading_dependence.reason.replace('_', ' ') for run in runs
@@ -75,6 +88,9 @@ def draw_against_heading(about: Subject) -> Iterator[Drawing | LeftOut]:
         axes.vlines(x, mean - std, mean + std, **_BARS, label='+/- its standard deviation')
         axes.plot(x, mean, 'o', color=SERIES['color'], markersize=4.0,
                   label=f'mean in each {number(width)} deg')
+        for k, block in enumerate(blocks):
+            _draw_intervals(axes, block.sectors.heading_deg, block.sectors,
+                            '' if k else 'steady headings: mean, 95 % interval')
         everywhere = np.arange(0.0, 360.5, 1.0)
         for k, fit in enumerate(fits):
             axes.plot(everywhere, _harmonics(fit, everywhere), **UNIT,
@@ -112,6 +128,7 @@ def draw_against_rate(about: Subject) -> Iterator[Drawing | LeftOut]:
     axis_low, axis_up, beyond = fit_axis(
         float((mean - std).min()), float((mean + std).max()),
         about.scale(np.quantile(mean, _MIDDLE).tolist()))
+    blocks = [run.by_motion.turns for run in about.counted_runs if run.by_motion is not None]
     slopes = [(skew_s, run.mean_deg or 0.0) for run in about.counted_runs
               if (skew_s := run.skew.estimate.skew_s) is not None]
 
@@ -119,6 +136,9 @@ def draw_against_rate(about: Subject) -> Iterator[Drawing | LeftOut]:
         axes.vlines(rate[at], mean - std, mean + std, **_BARS, label='+/- standard deviation')
         axes.plot(rate[at], mean, 'o', color=SERIES['color'], markersize=3.5,
                   label=f'mean in each {number(turning.width_deg_s, 3)} deg/s')
+        for k, turns in enumerate(blocks):
+            _draw_intervals(axes, turns.rate_deg_s, turns,
+                            '' if k else 'bands of the verdict: mean, 95 % interval')
         ends = rate[at[[0, -1]]]
         for k, (skew_s, mean_deg) in enumerate(slopes):
             words = ('latency or clock offset '

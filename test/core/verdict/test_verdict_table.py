@@ -69,6 +69,20 @@ def test_a_verbose_table_has_the_criteria_of_gk_and_the_abbreviations():
     assert not {*str(verdict).splitlines()} - {*lines} - {str(verdict).splitlines()[1]}
 
 
+def test_a_verbose_table_has_the_differences_by_heading_and_by_rate_of_turn():
+    verdict = judge_ship(1)
+    by_motion = verdict.runs[0].by_motion
+    lines = verdict_text(verdict, verbose=True).splitlines()
+    for block, title in ((by_motion.sectors, 'by heading, on steady headings'),
+                         (by_motion.turns, 'by rate of turn, starboard positive')):
+        at = lines.index(f'run 1, differences {title}:')
+        rows = [line.split() for line in lines[at + 2:at + 2 + len(block.n)]]
+        column = 1 if title.startswith('by heading') else 2
+        assert [row[column] for row in rows] == [*map(str, block.n)]
+        assert lines[at + 2 + len(block.n)] == ''
+    assert not any(line.startswith('run 1, differences') for line in str(verdict).splitlines())
+
+
 @pytest.mark.parametrize('stated, shown', [
     ({}, False), ({'norms__sigma_max_deg': 0.2, 'window_s': 60.0, 'norms__m_low': 0.5}, False),
     ({'norms__total_error_max_deg': 0.9}, True), ({'norms__probability': 0.95}, True),

@@ -97,6 +97,31 @@ def test_the_harmonics_are_those_of_the_verdict(late, rng):
     assert np.interp([90.0, 270.0], x, y) == pytest.approx([0.2, -0.2], abs=0.02)
 
 
+def bars(axes, words):
+    """Return the values of the means with intervals whose label begins so."""
+    container, = (c for c in axes.containers if str(c.get_label()).startswith(words))
+    return np.array(container.lines[0].get_xydata())
+
+
+def test_the_means_with_intervals_are_those_of_the_verdict(late):
+    """The TS is 0.4 s late on a ship that turns all the time: bands of the rate, and no sector."""
+    verdict, sketch = late
+    turns = verdict.runs[0].by_motion.turns
+    drawn = bars(axes_of(sketch, verdict, 'rate'), 'bands of the verdict')
+    known = [at for at, low in enumerate(turns.low_deg) if low is not None]
+    assert drawn[:, 0].tolist() == [turns.rate_deg_s[at] for at in known] and len(known) > 1
+    assert drawn[:, 1] == pytest.approx(-0.4 * drawn[:, 0], abs=0.02)
+
+
+def test_the_mean_of_a_heading_that_was_held_is_drawn_with_its_interval(made):
+    verdict, sketches = made(1)
+    sectors = verdict.runs[0].by_motion.sectors
+    known = [at for at, low in enumerate(sectors.low_deg) if low is not None]
+    assert [containers.get_label() for containers in
+            axes_of(sketches[0], verdict, 'heading').containers] == [
+                'steady headings: mean, 95 % interval'] * bool(known)
+
+
 def test_the_norm_and_the_limit_are_drawn_against_the_heading(made):
     verdict, sketches = made(1, norms__total_error_max_deg=0.75)
     axes, run = axes_of(sketches[0], verdict, 'heading'), verdict.runs[0]
