@@ -59,6 +59,8 @@ class Outputs:
         A page of HTML.
     annexes_apart
         Whether the annexes of each protocol are a file beside it.
+    card
+        The correction card, in the form of its suffix.
 
     """
 
@@ -71,6 +73,7 @@ class Outputs:
     plot: str | None = None
     page: str | None = None
     annexes_apart: bool = False
+    card: str | None = None
 
 
 def check_outputs(outputs: Outputs, inputs: Sequence[str], *, config: str | None = None,
@@ -104,7 +107,7 @@ def check_outputs(outputs: Outputs, inputs: Sequence[str], *, config: str | None
     annexes = [str(annexes_path(report)) for report in outputs.reports
                if outputs.annexes_apart and is_protocol(report)]
     for option, path in (('csv', outputs.csv), ('csv', beside), ('ensembles', outputs.ensembles),
-                         ('runs-csv', outputs.runs_csv),
+                         ('runs-csv', outputs.runs_csv), ('card', outputs.card),
                          *(('output', report) for report in outputs.reports),
                          *(('annexes-apart', annex) for annex in annexes),
                          ('json', outputs.json), ('plot', outputs.plot),

@@ -26,7 +26,7 @@ from heading_intercompare.core.settings import Settings
 _FILES = {'bag': ('mcap',), 'bags': ('mcap',), 'input': ('mcap', 'csv', 'log'),
           'table': ('csv',), 'inputs': ('mcap', 'csv', 'json', 'journal', 'log'),
           'config': ('yaml', 'yml'), 'runs': ('csv',), 'csv': ('csv',), 'runs_csv': ('csv',),
-          'ensembles': ('csv',),
+          'ensembles': ('csv',), 'card': ('html', 'pdf', 'csv'),
           'reports': ('html', 'json', 'pdf', 'xml'), 'json': ('json',), 'dask': ('json',),
           'logbook': ('sqlite',), 'logbooks': ('sqlite',), 'merge_into': ('sqlite',),
           'html': ('html',), 'correction': ('csv', 'ang')}

@@ -113,6 +113,8 @@ WRITTEN_FILES = (
     WrittenFile('a table of corrections of the heading', _begins('ship,settings_sha256,start_utc'),
                 'it is for survey programs; heading-intercompare history reads the logbooks',
                 'table'),
+    WrittenFile('a correction card', _begins('heading_deg,c_minus_o_deg'),
+                f'it is for the bridge; {_ANALYZE} judges the recordings that it names', 'table'),
     WrittenFile('a table of ensembles, as ens_hcorr.asc of UHDAS has them',
                 _has_header('dday,mean_hdg,last_hdg,mean_dh,std_dh,num,badflag'),
                 'it is for the processing of current profilers; its days have no year, so give '

@@ -57,6 +57,21 @@ def rows(path):
         return [{name: float(text) for name, text in row.items()} for row in csv.DictReader(file)]
 
 
+def test_the_card_of_a_bag_is_that_of_its_verdict_in_json(bag, tmp_path, capsys):
+    """The ship turns from 355 to 25 deg in ten minutes; the TS is 0.2 deg too far."""
+    card, again, verdict = (tmp_path / name for name in ('c.csv', 'again.csv', 'v.json'))
+    assert main(['analyze', str(bag), *NORMS, '--card', str(card), '--json', str(verdict)]) == 0
+    with open(card, newline='') as file:
+        sectors = [row for row in csv.DictReader(file) if row['n'] != '0']
+    assert [(row['run'], row['heading_deg']) for row in sectors] == [
+        ('1', '0'), ('2', '0'), ('2', '45')]
+    for row in sectors:
+        assert float(row['c_minus_o_deg']) == pytest.approx(-0.2, abs=0.02)
+    assert main(['analyze', str(verdict), '--card', str(again)]) == 0
+    assert again.read_text() == card.read_text()
+    assert '--card' in refusal(capsys, 'analyze', bag, *NORMS, '--card', tmp_path)
+
+
 def test_ensembles_are_written_and_are_those_of_the_pairs(bag, tmp_path, capsys):
     """400 s, 120 s of silence, 200 s: 4 and 2 ensembles of 120 s."""
     ensembles, pairs, again = (tmp_path / name for name in ('e.csv', 'p.csv', 'again.csv'))

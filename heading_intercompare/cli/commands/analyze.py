@@ -57,6 +57,7 @@ from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.logbook.run_row import make_rows
 from heading_intercompare.readers.registry import has_one_sensor, has_streams, is_verdict
 from heading_intercompare.report import check_form, is_protocol, json, SeriesSketch
+from heading_intercompare.report.correction_card import check_card, write_card
 from heading_intercompare.report.json import NOT_JUDGED
 from heading_intercompare.report.runs_csv import write_runs
 from heading_intercompare.report.sensors_report import sensor_path, write_protocols
@@ -72,11 +73,12 @@ from .verify import add_signers_argument
 
 _CHECK_CODES = {Outcome.COMPLIANT: 0, Outcome.NON_COMPLIANT: 1, Outcome.INDETERMINATE: 3}
 _DOUBTFUL_CODE = 4
-_OF_TESTED = ('csv', 'ensembles', 'runs_csv')
+_OF_TESTED = ('csv', 'ensembles', 'runs_csv', 'card')
+_OF_PAIRS = ('csv', 'ensembles')
 _OF_TWO = 'is for two sensors; choose them with --ts NAME --rs NAME'
 #: Options of a verdict in JSON as the INPUT; the others need readings, which it lacks.
 _OF_VERDICT = ('command', 'inputs', 'reports', 'annexes_apart', 'json', 'check', 'verbose',
-               'quiet', 'runs_csv', 'ensemble_s', 'signers')
+               'quiet', 'runs_csv', 'card', 'ensemble_s', 'signers')
 
 
 def add_settings_arguments(parser: argparse._ActionsContainer) -> None:
@@ -170,6 +172,9 @@ def _add_table_arguments(group: argparse._ActionsContainer) -> None:
     """Add the options of the tables of pairs and runs."""
     group.add_argument('--runs-csv', metavar='F', help='write one row per run: recording, start, '
                        'end, n, mean, sd, bounds, outcome, validity')
+    group.add_argument('--card', metavar='F', help='write the correction card for the bridge: '
+                       'what to add to the tested sensor on eight headings; F.html, F.pdf or '
+                       'F.csv')
     group.add_argument('--csv', metavar='F', help='write one row per pair')
     group.add_argument('--ensembles', metavar='F', help='write one row per ensemble, with '
                        'the columns of UHDAS: dday,mean_hdg,last_hdg,mean_dh,std_dh,num,badflag; '
@@ -242,7 +247,7 @@ def _show_again(arguments: argparse.Namespace) -> int:
                              f'out --{option.replace("_", "-")} {shown}')
     _check_forms(arguments, verdict.settings)
     check_outputs(Outputs(reports=tuple(arguments.reports), json=arguments.json,
-                          runs_csv=arguments.runs_csv,
+                          runs_csv=arguments.runs_csv, card=arguments.card,
                           annexes_apart=arguments.annexes_apart), arguments.inputs)
     with Progress(path, arguments.quiet) as progress:
         progress.show('judging the inputs of the verdict, where they are at hand')
@@ -277,15 +282,16 @@ def _plan_outputs(arguments: argparse.Namespace, settings: Settings) -> dict[str
     """Return the files of the tested sensor, or those of each beside those of all."""
     whole = Outputs(arguments.csv, arguments.ensembles, tuple(arguments.reports), arguments.json,
                     arguments.ensemble_s, arguments.runs_csv,
-                    annexes_apart=arguments.annexes_apart)
+                    annexes_apart=arguments.annexes_apart, card=arguments.card)
     if settings.sensors is None:
         return {'ts': whole}
 
     def of(path: str | None, name: str) -> str | None:
         return os.fspath(sensor_path(path, name)) if path and path != '-' else path
-    return {'': replace(whole, csv=None, ensembles=None, annexes_apart=False), **{
+    return {'': replace(whole, csv=None, ensembles=None, card=None, annexes_apart=False), **{
         sensor.name: replace(whole, csv=of(whole.csv, sensor.name),
                              ensembles=of(whole.ensembles, sensor.name),
+                             card=of(whole.card, sensor.name),
                              reports=tuple(os.fspath(sensor_path(path, sensor.name))
                                            for path in whole.reports))
         for sensor, _ in pair_with_reference(settings)}}
@@ -327,6 +333,8 @@ def deliver(verdict: Verdict | SensorsVerdict, arguments: argparse.Namespace,
             raise ValueError(f'--runs-csv {arguments.runs_csv}: no sensor is the reference, so '
                              'the verdict has no run of a sensor; leave it out')
         write_runs(verdict, arguments.runs_csv)
+    if arguments.card:
+        _write_cards(verdict, arguments.card)
     for path in sorted(arguments.reports, key=lambda path: not _is_json(path)):
         with Progress(path, arguments.quiet) as progress:
             progress.show('drawing the protocol')
@@ -337,6 +345,18 @@ def deliver(verdict: Verdict | SensorsVerdict, arguments: argparse.Namespace,
         if isinstance(verdict, SensorsVerdict) and arguments.json != '-':
             say_lines(['protocols: ' + ', '.join(map(str, files))])
     return code
+
+
+def _write_cards(verdict: Verdict | SensorsVerdict, path: str) -> None:
+    """Write the correction card, or that of each tested sensor beside that name."""
+    if isinstance(verdict, Verdict):
+        write_card(verdict, path)
+        return
+    if not verdict.verdicts:
+        raise ValueError(f'--card {path}: no sensor is the reference, so no sensor has a '
+                         'correction; leave it out')
+    for name, of_sensor in verdict.verdicts.items():
+        write_card(of_sensor, sensor_path(path, name))
 
 
 def _sign(files: Sequence[str], verdict: Verdict | SensorsVerdict,
@@ -408,7 +428,7 @@ def _check_options(arguments: argparse.Namespace, settings: Settings, of_logs: b
         named = f'--{option.replace("_", "-")} {path}'
         if not pair_with_reference(settings):
             raise ValueError(f'{named}: no sensor is the reference, and it {_OF_TWO}')
-        if option == 'runs_csv':
+        if option not in _OF_PAIRS:
             continue
         if len(arguments.inputs) > 1 and not of_logs:
             raise ValueError(f'{named}: takes the pairs of one INPUT, but '
@@ -445,6 +465,8 @@ def _check_forms(arguments: argparse.Namespace, settings: Settings) -> None:
                          'out')
     for path in arguments.reports:
         check_form(path, settings)
+    if arguments.card:
+        check_card(arguments.card)
 
 
 def conclude(verdict: Verdict | SensorsVerdict, arguments: argparse.Namespace) -> int:
