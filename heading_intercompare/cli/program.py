@@ -49,7 +49,8 @@ COMMANDS = {
                 '--common-u-deg 0.05 --set norms.systematic_max_deg=0.75'),
     'rejudge': ('rejudge', 'judge old recordings again, and list the outcomes that changed',
                 'rejudge trial_*'),
-    'history': ('history', 'list the runs of a logbook, and since when a sensor differs',
+    'history': ('history', 'list the runs of a logbook, say since when a sensor differs, or judge '
+                'the last runs together',
                 'history logbook.sqlite --since 2026-03-01'),
     'import': ('import_inputs', 'convert logs, tables and recordings of other programs to a bag',
                'import gyro.log seapath.log -o trial_bag'),

@@ -379,11 +379,12 @@ class Compliance:
         shared = _share_ledger(ledger, segments, run)
         earlier = [result for of_segment, n in zip(shared, n_old) for result in of_segment[:n]]
         results = [result for of_segment, n in zip(shared, n_old) for result in of_segment[n:]]
+        # What the runs of the verdict leave out does not depend on when others were left. The
+        # record is told also if nothing is left out here: another input may leave out more.
+        pieces = tuple(piece for runs in segments for piece in runs.pieces)
+        earlier, results = ([replace(result, pieces=pieces) for result in among]
+                            for among in (earlier, results))
         if results:
-            # What the runs of the verdict leave out does not depend on when others were left. The
-            # record is told also if nothing is left out here: another input may leave out more.
-            pieces = tuple(piece for runs in segments for piece in runs.pieces)
-            results = [replace(result, pieces=pieces) for result in results]
             results[0] = replace(results[0], outside=tuple(
                 stretch for runs, n in zip(segments, n_old) for stretch in runs.list_outside(
                     n, self._first_pair if runs is current and run is not None
@@ -436,7 +437,7 @@ def _add_to_run_before(shared: Sequence[list[RunResult]], is_before: Sequence[bo
 def _settle(result: RunResult, notes: Sequence[str] = ()) -> RunResult:
     """Return a run that has its share with what that says, and with notes as warnings."""
     assert result.share is not None and result.inside is not None
-    return result.with_pairing(result.share, result.inside, notes)
+    return result.with_pairing(result.share, result.inside, notes).with_evidence()
 
 
 class Intercomparison:

@@ -24,6 +24,7 @@ and read from a disk without write access.
 from __future__ import annotations
 
 from contextlib import closing, contextmanager
+from dataclasses import replace
 import json
 import os
 from pathlib import Path
@@ -31,13 +32,20 @@ import sqlite3
 from typing import Any, get_args, get_origin, get_type_hints, Iterator, Sequence
 
 from heading_intercompare.core.typed_reader import read_plain, VerdictError
+from heading_intercompare.core.utc_text import utc
 
 from .row_chain import append_rows, ChainHead, create_chain, find_break, read_head
 from .row_consistency import find_contradiction
+from .run_record import hash_record
 from .run_row import RunRow
 
-VERSION = 3
-"""Version of the tables (PRAGMA user_version); 1 lacks the last four columns, 2 the chain."""
+VERSION = 4
+"""
+Version of the tables (PRAGMA user_version).
+
+1 lacks the columns of installation offset and deviation, 2 the chain, 3 the records of the runs.
+"""
+_WITH_CHAIN = 3
 #: 'HILB', which `file` and SQLite show (PRAGMA application_id).
 _APPLICATION = 0x48494C42
 
@@ -68,15 +76,18 @@ def _declare_column(name: str) -> str:
 
 
 #: Columns of version 2, with which the table of version 1 is extended.
-_ADDED = ('installation_offset_deg', 'deviation_coefficients_deg', 'deviation_covariance_deg2',
-          'empty_arc_deg')
+_OF_DEVIATION = ('installation_offset_deg', 'deviation_coefficients_deg',
+                 'deviation_covariance_deg2', 'empty_arc_deg')
+_ADDED = (*_OF_DEVIATION, 'record_sha256')
 _CREATE = (f'CREATE TABLE runs (id INTEGER PRIMARY KEY, '
            f'{", ".join(map(_declare_column, _COLUMNS))}, UNIQUE ({", ".join(_KEY)}))')
 # A row that knows its recording, or the columns of version 2, does not lose them to one that
 # does not.
-_KEEP = {'bag': 'coalesce(excluded.bag, runs.bag)',
+_CREATE_RECORDS = ('CREATE TABLE IF NOT EXISTS records (run_id INTEGER PRIMARY KEY, '
+                   'record BLOB NOT NULL)')
+_KEEP = {**{name: f'coalesce(excluded.{name}, runs.{name})' for name in ('bag', 'record_sha256')},
          **{name: f'iif(excluded.installation_offset_deg IS NULL, runs.{name}, excluded.{name})'
-            for name in _ADDED}}
+            for name in _OF_DEVIATION}}
 # The id of a row that was taken out stays its own, so that the chain misses it.
 _NEXT_ID = ('SELECT 1 + max((SELECT coalesce(max(id), 0) FROM runs), '
             '(SELECT coalesce(max(run_id), 0) FROM chain))')
@@ -87,6 +98,8 @@ _WRITE = (f'INSERT INTO runs (id, {", ".join(_COLUMNS)}) '
                       for name in _COLUMNS if name not in _KEY)
           + ' RETURNING id')
 _SELECT = 'SELECT * FROM runs'
+_SELECT_RECORD = ('SELECT record FROM records WHERE run_id = (SELECT id FROM runs WHERE '
+                  f'{" AND ".join(f"{name} = ?" for name in _KEY)})')
 
 
 def to_cells(row: RunRow) -> list[Any]:
@@ -118,19 +131,25 @@ def _read_cells(connection: sqlite3.Connection, question: str,
     return [dict(zip(names, row)) for row in rows]
 
 
-def _has_chain(connection: sqlite3.Connection) -> bool:
+def _has_table(connection: sqlite3.Connection, name: str) -> bool:
     return bool(connection.execute(
-        "SELECT count(*) FROM sqlite_master WHERE name = 'chain'").fetchone()[0])
+        'SELECT count(*) FROM sqlite_master WHERE name = ?', (name,)).fetchone()[0])
+
+
+def _has_chain(connection: sqlite3.Connection) -> bool:
+    return _has_table(connection, 'chain')
 
 
 def _renew(connection: sqlite3.Connection) -> None:
-    """Make the tables those of this version; the chain begins with the rows that are there."""
+    """Make the tables those of this version; a new chain begins with the rows that are there."""
     there = {row[1] for row in connection.execute('PRAGMA table_info(runs)')}
     for name in _ADDED:
         if name not in there:
             connection.execute(f'ALTER TABLE runs ADD COLUMN {_declare_column(name)}')
-    create_chain(connection)
-    append_rows(connection, _read_cells(connection, f'{_SELECT} ORDER BY id'))
+    if not _has_chain(connection):
+        create_chain(connection)
+        append_rows(connection, _read_cells(connection, f'{_SELECT} ORDER BY id'))
+    connection.execute(_CREATE_RECORDS)
     connection.execute(f'PRAGMA user_version = {VERSION}')
 
 
@@ -164,7 +183,14 @@ class Logbook:
 
         """
         with self._open(write=True) as connection:
-            written = [connection.execute(_WRITE, to_cells(row)).fetchone() for row in rows]
+            # A row names only the record that comes with it.
+            written = [connection.execute(_WRITE, to_cells(
+                row if row.record is not None else replace(row, record_sha256=None))).fetchone()
+                for row in rows]
+            connection.executemany(
+                'INSERT OR REPLACE INTO records VALUES (?, ?)',
+                [(*run_id, row.record) for run_id, row in zip(written, rows)
+                 if row.record is not None])
             append_rows(connection, (
                 cells for run_id in written
                 for cells in _read_cells(connection, f'{_SELECT} WHERE id = ?', run_id)))
@@ -219,6 +245,33 @@ class Logbook:
         except LogbookError as error:
             raise LogbookError(f'{self.path}: {error}') from None
 
+    def read_records(self, rows: Sequence[RunRow]) -> list[RunRow]:
+        """
+        Return rows of this logbook with the records of their runs; one without stays as it is.
+
+        Raises
+        ------
+        LogbookError
+            As `read`, or if a record is missing or was changed.
+
+        """
+        with self._open(write=False) as connection:
+            records = [None if row.record_sha256 is None else connection.execute(
+                _SELECT_RECORD, row.key).fetchone() for row in rows]
+        for row, cells in zip(rows, records):
+            if row.record_sha256 is not None and (
+                    cells is None or not isinstance(cells[0], bytes)
+                    or hash_record(cells[0]) != row.record_sha256):
+                raise LogbookError(f'{self.path}: the record of the run of {utc(row.start_ns)} '
+                                   f'UTC was {"taken out" if cells is None else "changed"}')
+        return [row if cells is None else replace(row, record=cells[0])
+                for row, cells in zip(rows, records)]
+
+    def read_head(self) -> ChainHead | None:
+        """Return the newest entry of the chain; None for a logbook of before version 3."""
+        with self._open(write=False) as connection:
+            return read_head(connection) if _has_chain(connection) else None
+
     @contextmanager
     def _open(self, *, write: bool) -> Iterator[sqlite3.Connection]:
         """Open the file for one transaction; errors name the file."""
@@ -251,6 +304,7 @@ class Logbook:
             connection.execute(f'PRAGMA application_id = {_APPLICATION}')
             connection.execute(f'PRAGMA user_version = {VERSION}')
             connection.execute(_CREATE)
+            connection.execute(_CREATE_RECORDS)
             create_chain(connection)
         elif application != _APPLICATION:
             raise LogbookError(f'{self.path}: is not a logbook of heading_intercompare')
@@ -258,7 +312,7 @@ class Logbook:
             raise LogbookError(f'{self.path}: is a logbook of version {version}, this program '
                                f'knows version {VERSION}: a newer heading_intercompare wrote it; '
                                'install that')
-        elif version == VERSION and not _has_chain(connection):
+        elif version >= _WITH_CHAIN and not _has_chain(connection):
             raise LogbookError(f'{self.path}: the chain of its rows was taken out; what the '
                                'program wrote is no longer known')
         elif trigger := connection.execute(
@@ -290,6 +344,6 @@ def merge_logbooks(into: Logbook, sources: Sequence[Logbook]) -> int:
     Merging the same logbooks again changes nothing. A source that cannot be read raises
     `LogbookError` before anything is written.
     """
-    rows = [row for source in sources for row in source.read()]
+    rows = [row for source in sources for row in source.read_records(source.read())]
     into.write(rows)
     return len(rows)

@@ -21,10 +21,12 @@ import math
 from typing import Callable, get_type_hints, Iterable, NamedTuple
 
 from heading_intercompare.core.angles import wrap180
-from heading_intercompare.core.declared_figures import find_figure
+from heading_intercompare.core.declared_figures import find_figure, list_keys, no_key
 from heading_intercompare.core.diagnostics.deviation import HeadingDependence, holds_all_round
 from heading_intercompare.core.typed_reader import make_plain, read_plain
 from heading_intercompare.core.verdict.verdict_document import RunVerdict, Verdict
+
+from .run_record import encode_record, hash_record
 
 
 class RunKey(NamedTuple):
@@ -84,6 +86,11 @@ class RunRow:
         A to E of the dependence on the RS heading, and their covariance; None without a fit.
     empty_arc_deg
         Largest arc without a heading of the RS, degrees.
+    record_sha256
+        SHA-256 of `record`. It is no figure of the run, so rows are compared without it.
+    record
+        The record of the run, by which it is judged together with others; no column, and None
+        unless the logbook was asked for it.
 
     """
 
@@ -124,6 +131,8 @@ class RunRow:
         default=None, metadata={'key': 'heading_dependence.covariance_deg2'})
     empty_arc_deg: float | None = field(
         default=None, metadata={'key': 'heading_dependence.empty_arc_deg'})
+    record_sha256: str | None = field(default=None, compare=False)
+    record: bytes | None = no_key()
 
     @property
     def measured_mean_deg(self) -> float | None:
@@ -149,7 +158,7 @@ class RunRow:
     @classmethod
     def columns(cls) -> tuple[str, ...]:
         """Return the names of the columns."""
-        return tuple(f.name for f in fields(cls))
+        return tuple(f.name for f in list_keys(cls))
 
 
 def make_rows(verdict: Verdict, *, ship: str = '', earlier: Iterable[RunVerdict] = (),
@@ -176,7 +185,7 @@ def make_rows(verdict: Verdict, *, ship: str = '', earlier: Iterable[RunVerdict]
         n_effective, u_deg = run.correlation.n_effective_mean, None
         if run.variance_deg2 is not None and n_effective > 0.0:
             u_deg = math.sqrt(run.variance_deg2 / n_effective)
-        rejected = run.pairing.rejected
+        rejected, record = run.pairing.rejected, encode_record(verdict, run)
         rows.append(RunRow(
             **{column.name: read_plain(hints[column.name], make_plain(
                 find_figure(run, column.metadata['key'])))
@@ -185,5 +194,6 @@ def make_rows(verdict: Verdict, *, ship: str = '', earlier: Iterable[RunVerdict]
             rs_rejected=sum(rejected.rs.values()), bag=find_bag(run.source),
             settings_sha256=digest, rule_version=verdict.rule_version,
             software_version=verdict.software.version,
-            installation_offset_deg=verdict.settings.installation_offset_deg))
+            installation_offset_deg=verdict.settings.installation_offset_deg,
+            record_sha256=None if record is None else hash_record(record), record=record))
     return sorted(rows, key=lambda row: (row.start_ns, row.end_ns))

@@ -81,7 +81,7 @@ def test_the_file_names_its_version_and_a_newer_one_is_refused(book):
         assert connection.execute('PRAGMA user_version').fetchone() == (VERSION,)
         connection.execute(f'PRAGMA user_version = {VERSION + 1}')
     for act in (book.read, lambda: book.write([make_row()])):
-        with pytest.raises(LogbookError, match=r'l.sqlite: is a logbook of version 4, .*; '
+        with pytest.raises(LogbookError, match=r'l.sqlite: is a logbook of version 5, .*; '
                            'install that') as found:
             act()
         assert '\n' not in str(found.value)

@@ -107,16 +107,62 @@ def add_antenna_arguments(parser: argparse._ActionsContainer) -> None:
 
 def add_verdict_arguments(parser: argparse.ArgumentParser) -> None:
     """Add the options of every command that ends with a verdict; see `conclude`."""
-    parser.add_argument('--annexes-apart', action='store_true',
-                        help='a protocol of at most 8 pages, and its annexes in a second file '
-                        'F-annexes.html or F-annexes.pdf')
+    _add_annexes_argument(parser)
     parser.add_argument('--json', metavar='F', help="write the verdict as JSON; '-' for stdout")
     parser.add_argument('--check', action='store_true',
                         help='exit code 1 if non-compliant, 3 if indeterminate, 4 if the '
                         'outcome is doubtful')
+    _add_verbose_argument(parser)
+
+
+def _add_annexes_argument(parser: argparse._ActionsContainer) -> None:
+    parser.add_argument('--annexes-apart', action='store_true',
+                        help='a protocol of at most 8 pages, and its annexes in a second file '
+                        'F-annexes.html or F-annexes.pdf')
+
+
+def _add_verbose_argument(parser: argparse._ActionsContainer) -> None:
     parser.add_argument('--verbose', action='store_true',
                         help='show the criteria of Granovskii & Kudryavtsev and the abbreviations '
                         'too, also where no setting asks for them')
+
+
+def _add_reports_argument(parser: argparse._ActionsContainer) -> None:
+    parser.add_argument('-o', '--output', '--report', dest='reports', metavar='F',
+                        action='append', default=[],
+                        help='write the protocol, with plots: F.html, or F.pdf with the extra '
+                        'pdf; F.json: the verdict; F.xml: a Digital Calibration '
+                        'Certificate of the PTB; may be repeated; the short name report needs '
+                        'it')
+
+
+def _add_signing_arguments(parser: argparse._ActionsContainer) -> None:
+    parser.add_argument('--sign', metavar='KEY', help='sign the verdict, F.json, and the '
+                        'protocols with an ssh key; page one says by whom')
+    add_signers_argument(parser)
+
+
+def _add_runs_csv_argument(parser: argparse._ActionsContainer) -> None:
+    parser.add_argument('--runs-csv', metavar='F', help='write one row per run: recording, start, '
+                        'end, n, mean, sd, bounds, outcome, validity')
+
+
+def add_delivery_arguments(group: argparse._ActionsContainer) -> None:
+    """Add the options of a command that may end with a verdict; see `deliver`."""
+    _add_reports_argument(group)
+    _add_annexes_argument(group)
+    _add_runs_csv_argument(group)
+    _add_verbose_argument(group)
+    _add_signing_arguments(group)
+
+
+def check_delivery(arguments: argparse.Namespace, inputs: Sequence[str],
+                   settings: Settings | None = None) -> None:
+    """Reject files that `deliver` cannot write or sign; `inputs` must not be overwritten."""
+    _check_forms(arguments, settings)
+    check_outputs(Outputs(reports=tuple(arguments.reports), json=arguments.json,
+                          runs_csv=arguments.runs_csv, card=arguments.card,
+                          annexes_apart=arguments.annexes_apart), inputs)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -129,12 +175,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         'or patterns in quotes; with the setting sensors recordings, or NAME=LOG '
                         'for each sensor; or one verdict in JSON, which is checked')
     add_settings_arguments(parser)
-    parser.add_argument('-o', '--output', '--report', dest='reports', metavar='F',
-                        action='append', default=[],
-                        help='write the protocol, with plots: F.html, or F.pdf with the extra '
-                        'pdf; F.json: the verdict; F.xml: a Digital Calibration '
-                        'Certificate of the PTB; may be repeated; the short name report needs '
-                        'it')
+    _add_reports_argument(parser)
     parser.add_argument('--ts', metavar='TOPIC', help='topic of the tested sensor, or its name '
                         'in the setting sensors')
     parser.add_argument('--rs', metavar='TOPIC', help='topic of the reference sensor, or its name')
@@ -142,9 +183,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument('--exclude', metavar='F.csv', help='table of stretches to take out: '
                         'start,end,reason; the verdict with nothing taken out stands beside')
     add_verdict_arguments(parser)
-    parser.add_argument('--sign', metavar='KEY', help='sign the verdict, F.json, and the '
-                        'protocols with an ssh key; page one says by whom')
-    add_signers_argument(parser)
+    _add_signing_arguments(parser)
     logs = parser.add_argument_group('how logs and tables are read')
     add_unit_arguments(logs)
     add_log_arguments(logs)
@@ -170,8 +209,7 @@ def _add_run_arguments(group: argparse._ActionsContainer) -> None:
 
 def _add_table_arguments(group: argparse._ActionsContainer) -> None:
     """Add the options of the tables of pairs and runs."""
-    group.add_argument('--runs-csv', metavar='F', help='write one row per run: recording, start, '
-                       'end, n, mean, sd, bounds, outcome, validity')
+    _add_runs_csv_argument(group)
     group.add_argument('--card', metavar='F', help='write the correction card for the bridge: '
                        'what to add to the tested sensor on eight headings; F.html, F.pdf or '
                        'F.csv')
@@ -202,7 +240,7 @@ def run(arguments: argparse.Namespace) -> int:
     drivers = drivers_for(arguments)
     logs = choose_logs(arguments, settings, drivers)
     _check_options(arguments, settings, logs is not None, drivers['ts'])
-    _check_signing(arguments)
+    check_signing(arguments)
     inputs = arguments.inputs if logs is None else [*logs.values()]
     outputs = _plan_outputs(arguments, settings)
     for sensor_outputs in outputs.values():
@@ -245,10 +283,7 @@ def _show_again(arguments: argparse.Namespace) -> int:
             shown = value[0] if isinstance(value, list) else value
             raise ValueError(f'{path}: is a verdict, which is judged by its own settings; leave '
                              f'out --{option.replace("_", "-")} {shown}')
-    _check_forms(arguments, verdict.settings)
-    check_outputs(Outputs(reports=tuple(arguments.reports), json=arguments.json,
-                          runs_csv=arguments.runs_csv, card=arguments.card,
-                          annexes_apart=arguments.annexes_apart), arguments.inputs)
+    check_delivery(arguments, arguments.inputs, verdict.settings)
     with Progress(path, arguments.quiet) as progress:
         progress.show('judging the inputs of the verdict, where they are at hand')
         verdict, why = confirm_verdict(path, verdict)
@@ -370,7 +405,7 @@ def _sign(files: Sequence[str], verdict: Verdict | SensorsVerdict,
     return with_signature(verdict, files[0], find_signers(arguments.signers))
 
 
-def _check_signing(arguments: argparse.Namespace) -> None:
+def check_signing(arguments: argparse.Namespace) -> None:
     """Reject, before any work, a signature that cannot be made."""
     find_signers(arguments.signers)
     if arguments.sign is None:
@@ -458,7 +493,7 @@ def check_input_options(arguments: argparse.Namespace, settings: Settings, of_lo
             raise ValueError(f'--{option.replace("_", "-")} {shown}: {why}')
 
 
-def _check_forms(arguments: argparse.Namespace, settings: Settings) -> None:
+def _check_forms(arguments: argparse.Namespace, settings: Settings | None) -> None:
     """Reject a protocol in an unknown form, or one whose libraries are not installed."""
     if arguments.annexes_apart and not any(map(is_protocol, arguments.reports)):
         raise ValueError('--annexes-apart: no protocol is asked for; give -o F.pdf, or leave it '

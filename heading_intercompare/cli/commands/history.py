@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""The command ``history``: the runs of logbooks, and since when a sensor differs."""
+"""The command ``history``: runs of logbooks, since when a sensor differs, and their verdict."""
 
 from __future__ import annotations
 
@@ -28,6 +28,7 @@ from heading_intercompare.app.correction_files import SUFFIXES, write_correction
 from heading_intercompare.app.run_table import parse_stamp
 from heading_intercompare.cli.terminal.console import say, say_lines, tell, VERDICT_MARKS
 from heading_intercompare.core.count_words import count_words
+from heading_intercompare.core.decision.campaign import LEAST_RUNS
 from heading_intercompare.core.typed_reader import make_plain
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.validity.condition import HOLDS
@@ -36,6 +37,7 @@ from heading_intercompare.core.verdict.verdict_document import Software
 from heading_intercompare.logbook.control_chart import LEAST_BASELINE
 from heading_intercompare.logbook.correction import list_corrections
 from heading_intercompare.logbook.history import History, Point, tell_histories
+from heading_intercompare.logbook.last_runs import is_of_ship, judge_last_runs
 from heading_intercompare.logbook.logbook_file import Logbook, merge_logbooks, to_cells
 from heading_intercompare.logbook.row_chain import ChainHead
 from heading_intercompare.logbook.run_row import RunRow
@@ -43,8 +45,14 @@ from heading_intercompare.logbook.service_change import compare_service, Service
 from heading_intercompare.replaced_file import replace_file, ReplacedFile
 from heading_intercompare.report import check_form
 
+from .analyze import add_delivery_arguments, check_delivery, check_signing, deliver
+
 SCHEMA = 'heading_intercompare/history/1'
 _DIFFERS_CODE = 1
+_BASELINE = 20
+_OF_HISTORY = 'since', 'baseline', 'one_in', 'service', 'csv', 'html', 'correction', 'merge_into'
+_OF_CERTIFY = 'reports', 'annexes_apart', 'runs_csv', 'verbose', 'sign', 'signers'
+_NAMES = {'reports': 'output'}
 _LIMITS = ('mean_low_deg', 'mean_high_deg', 'sd_low_deg', 'sd_high_deg')
 
 
@@ -56,8 +64,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         'sensors; SHIP/SENSOR for one of several')
     parser.add_argument('--since', metavar='UTC', help='list only the runs that end at or after '
                         'this time, such as 2026-03-01; the charts rest on all runs')
-    parser.add_argument('--baseline', metavar='K', type=int, default=20,
-                        help='number of runs that the charts learn from (default: 20)')
+    parser.add_argument('--baseline', metavar='K', type=int,
+                        help=f'number of runs that the charts learn from (default: {_BASELINE})')
     parser.add_argument('--one-in', metavar='N', type=float, help='false alarms of a chart: one '
                         'in N runs (default: 370, or more runs, so that the chance of a false '
                         'alarm in any chart is at most 5 %%)')
@@ -73,7 +81,12 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         'into this one, and do no more')
     parser.add_argument('--check', action='store_true',
                         help='exit code 1 if a mean or standard deviation differs lastingly; with '
-                        '--service, if it differs after that')
+                        '--service, if it differs after that; with --certify as analyze')
+    parser.add_argument('--certify', metavar='N', type=int, help='judge the last N usable runs of '
+                        'a sensor together, by the rule sensor; choose N beforehand')
+    parser.set_defaults(card=None)
+    add_delivery_arguments(parser.add_argument_group(
+        'with --certify, which writes its verdict to --json'))
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -85,12 +98,13 @@ def run(arguments: argparse.Namespace) -> int:
         say_lines([f'{count_words(n, "run")} of {count_words(len(books), "logbook")} are in '
                    f'{arguments.merge_into}'])
         return 0
+    if arguments.certify is not None:
+        return _certify(arguments, books)
     since_ns, service_ns = _read_time(arguments, 'since'), _read_time(arguments, 'service')
     contents = [book.read_with_head() for book in books]
     histories = tell_histories(
-        (row for rows, _ in contents for row in rows
-         if arguments.ship is None or f'{row.ship}/'.startswith(f'{arguments.ship}/')),
-        baseline=arguments.baseline, runs_between=arguments.one_in)
+        (row for rows, _ in contents for row in rows if is_of_ship(row, arguments.ship)),
+        baseline=arguments.baseline or _BASELINE, runs_between=arguments.one_in)
     changes = [() if service_ns is None else compare_service(
         [point.row for point in history.points], service_ns) for history in histories]
     heads = {book.path: head for book, (_, head) in zip(books, contents)}
@@ -108,6 +122,13 @@ def run(arguments: argparse.Namespace) -> int:
                if service_ns is not None
                else any(h.differs for h in histories))
     return _DIFFERS_CODE if arguments.check and differs else 0
+
+
+def _certify(arguments: argparse.Namespace, books: Sequence[Logbook]) -> int:
+    """Judge the last runs together; print, write and sign their verdict as ``analyze`` does."""
+    check_delivery(arguments, arguments.logbooks)
+    check_signing(arguments)
+    return deliver(judge_last_runs(books, arguments.certify, arguments.ship), arguments)
 
 
 def _write_files(histories: Sequence[History], document: str, arguments: argparse.Namespace,
@@ -137,7 +158,8 @@ def _write_corrections(histories: Sequence[History], path: str, since_ns: int | 
 
 
 def _check_options(arguments: argparse.Namespace) -> None:
-    if arguments.baseline < LEAST_BASELINE:
+    _check_certify(arguments)
+    if arguments.baseline is not None and arguments.baseline < LEAST_BASELINE:
         raise ValueError(f'--baseline {arguments.baseline}: must be at least {LEAST_BASELINE}')
     if arguments.one_in is not None and not 2.0 <= arguments.one_in <= 1e6:
         raise ValueError(f'--one-in {arguments.one_in:g}: must be from 2 to 1000000')
@@ -155,6 +177,21 @@ def _check_options(arguments: argparse.Namespace) -> None:
         if Path(arguments.html).suffix != '.html':
             raise ValueError(f'--html {arguments.html}: must end with .html')
         check_form(arguments.html)
+
+
+def _check_certify(arguments: argparse.Namespace) -> None:
+    """Reject a number of runs that is too small, and options that do not go with it."""
+    n = arguments.certify
+    if n is not None and n < LEAST_RUNS:
+        raise ValueError(f'--certify {n}: must be at least {LEAST_RUNS} runs, for fewer say '
+                         'nothing about errors slower than a run')
+    options, why = ((_OF_HISTORY, 'is not for --certify') if n is not None
+                    else (_OF_CERTIFY, 'is for --certify N'))
+    for option in options:
+        if value := getattr(arguments, option):
+            shown = value[0] if isinstance(value, list) else '' if value is True else value
+            raise ValueError(f'--{_NAMES.get(option, option).replace("_", "-")} {shown}'.rstrip()
+                             + f': {why}; leave it out')
 
 
 def _read_time(arguments: argparse.Namespace, option: str) -> int | None:

@@ -89,6 +89,9 @@ def campaign_lines(verdict: Verdict, columns: int | None = None,
     if columns is not None:
         table = [line if len(line) <= columns else f'{line[:columns - 1]}…' for line in table]
     together = describe_together(verdict)
+    if verdict.chosen is not None:
+        together += [verdict.chosen.words,
+                     *(f'  {line}' for line in verdict.chosen.list_left_out())]
     return [*head_lines(verdict, verbose), '', *table, *([''] * bool(together)), *together]
 
 

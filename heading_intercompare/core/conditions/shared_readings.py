@@ -130,6 +130,13 @@ class Fingerprint:
         return cls(int(start_ns), float(grain_s), float(least_bin_s), columns[0].astype(float),
                    columns[2].astype(np.int64), columns[1].astype(float))
 
+    def shorten(self, most: int) -> 'Fingerprint':
+        """Return the same with at most this many grains, each longer by a power of two."""
+        times = 1
+        while len(self.count) > most * times:
+            times *= 2
+        return self.coarsen(times * self.grain_s)
+
     def coarsen(self, grain_s: float) -> 'Fingerprint':
         """Return the same with grains longer by a power of two."""
         times = round(grain_s / self.grain_s)

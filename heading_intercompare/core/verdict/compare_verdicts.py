@@ -43,7 +43,8 @@ def find_differences(a: Verdict, b: Verdict) -> Iterator[str]:
 def drop_sources(verdict: Verdict) -> Verdict:
     """Return a verdict without its sources."""
     runs = tuple(replace(run, source='') for run in verdict.runs)
-    return replace(verdict, inputs=(), operator_actions=None, recordings=None, runs=runs)
+    return replace(verdict, inputs=(), operator_actions=None, recordings=None, chosen=None,
+                   runs=runs)
 
 
 def compare_plain(a: Any, b: Any, path: str = '') -> Iterator[str]:

@@ -53,17 +53,19 @@ from heading_intercompare.core.statistics.variance_uncertainty import (
     STUDENT_DOF,
 )
 from heading_intercompare.core.typed_reader import make_plain, VerdictError
+from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.validity.condition import DOUBTFUL, Finding, NOT_TESTABLE, VOID
 from heading_intercompare.core.version import RULE_VERSION, VERSION
 
-from .all_runs import compare_runs, compose_verdict, conclude_campaign
+from .all_runs import compare_runs, compose_verdict, conclude_campaign, join
 from .compare_verdicts import list_differences
 from .conclusion import conclude
 from .judge import conclude_run, RunResult, share_among
+from .run_evidence import RunEvidence
 from .runs_together import find_repeated_runs, shortest_apart_s
 from .spread_of_run import spread_of_run
 from .validity import CONDITIONS
-from .verdict_document import Campaign, mark_intermediate, RunVerdict, Verdict
+from .verdict_document import Campaign, Input, mark_intermediate, RunVerdict, Verdict
 
 #: Figures of a file have all their digits; a sum made from them may lose some.
 _REL, _LEAST = 1e-6, 1e-9
@@ -90,11 +92,14 @@ def check_consistency(verdict: Verdict) -> None:
 
 def compare_with(verdict: Any, derived: Any, source: str = 'figures') -> None:
     """Raise ContradictionError at the first place where a verdict differs from a derived one."""
-    document, expected = _put_causes_first(verdict.to_dict()), derived.to_dict()
-    for place, stated, figures in list_differences(document, expected, '', _REL, _LEAST):
+    _compare_plain(_put_causes_first(verdict.to_dict()), derived.to_dict(), source,
+                   explain_difference(verdict))
+
+
+def _compare_plain(stated: Any, derived: Any, source: str, why: str) -> None:
+    for place, value, figures in list_differences(stated, derived, '', _REL, _LEAST):
         raise ContradictionError(
-            f'{place} is {_show(stated)}, but its {source} give {_show(figures)}: '
-            f'{explain_difference(verdict)}')
+            f'{place} is {_show(value)}, but its {source} give {_show(figures)}: {why}')
 
 
 def _put_causes_first(document: dict[str, Any]) -> dict[str, Any]:
@@ -135,8 +140,44 @@ def derive_verdict(verdict: Verdict) -> Verdict:
               if problem not in verdict.ledger_problems]
     derived = replace(derived, software=verdict.software, rule_version=verdict.rule_version,
                       operator_actions=verdict.operator_actions, recordings=verdict.recordings,
+                      chosen=verdict.chosen and replace(verdict.chosen, asked=len(verdict.runs)),
                       ledger_problems=(*missed, *verdict.ledger_problems))
     return mark_intermediate(derived) if verdict.intermediate else derived
+
+
+def judge_kept_runs(runs: Sequence[RunVerdict], settings: Settings,
+                    inputs: Sequence[Input]) -> Verdict:
+    """
+    Judge runs together that were judged before, each in a verdict of its own.
+
+    Parameters
+    ----------
+    runs
+        In the order of time, each with its evidence.
+    settings
+        By which all were judged; the rule of campaigns may be another.
+    inputs
+        The sources of the runs.
+
+    Raises
+    ------
+    ContradictionError
+        If a run does not follow from its figures and its evidence.
+
+    """
+    results = []
+    for run in runs:
+        kept: RunEvidence = run.evidence
+        result = _rebuild_run(run, settings, kept.evidence)
+        try:
+            _compare_plain(make_plain(run), make_plain(result.verdict), 'figures',
+                           'the record was changed')
+        except ContradictionError as error:
+            raise ContradictionError(f'the record of the run of {utc(run.start_ns)} UTC: '
+                                     f'{error}') from error
+        results.append(replace(result, fingerprint=kept.fingerprint, pieces=kept.pieces,
+                               outside=kept.outside))
+    return join(results, settings, inputs)
 
 
 def is_close(first: Any, second: Any) -> bool:
@@ -215,8 +256,9 @@ def _state_together(stated: Together | None, results: Sequence[RunResult],
         pooled_upper_bound_deg2=stated.pooled_upper_bound_deg2, upper_bound_deg2=bound)
 
 
-def _rebuild_run(run: RunVerdict, settings: Settings) -> RunResult:
-    """Return the result of a run as its own figures give it."""
+def _rebuild_run(run: RunVerdict, settings: Settings,
+                 evidence: Evidence | None = None) -> RunResult:
+    """Return the result of a run as its own figures give it, and its evidence if that is kept."""
     ts, rs = run.pairing.ts_variance_factor, run.pairing.rs_variance_factor
     limits = Limits.of(settings.norms, settings.model, *(
         () if ts is None or rs is None else (rs, ts)))
@@ -224,7 +266,7 @@ def _rebuild_run(run: RunVerdict, settings: Settings) -> RunResult:
     rates = run.guarded.rate_plus, run.guarded.rate_plus_plus
     n_plus, n_plus_plus = (0 if rate is None else round(rate * run.n) for rate in rates)
     left_deg2 = 0.0 if run.drift_coefficients_deg else run.drift.left_deg2 or 0.0
-    evidence = Evidence(
+    evidence = evidence or Evidence(
         n=run.n, spread=_rebuild_spread(run, settings, risk), mean_deg=run.mean_deg,
         offset_u_deg=settings.installation_offset_u_deg, span_s=run.coverage.span_s,
         n_plus=n_plus, n_plus_plus=n_plus_plus, drift_left_deg2=left_deg2)

@@ -28,6 +28,7 @@ from heading_intercompare.core.decision.criteria import apply_gk, Limits, Printe
 from heading_intercompare.core.decision.guarded import decide, Evidence, gather_evidence, Guarded
 from heading_intercompare.core.decision.sequential import Look, LookVerdict, risk_at_the_end
 from heading_intercompare.core.decision.taken_out import Stretch, TakenOut
+from heading_intercompare.core.diagnostics.by_motion import ByMotion
 from heading_intercompare.core.diagnostics.percentile import estimate_percentile, Percentile
 from heading_intercompare.core.diagnostics.run_columns import (
     HIGHEST_ORDER_REMOVED,
@@ -74,6 +75,7 @@ from .conclusion import (
 )
 from .headline import add_looks, compose_headline
 from .recorded import JudgedPiece
+from .run_evidence import RunEvidence
 from .validity import examine, settle
 from .verdict_document import RunVerdict
 
@@ -156,6 +158,14 @@ class RunResult:
         settling = Stretch(run.start_ns, settled_ns, 'settling', run.n_stabilization)
         by_hand = run.taken_out.stretches if run.taken_out is not None else ()
         return (*self.outside, *([settling] if settling.n else []), *by_hand)
+
+    def with_evidence(self) -> 'RunResult':
+        """Return the result whose verdict has the evidence that a logbook keeps."""
+        run = self.verdict
+        around = tuple(piece for piece in self.pieces
+                       if piece.start_ns <= run.end_ns and piece.end_ns >= run.start_ns)
+        return replace(self, verdict=replace(run, evidence=RunEvidence(
+            self.evidence, self.fingerprint, around, self.outside)))
 
     def without_lost_share(self) -> 'RunResult':
         """Return the result of pairs chosen out of more: their gaps do not show what was lost."""
@@ -373,7 +383,7 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
         limit_95=_estimate_limit_95(data, settings, correlation.n_effective_variance),
         norm_tests=None if is_look else judge_tests(
             columns, moments.mean_deg if moments.n else None, guarded,
-            diagnostics.by_motion) or None,
+            diagnostics.by_motion or ByMotion()) or None,
         warnings=(*_warnings(data, limits, guarded, settings), *diagnostics.warnings))
     return RunResult(
         verdict=verdict, evidence=evidence, limits=limits, printed=printed,

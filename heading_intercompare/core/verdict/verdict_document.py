@@ -59,6 +59,7 @@ from heading_intercompare.core.validity.condition import (
 )
 from heading_intercompare.core.version import RULE_VERSION, VERSION
 
+from .chosen_runs import ChosenRuns
 from .conclusion import campaign_words
 from .headline import compose_headline
 
@@ -147,6 +148,7 @@ class RunVerdict:
     clock_segment: int | None = figure('clocks set back before it',
                                        'stamps are repeated from segment to segment', unit='1',
                                        absent='if none was')
+    evidence: Any = no_key()
 
     @property
     def conditions_in_doubt(self) -> str:
@@ -300,6 +302,8 @@ class Verdict:
     intermediate: bool | None = figure('whether the last run was still in progress',
                                        'its outcome is then that of a stop', absent='otherwise')
     taken_out: TakenOut | None = figure('pairs that the runs leave out', absent='without any')
+    chosen: ChosenRuns | None = figure('the runs of a logbook that are judged together',
+                                       'by `history --certify`', absent='otherwise')
     campaign: Campaign = figure('the runs together')
     runs: Sequence[RunVerdict] = figure('the runs, in the order of the inputs and of time')
     plotter: Any = no_key()

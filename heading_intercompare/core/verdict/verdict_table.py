@@ -165,6 +165,8 @@ def _reasons(verdict: Verdict) -> Iterator[tuple[str, list[str]]]:
     several = len(verdict.inputs) > 1
     for line in describe_together(verdict):
         yield line, []
+    if verdict.chosen is not None:
+        yield verdict.chosen.words, [*verdict.chosen.list_left_out()]
     for run in verdict.runs:
         of = f' of {run.source}' if several else ''
         findings = [f'{EFFECT_WORDS[f.effect]}: {f.evidence}' for f in run.validity
