@@ -29,7 +29,7 @@ fail.
 Tables: A one run; cells the same with cells of equal time; drift, gaps, rates, short; B lengths
 needed; E slow components; runs and means several runs together; looks; open looks whose end is
 not planned; stated, stated_lengths and stated_runs the same with the slowest error stated; longer
-what a longer run decides.
+what a longer run decides; month a gyrocompass by its daily runs.
 """
 
 from __future__ import annotations

@@ -16,7 +16,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 import math
 from typing import Callable, Sequence
 
@@ -33,9 +33,14 @@ import numpy as np
 from risk_measures import batches, Bounds, fails, rate, Result, runs_for, SIGMAS
 from risk_rows import band, half, JUDGED_FROM
 
+from heading_intercompare.core.decision.campaign import conclude_sensor, judge_together
+from heading_intercompare.core.decision.criteria import Limits
+from heading_intercompare.core.decision.guarded import Evidence
 from heading_intercompare.core.decision.sequential import Looks
-from heading_intercompare.core.settings import Risk
+from heading_intercompare.core.outcome import Outcome
+from heading_intercompare.core.settings import Norms, Risk, Settings
 from heading_intercompare.core.statistics.cells import Cells
+from heading_intercompare.core.statistics.confidence_bounds import share_interval
 from heading_intercompare.core.statistics.variance_uncertainty import (
     between_runs,
     estimate_spread,
@@ -435,7 +440,90 @@ def table_longer() -> list[Campaign]:
     return [_longer(*ratios) for ratios in RATIOS_SEEN]
 
 
+MONTH_DAYS, MONTH_STEP_S = 30, 20.0
+MONTH_SIGMAS = (0.5, 0.7, 1.0, 1.2)
+MONTH_HOURS = (1, 4, 12, 23)
+
+
+def _month(name: str, slowest_h: float, errors: Errors, hours: int) -> Campaign:
+    """
+    Return a row of the verdict on the daily runs of a month, as ``history --certify`` gives it.
+
+    The errors go on between the runs, with a standard deviation of 1, the norm. Days are left out
+    where the night between two runs is not longer than the slowest error. The risk of a false
+    rejection is promised for runs of 20 times that error.
+    """
+    slowest_s, length = slowest_h * 3600.0, round(hours * 3600.0 / MONTH_STEP_S)
+    day = round(86_400.0 / MONTH_STEP_S)
+    starts = [*range(0, MONTH_DAYS * day, day if (24 - hours) > slowest_h else 2 * day)]
+    risks = Settings.from_mapping({'risk.slowest_error_s': slowest_s}).risk
+    limits = Limits.of(Norms(sigma_max_deg=1.0, sigma_ref_max_deg=1e-6))
+
+    def judge(x: np.ndarray, risk: Risk) -> tuple[bool, ...]:
+        runs = [_gather_run(x[start:start + length], slowest_s) for start in starts]
+        outcomes = []
+        for sigma in MONTH_SIGMAS:
+            scaled = [_scale_run(run, sigma) for run in runs]
+            together = judge_together(scaled, [limits] * len(runs), risk, 'B',
+                                      (starts[1] - starts[0] - length) * MONTH_STEP_S)
+            outcomes.append(conclude_sensor(together, [limits] * len(runs), True, risk)[0])
+        return tuple(outcome is wanted for wanted in (Outcome.COMPLIANT, Outcome.NON_COMPLIANT)
+                     for outcome in outcomes)
+
+    def measure(rng: np.random.Generator, wanted: int | None, alpha: float) -> Result:
+        n = MONTH_DAYS * day
+        risk = replace(risks, alpha_consumer=alpha, alpha_producer=alpha)
+        shares = np.array([judge(x, risk) for many in batches(errors, n, runs_for(n, wanted), rng)
+                           for x in many]).T
+        certified, rejected = (of_outcome[MONTH_SIGMAS.index(1.0)]
+                               for of_outcome in np.split(shares, 2))
+        return Result((f'{name}, {hours} h', str(len(starts)), str(shares.shape[1]),
+                       *map(_interval, shares)), fails(certified, alpha) or (
+                           hours >= JUDGED_FROM * slowest_h and fails(rejected, alpha)))
+    return Campaign(f'{name}, {hours} h', measure)
+
+
+def _gather_run(x_deg: np.ndarray, slowest_s: float) -> Evidence:
+    """Return what a run shows, as the judge gathers it."""
+    span_s = len(x_deg) * MONTH_STEP_S
+    spread = estimate_spread(Cells.of(x_deg), 0, span_s / slowest_s)
+    return Evidence(n=len(x_deg), spread=spread, mean_deg=float(x_deg.mean()), offset_u_deg=0.0,
+                    span_s=span_s, n_plus=0, n_plus_plus=0)
+
+
+def _scale_run(run: Evidence, sigma: float) -> Evidence:
+    """Return the same run with errors larger by a factor."""
+    spread, square = run.spread, sigma * sigma
+    stated = spread.stated and replace(
+        spread.stated, d_deg2=spread.stated.d_deg2 * square,
+        s_deg2=spread.stated.s_deg2 * square,
+        allowance_deg2=spread.stated.allowance_deg2 * square)
+    return replace(run, mean_deg=run.mean_deg * sigma, spread=replace(
+        spread, stated=stated, **{name: getattr(spread, name) * square for name in (
+            'd_deg2', 'mean_variance_deg2', 's_deg2', 'low_deg2', 'middle_deg2')}))
+
+
+def _interval(flags: np.ndarray) -> str:
+    """Return a rate with its interval of 95 %, Clopper and Pearson."""
+    low, high = share_interval(int(flags.sum()), flags.size)
+    return f'{flags.mean():.2f} ({low:.2f} to {high:.2f})'
+
+
+def table_month() -> list[Campaign]:
+    """Return the rows of a gyrocompass that is judged by a month of daily runs."""
+    minutes_38, hours_3, hours_12 = (h * 3600.0 / MONTH_STEP_S for h in (2300 / 3600, 3.0, 12.0))
+    return [_month(name, slowest_h, errors, hours) for name, slowest_h, errors in (
+        ('AR(1), 38 min', 2300 / 3600, ar1(minutes_38)),
+        ('0.5 white + 0.5 AR(1), 38 min', 2300 / 3600, half(ar1(minutes_38))),
+        ('damped swing, 38 min', 2300 / 3600, narrow_band(minutes_38, 2.2 * minutes_38)),
+        ('AR(1), 3 h', 3.0, ar1(hours_3)),
+        ('0.5 white + 0.5 AR(1), 12 h', 12.0, half(ar1(hours_12)))) for hours in MONTH_HOURS]
+
+
 CAMPAIGNS = {
+    'month': (table_month, ('errors; runs of', 'runs', 'months', *(
+        f'{word} at {sigma:g}' for word in ('certified', 'rejected')
+        for sigma in MONTH_SIGMAS))),
     'longer': (table_longer, ('R of the open run', *(
         f'seen at {low:g}-{high:g}: runs: certified at 2 / 4 / 8 times the length'
         for low, high in LEVELS_SEEN))),

@@ -59,7 +59,7 @@ QUICK = {'A': '^AR.1., 20$', 'cells': '^AR.1., 20$', 'drift': '^AR.1., 20; (orde
          'E': '0.5 slow, 1, n = 600', 'runs': '^AR.1., 50$', 'means': '^1, 2 runs',
          'looks': '^white; 4', 'open': '^white$', 'B': '^AR', 'stated': '^AR.1., 20$',
          'stated_lengths': '^AR',
-         'longer': '^R from 0',
+         'longer': '^R from 0', 'month': '^AR.1., 3 h, 1 h$',
          'stated_runs': '^AR.1.; 5 of 20$'}
 
 ERRORS = {'white': processes.white, 'AR(1)': processes.ar1(25.0),
