@@ -19,14 +19,18 @@ from __future__ import annotations
 from dataclasses import replace
 import json
 from pathlib import Path
+import shutil
+import subprocess
 
 from command_line import NORMS, refusal
 import numpy as np
 import pytest
-from trials import make_turning_ship, write_headings
+from trials import make_settings, make_turning_ship, write_headings
 
+from heading_intercompare import analyze
 from heading_intercompare.cli import main
 from heading_intercompare.logbook.logbook_file import Logbook
+from heading_intercompare.logbook.run_row import make_rows
 from heading_intercompare.report.json import CONFIRMED
 
 RUNS = 6
@@ -91,6 +95,28 @@ def test_a_changed_verdict_is_refused(book, capsys):
     Path('v.json').write_text(json.dumps(verdict), 'utf-8')
     assert 'campaign.sensor.upper_bound_deg2 is ' in refusal(
         capsys, 'report', 'v.json', '-o', 'q.html')
+
+
+@pytest.mark.process
+@pytest.mark.skipif(shutil.which('ssh-keygen') is None, reason='OpenSSH is not installed')
+def test_the_verdict_and_its_protocol_are_signed(book, tmp_path, monkeypatch, capsys):
+    monkeypatch.setenv('HOME', str(tmp_path))
+    subprocess.run(['ssh-keygen', '-q', '-t', 'ed25519', '-N', '', '-f', 'key'], check=True)
+    Path('signers').write_text(f'mate@ship {Path("key.pub").read_text()}')
+    assert certify(book, '--json', 'v.json', '-o', 'p.html', '--sign', 'key', '--signers',
+                   'signers') == 0
+    assert 'the verdict is signed by mate@ship' in Path('p.html').read_text('utf-8')
+    assert main(['verify', 'v.json', 'p.html', '--signers', 'signers']) == 0
+
+
+@pytest.mark.parametrize('sigma, code', [(1.0, 0), (5.0, 1)])
+def test_check_ends_with_the_exit_code_of_analyze(sigma, code, tmp_path, capsys):
+    """Six runs at 0.1 and at 0.5 deg; the norm is 0.3 deg."""
+    for day in range(RUNS):
+        trial = make_turning_ship(day, sigma * 0.1 * np.random.default_rng(day).normal(size=600))
+        verdict = analyze(*trial, make_settings(risk__slowest_error_s=300.0))
+        Logbook(tmp_path / 'l.sqlite').write(make_rows(verdict))
+    assert certify(str(tmp_path / 'l.sqlite'), '--check') == code
 
 
 def test_json_and_a_table_of_runs(book, capsys):
