@@ -58,6 +58,15 @@ class TestRisks:
 
 
 @dataclass(frozen=True, slots=True)
+class SettlePoint:
+    """Ten readings after a start: mean, variance about it, and heading."""
+
+    mean_deg: float = figure('settle-point error', 'mean of ten differences')
+    variance_deg2: float = figure('variance of its ten readings')
+    heading_deg: float = figure('heading at its first reading')
+
+
+@dataclass(frozen=True, slots=True)
 class Measurement:
     """
     What a record shows of one test.
@@ -76,6 +85,8 @@ class Measurement:
         What the record holds of it, in words.
     unless
         What else explains a figure above the limit, in words; empty if nothing does.
+    settle_point
+        That of a run that begins with a start.
 
     """
 
@@ -86,6 +97,7 @@ class Measurement:
     sailed: bool = False
     record: str = ''
     unless: str = ''
+    settle_point: SettlePoint | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,6 +124,9 @@ class JudgedTest:
     record: str = figure('what the record holds of it')
     manoeuvre: str = figure('what to sail, or to wait for, to decide it')
     unless: str = figure('another explanation of a figure above the limit', 'empty without one')
+    settle_point: SettlePoint | None = figure(
+        'settle point of the start that the run begins with',
+        absent='but in the test of its repeatability')
     run: int | None = figure('number of the run that decides', absent='in the table of a run, '
                              'and if all runs together decide', unit='')
 

@@ -17,14 +17,19 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 import math
 
 from heading_intercompare.core import lazy_scipy as scipy
 from heading_intercompare.core.diagnostics.by_motion import ByMotion
 from heading_intercompare.core.diagnostics.run_columns import RunColumns
+from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.settings import Settings
 
 from .judged_test import TestRisks
+from .sets_of_ten import find_sets, SetOfTen
+
+NO_SETS = 'no ten readings every 20 min on one heading after settling'
 
 
 @dataclass(frozen=True)
@@ -45,6 +50,8 @@ class TestedRun:
         The differences by heading and by rate of turn.
     risks
         Of each test.
+    run
+        With the readings that an automatic stabilisation period leaves out.
 
     """
 
@@ -56,6 +63,13 @@ class TestedRun:
     mean_nu: float
     by_motion: ByMotion
     risks: TestRisks
+    run: RunSeries
+
+    @cached_property
+    def sets_of_ten(self) -> tuple[SetOfTen, ...]:
+        """Return sets of ten readings, one every 20 min."""
+        columns = self.columns
+        return find_sets(columns.stamp_ns, columns.x_deg, columns.rs_deg)
 
     @property
     def settings(self) -> Settings:

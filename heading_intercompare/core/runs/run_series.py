@@ -177,6 +177,11 @@ class RunSeries:
             return 'auto'
         return max(0, self._settled_ns - start_ns) / 1e9
 
+    @property
+    def holds_start(self) -> bool:
+        """Whether it holds the first pair after a silence or mark."""
+        return not self.n_stabilization and self._since_ns in (None, self.start_ns)
+
     def moments(self) -> Moments:
         """Return the moments of the analysed differences so far."""
         return self._moments

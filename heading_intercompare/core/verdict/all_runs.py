@@ -31,9 +31,9 @@ from heading_intercompare.core.decision.taken_out import TakenOut
 from heading_intercompare.core.norm_tests.judged_test import (
     find_not_met,
     JudgedTest,
-    merge_runs,
     TestRisks,
 )
+from heading_intercompare.core.norm_tests.table import merge_tables
 from heading_intercompare.core.outcome import Outcome, worst
 from heading_intercompare.core.record_conditions.left_out import judge_left_out
 from heading_intercompare.core.record_conditions.mean_over_runs import judge_mean_over_runs
@@ -128,7 +128,7 @@ def _merge_tests(results: Sequence[RunResult], repeated: Collection[int],
               and r.verdict.validity_effect != VOID]
     if not tables:
         return ()
-    return merge_runs(tables, TestRisks.of(settings.risk, len(tables[0][1]), len(tables)))
+    return merge_tables(tables, TestRisks.of(settings.risk, len(tables[0][1]), len(tables)))
 
 
 def _cover_together(results: Sequence[RunResult], shared: Together | None, settings: Settings,

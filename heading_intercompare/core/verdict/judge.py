@@ -383,7 +383,7 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
         limit_95=_estimate_limit_95(data, settings, correlation.n_effective_variance),
         norm_tests=None if is_look else judge_tests(
             columns, moments.mean_deg if moments.n else None, guarded,
-            diagnostics.by_motion or ByMotion()) or None,
+            diagnostics.by_motion or ByMotion(), run) or None,
         warnings=(*_warnings(data, limits, guarded, settings), *diagnostics.warnings))
     return RunResult(
         verdict=verdict, evidence=evidence, limits=limits, printed=printed,
