@@ -44,6 +44,8 @@ NORMAL_QUANTILE = 1.959963984540054
 SLOWEST_STEP_S = 5.0
 """Slower readings do not show a period of 30 s, seconds."""
 
+#: Variance of the fourth differences of white noise: 1 + 16 + 36 + 16 + 1. A swell has little.
+_WHITE_BENDS = 70.0
 #: Order of the filter, which runs forwards and backwards.
 _ORDER = 8
 #: Length of the means in seconds; no error by the motion of a ship is faster than twice that.
@@ -64,6 +66,7 @@ class _Motion:
     fast: Reals
     yaw: Reals
     span_s: float
+    noise_deg2: float
 
 
 def measure_dynamic_error(tested: TestedRun, limit: float) -> Measurement:
@@ -74,8 +77,8 @@ def measure_dynamic_error(tested: TestedRun, limit: float) -> Measurement:
     -----
     The amplitude is the distance from the mean of a leg that 95 % of the differences keep, means
     of half a second. Blocks of the legs say how well it is known. The part of the RS is taken
-    out as in GK: in squares, between its least and its most. So is rounding before the test is
-    not met, because the resolution has a test of its own.
+    out as in GK: in squares, between its least and its most. So are white noise and rounding
+    before the test is not met: no motion of the ship makes them, and both are judged elsewhere.
 
     References
     ----------
@@ -105,7 +108,8 @@ def _measure(tested: TestedRun, limit: float, *, is_fast: bool) -> Measurement:
     amplitude, nu = _amplitude(series), len(blocks) - 1.0
     u = float(np.std(of_blocks, ddof=1)) / math.sqrt(len(blocks))
     rounding_deg2 = sum(step.variance_deg2 for step in tested.columns.steps)
-    most = NORMAL_QUANTILE * math.sqrt(tested.reference_deg(True) ** 2 + rounding_deg2)
+    most = NORMAL_QUANTILE * math.sqrt(
+        tested.reference_deg(True) ** 2 + max(motion.noise_deg2, rounding_deg2))
     least = NORMAL_QUANTILE * tested.reference_deg(False)
     low = amplitude - reach(tested.risks.not_met, nu) * u
     high = amplitude + reach(tested.risks.met, nu) * u
@@ -135,7 +139,9 @@ def find_motion(tested: TestedRun) -> _Motion | None:
     if not parts:
         return None
     whole, fast, yaw = (np.concatenate([part[at] for part in parts]) for at in range(3))
-    return _Motion(whole, fast, yaw, sum(part[3] for part in parts))
+    bends = np.concatenate([np.diff(part[0], 4) for part in parts])
+    return _Motion(whole, fast, yaw, sum(part[3] for part in parts),
+                   float(np.mean(bends ** 2)) / _WHITE_BENDS)
 
 
 def _list_legs(ts: Track, rs: Track) -> Iterator[tuple[Reals, Reals, float]]:

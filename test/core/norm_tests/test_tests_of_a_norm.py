@@ -80,6 +80,21 @@ def test_an_error_alone_breaks_its_test_alone(errors, kind, value):
     assert row.line in verdict.headline and row.clause in verdict.headline
 
 
+@pytest.mark.parametrize('noise_deg', [0.3, 0.4])
+def test_noise_is_no_dynamic_error(noise_deg):
+    """95 % of it lie within 0.59 and 0.78 deg; no motion of the ship makes it."""
+    verdict = judge({'noise_deg': noise_deg, 'rate_hz': 1.0})
+    assert states(verdict)['fast_dynamic_error'] == OPEN
+    assert verdict.outcome is Outcome.COMPLIANT
+
+
+@pytest.mark.parametrize('period_s', [5.0, 8.0, 12.0, 25.0])
+@pytest.mark.parametrize('noise_deg', [0.02, 0.2])
+def test_a_swing_is_seen_beside_noise(noise_deg, period_s):
+    verdict = judge({'noise_deg': noise_deg, 'dynamic_deg': 0.9, 'period_s': period_s})
+    assert states(verdict)['fast_dynamic_error'] == NOT_MET
+
+
 @pytest.mark.parametrize('period_s,state', [(20.0, NOT_MET), (40.0, MET), (60.0, MET)])
 def test_a_slow_swing_may_be_larger(period_s, state):
     """0.8 deg are too much below 30 s, MSC.116(73) 4.3.2.3."""
