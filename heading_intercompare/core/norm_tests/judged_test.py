@@ -138,14 +138,14 @@ class JudgedTest:
     @property
     def line(self) -> str:
         """Return the test in a sentence, as for a headline."""
-        figures = '' if self.value is None else f' {self.value:.2f} {self.unit},'
+        figures = '' if self.value is None else f' {_number(self.value)} {self.unit},'
         return f'{self.words}{figures} limit {self.limit:.3g} {self.unit} ({self.source})'
 
     @property
     def cells(self) -> tuple[str, str, str, str]:
         """Return result, figure with its bounds, limit and clause, as for a table."""
         figures = '-' if self.value is None or self.low is None or self.high is None else (
-            f'{self.value:.2f} ({self.low:.2f} .. {self.high:.2f})')
+            f'{_number(self.value)} ({_number(self.low)} .. {_number(self.high)})')
         return STATES[self.state], figures, f'{self.limit:.3g} {self.unit}', self.source
 
     @property
@@ -174,6 +174,11 @@ class JudgedTest:
         if self.value is None or not self.sailed:
             return NOT_SAILED
         return MET if self.high is not None and self.high <= self.limit else OPEN
+
+
+def _number(value: float) -> str:
+    """Return a figure with two decimals, or with one significant digit if it is small."""
+    return f'{value:.1g}' if 0.0 < value < 0.01 else f'{value:.2f}'
 
 
 def judge_measurement(required: RequiredTest, limit: float, measured: Measurement,
