@@ -23,6 +23,7 @@ import os
 from pathlib import Path
 from typing import Callable, Iterator, Sequence
 
+from heading_intercompare.bags.csv.corrections_csv import CorrectionsCsvWriter
 from heading_intercompare.bags.csv.ensembles_csv import EnsemblesCsvWriter
 from heading_intercompare.bags.csv.pairs_account import (
     account_path,
@@ -61,6 +62,8 @@ class Outputs:
         Whether the annexes of each protocol are a file beside it.
     card
         The correction card, in the form of its suffix.
+    corrections
+        One row per ensemble: its correction, and that of `running_s` seconds.
 
     """
 
@@ -74,6 +77,8 @@ class Outputs:
     page: str | None = None
     annexes_apart: bool = False
     card: str | None = None
+    corrections: str | None = None
+    running_s: float = 1800.0
 
 
 def check_outputs(outputs: Outputs, inputs: Sequence[str], *, config: str | None = None,
@@ -107,6 +112,7 @@ def check_outputs(outputs: Outputs, inputs: Sequence[str], *, config: str | None
     annexes = [str(annexes_path(report)) for report in outputs.reports
                if outputs.annexes_apart and is_protocol(report)]
     for option, path in (('csv', outputs.csv), ('csv', beside), ('ensembles', outputs.ensembles),
+                         ('corrections', outputs.corrections),
                          ('runs-csv', outputs.runs_csv), ('card', outputs.card),
                          *(('output', report) for report in outputs.reports),
                          *(('annexes-apart', annex) for annex in annexes),
@@ -124,7 +130,7 @@ def check_outputs(outputs: Outputs, inputs: Sequence[str], *, config: str | None
         reserved[place] = f'the file of --{option}'
 
 
-_Writer = PairsCsvWriter | EnsemblesCsvWriter
+_Writer = PairsCsvWriter | EnsemblesCsvWriter | CorrectionsCsvWriter
 
 
 class _Table:
@@ -168,8 +174,13 @@ def open_tables(outputs: Outputs, settings: Settings) -> Iterator[_Table]:
     if outputs.csv:
         yield _Table(outputs.csv, partial(
             PairsCsvWriter, outputs.csv, wrap_center_deg=center_deg))
+    limit_deg = math.sqrt(Limits.of(settings.norms, settings.model).limit_deg2)
     if outputs.ensembles:
-        limit_deg2 = Limits.of(settings.norms, settings.model).limit_deg2
         yield _Table(outputs.ensembles, partial(
             EnsemblesCsvWriter, outputs.ensembles, outputs.ensemble_s, gap_s=settings.runs.gap_s,
-            std_limit_deg=math.sqrt(limit_deg2), wrap_center_deg=center_deg))
+            std_limit_deg=limit_deg, wrap_center_deg=center_deg))
+    if outputs.corrections:
+        yield _Table(outputs.corrections, partial(
+            CorrectionsCsvWriter, outputs.corrections, outputs.ensemble_s,
+            gap_s=settings.runs.gap_s, running_s=outputs.running_s, std_limit_deg=limit_deg,
+            wrap_center_deg=center_deg))

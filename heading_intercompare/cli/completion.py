@@ -27,6 +27,7 @@ _FILES = {'bag': ('mcap',), 'bags': ('mcap',), 'input': ('mcap', 'csv', 'log'),
           'table': ('csv',), 'inputs': ('mcap', 'csv', 'json', 'journal', 'log'),
           'config': ('yaml', 'yml'), 'runs': ('csv',), 'csv': ('csv',), 'runs_csv': ('csv',),
           'ensembles': ('csv',), 'card': ('html', 'pdf', 'csv'),
+          'corrections': ('csv',),
           'reports': ('html', 'json', 'pdf', 'xml'), 'json': ('json',), 'dask': ('json',),
           'logbook': ('sqlite',), 'logbooks': ('sqlite',), 'merge_into': ('sqlite',),
           'html': ('html',), 'correction': ('csv', 'ang')}

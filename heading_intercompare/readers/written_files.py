@@ -119,6 +119,9 @@ WRITTEN_FILES = (
                 _has_header('dday,mean_hdg,last_hdg,mean_dh,std_dh,num,badflag'),
                 'it is for the processing of current profilers; its days have no year, so give '
                 f'the recording that it was made of to {_ANALYZE}', 'table'),
+    WrittenFile('a table of corrections of ensembles', _begins('dday,utc,mean_hdg,correction'),
+                'it is for current profilers and survey programs; give the recording that it was '
+                f'made of to {_ANALYZE}', 'table'),
     WrittenFile('a csv of pairs', lambda name, head: (not head.startswith(b'{')
                                                       and is_of_pairs(head.splitlines()[0])),
                 f'{_ANALYZE} {{}} --config NORMS.yaml', 'pairs'),

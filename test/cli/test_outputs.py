@@ -72,6 +72,21 @@ def test_the_card_of_a_bag_is_that_of_its_verdict_in_json(bag, tmp_path, capsys)
     assert '--card' in refusal(capsys, 'analyze', bag, *NORMS, '--card', tmp_path)
 
 
+def test_the_corrections_are_minus_the_means_of_the_ensembles(bag, tmp_path, capsys):
+    ensembles, series = tmp_path / 'e.csv', tmp_path / 's.csv'
+    assert main(['analyze', str(bag), *NORMS, '--ensembles', str(ensembles), '--corrections',
+                 str(series), '--running-s', '600']) == 0
+    with open(series, newline='') as file:
+        found = [*csv.DictReader(file)]
+    for ensemble, row in zip(rows(ensembles), found, strict=True):
+        assert float(row['correction']) == -ensemble['mean_dh']
+        assert float(row['dday']) == ensemble['dday']
+        assert float(row['running']) == pytest.approx(-0.2, abs=0.02)
+    assert [row['flag'] for row in found] == ['0', '0', '0', '1', '0', '0']
+    assert 'running window = 60.0 s' in refusal(
+        capsys, 'analyze', bag, *NORMS, '--corrections', series, '--running-s', '60')
+
+
 def test_ensembles_are_written_and_are_those_of_the_pairs(bag, tmp_path, capsys):
     """400 s, 120 s of silence, 200 s: 4 and 2 ensembles of 120 s."""
     ensembles, pairs, again = (tmp_path / name for name in ('e.csv', 'p.csv', 'again.csv'))

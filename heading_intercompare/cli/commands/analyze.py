@@ -73,12 +73,12 @@ from .verify import add_signers_argument
 
 _CHECK_CODES = {Outcome.COMPLIANT: 0, Outcome.NON_COMPLIANT: 1, Outcome.INDETERMINATE: 3}
 _DOUBTFUL_CODE = 4
-_OF_TESTED = ('csv', 'ensembles', 'runs_csv', 'card')
-_OF_PAIRS = ('csv', 'ensembles')
+_OF_PAIRS = 'csv', 'ensembles', 'corrections'
+_OF_TESTED = *_OF_PAIRS, 'runs_csv', 'card'
 _OF_TWO = 'is for two sensors; choose them with --ts NAME --rs NAME'
 #: Options of a verdict in JSON as the INPUT; the others need readings, which it lacks.
 _OF_VERDICT = ('command', 'inputs', 'reports', 'annexes_apart', 'json', 'check', 'verbose',
-               'quiet', 'runs_csv', 'card', 'ensemble_s', 'signers')
+               'quiet', 'runs_csv', 'card', 'ensemble_s', 'running_s', 'signers')
 
 
 def add_settings_arguments(parser: argparse._ActionsContainer) -> None:
@@ -219,6 +219,10 @@ def _add_table_arguments(group: argparse._ActionsContainer) -> None:
                        'dh is TS - RS')
     group.add_argument('--ensemble-s', metavar='S', type=float, default=120.0,
                        help='length of an ensemble in seconds (default: 120)')
+    group.add_argument('--corrections', metavar='F', help='write the correction C - O of each '
+                       'ensemble, with a flag, and the running correction with its interval')
+    group.add_argument('--running-s', metavar='S', type=float, default=1800.0,
+                       help='window of the running correction in seconds (default: 1800)')
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -317,15 +321,18 @@ def _plan_outputs(arguments: argparse.Namespace, settings: Settings) -> dict[str
     """Return the files of the tested sensor, or those of each beside those of all."""
     whole = Outputs(arguments.csv, arguments.ensembles, tuple(arguments.reports), arguments.json,
                     arguments.ensemble_s, arguments.runs_csv,
-                    annexes_apart=arguments.annexes_apart, card=arguments.card)
+                    annexes_apart=arguments.annexes_apart, card=arguments.card,
+                    corrections=arguments.corrections, running_s=arguments.running_s)
     if settings.sensors is None:
         return {'ts': whole}
 
     def of(path: str | None, name: str) -> str | None:
         return os.fspath(sensor_path(path, name)) if path and path != '-' else path
-    return {'': replace(whole, csv=None, ensembles=None, card=None, annexes_apart=False), **{
+    return {'': replace(whole, csv=None, ensembles=None, corrections=None, card=None,
+                        annexes_apart=False), **{
         sensor.name: replace(whole, csv=of(whole.csv, sensor.name),
                              ensembles=of(whole.ensembles, sensor.name),
+                             corrections=of(whole.corrections, sensor.name),
                              card=of(whole.card, sensor.name),
                              reports=tuple(os.fspath(sensor_path(path, sensor.name))
                                            for path in whole.reports))

@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Sequence
 
 import numpy as np
 
@@ -47,6 +48,8 @@ class Ensembles:
         their standard deviation, with num - 1.
     num : ndarray of int64, shape (n,)
         Number of finite pairs. Only these enter the figures, which are nan if there are too few.
+    rs_length : ndarray, shape (n,)
+        Length of the mean of the unit vectors of the RS headings: 1 if the ship did not turn.
 
     """
 
@@ -56,6 +59,13 @@ class Ensembles:
     mean_deg: np.ndarray
     std_deg: np.ndarray
     num: np.ndarray
+    rs_length: np.ndarray
+
+    @classmethod
+    def concatenate(cls, parts: Sequence['Ensembles']) -> 'Ensembles':
+        """Join ensembles in stamp order."""
+        return cls(*(np.concatenate([getattr(part, name) for part in parts])
+                     for name in cls.__slots__))
 
     def __len__(self) -> int:
         return len(self.num)
@@ -65,7 +75,7 @@ def _summarise(pairs: Pairs, starts: np.ndarray, wrap_center_deg: float) -> Ense
     """Return the figures of the ensembles with these first pairs; the last ends with `pairs`."""
     if not len(pairs):
         none, nowhere = np.zeros(0, np.int64), np.zeros(0)
-        return Ensembles(none, nowhere, nowhere, nowhere, nowhere, none)
+        return Ensembles(none, nowhere, nowhere, nowhere, nowhere, none, nowhere)
     x = subtract(pairs, wrap_center_deg=wrap_center_deg).x_deg
     finite = np.isfinite(x)
     stops = np.append(starts[1:], len(pairs))
@@ -83,10 +93,13 @@ def _summarise(pairs: Pairs, starts: np.ndarray, wrap_center_deg: float) -> Ense
         # The second term corrects for the rounding of the mean.
         m2 = np.maximum(sums(e * e) - sums(e) ** 2 / num, 0.0)
         std = np.sqrt(np.where(num > 1, m2 / (num - 1), np.nan))
+        rs = np.radians(pairs.rs_deg)
+        rs_length = np.hypot(sums(np.sin(rs)), sums(np.cos(rs))) / num
     direction = np.where((east != 0.0) | (north != 0.0), np.degrees(np.arctan2(east, north)),
                          np.nan)
     return Ensembles(pairs.stamp_ns[stops - 1], wrap360(direction),
-                     wrap360(np.where(num > 0, pairs.ts_deg[last], np.nan)), mean, std, num)
+                     wrap360(np.where(num > 0, pairs.ts_deg[last], np.nan)), mean, std, num,
+                     rs_length)
 
 
 class Ensembling:

@@ -162,11 +162,11 @@ def written(tmp_path_factory):
     made = {name: str(folder / name) for name in (
         'verdict.json', 'pairs.csv', 'ens.csv', 'runs.csv', 'book.sqlite', 'history.json',
         'history.csv', 'correction.csv', 'history.html', 'plan.json', 'bag', 'rejudge.json',
-        'observed.json', 'card.csv')}
+        'observed.json', 'card.csv', 'series.csv')}
     assert main(['analyze', source, *names, *NORMS, '--json', made['verdict.json'], '--csv',
                  made['pairs.csv'], '--ensembles', made['ens.csv'], '--runs-csv',
                  made['runs.csv'], '--logbook', made['book.sqlite'], '--card',
-                 made['card.csv']]) == 0
+                 made['card.csv'], '--corrections', made['series.csv']]) == 0
     assert main(['history', made['book.sqlite'], '--json', made['history.json'], '--csv',
                  made['history.csv'], '--correction', made['correction.csv']]) == 0
     assert main(['plan', *NORMS, '--set', 'risk.slowest_error_s=10', '--json',
@@ -192,6 +192,7 @@ def written(tmp_path_factory):
     ('ens.csv', 'a table of ensembles, as ens_hcorr.asc', 'rows: 8'),
     ('runs.csv', 'a table of the runs of a verdict', 'rows: 1'),
     ('card.csv', 'a correction card', 'rows: 8'),
+    ('series.csv', 'a table of corrections of ensembles', 'rows: 8'),
     ('book.sqlite', 'a logbook', 'runs: 1'), ('history.json', 'the result of history', ''),
     ('history.csv', 'a table of the runs of logbooks', 'rows: 1'),
     ('correction.csv', 'a table of corrections of the heading', 'rows: 1'),

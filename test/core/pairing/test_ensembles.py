@@ -58,13 +58,15 @@ def by_loop(pairs, span_s, gap_s):
         groups[-1].append(row)
     rows = []
     for group in groups:
-        good = [(ts, (ts - rs + 180.0) % 360.0 - 180.0) for _, ts, rs in group
-                if math.isfinite(ts) and math.isfinite(rs)]
-        x = [each for _, each in good]
-        mean = cmath.phase(sum(cmath.rect(1.0, math.radians(ts)) for ts, _ in good)) if good else 0
+        good = [(ts, rs) for _, ts, rs in group if math.isfinite(ts) and math.isfinite(rs)]
+        x = [(ts - rs + 180.0) % 360.0 - 180.0 for ts, rs in good]
+        ts_sum, rs_sum = (sum(cmath.rect(1.0, math.radians(row[at])) for row in good)
+                          for at in (0, 1))
+        mean = cmath.phase(ts_sum) if good else 0
         rows.append((group[-1][0], math.degrees(mean) % 360.0 if good else math.nan,
                      good[-1][0] if good else math.nan, statistics.fmean(x) if x else math.nan,
-                     statistics.stdev(x) if len(x) > 1 else math.nan, len(good)))
+                     statistics.stdev(x) if len(x) > 1 else math.nan, len(good),
+                     abs(rs_sum) / len(good) if good else math.nan))
     return rows
 
 
@@ -102,12 +104,17 @@ def test_ensembles_are_the_same_to_the_bit_however_the_pairs_come(rng):
 
 
 def test_an_ensemble_by_hand():
-    """350 and 10 point north; 0.5, -0.5 and 1.5 have the mean 0.5 and the variance 1."""
+    """
+    350, 10 and 0 point north; 0.5, -0.5 and 1.5 have the mean 0.5 and the variance 1.
+
+    The RS points to -10.5, 10.5 and -1.5: a mean of 0.98872 to north and -0.00873 to east.
+    """
     pairs = Pairs.of([T0, T0 + S, T0 + 2 * S], [350.0, 10.0, 0.0], [349.5, 10.5, 358.5])
-    (stamp_ns, mean_ts, last_ts, mean, std, num), = all_of(pairs, 10.0, 60.0)
+    (stamp_ns, mean_ts, last_ts, mean, std, num, rs_length), = all_of(pairs, 10.0, 60.0)
     assert (stamp_ns, last_ts, num) == (T0 + 2 * S, 0.0, 3)
     assert abs((mean_ts + 180.0) % 360.0 - 180.0) < 1e-12
     assert (mean, std) == pytest.approx((0.5, 1.0))
+    assert rs_length == pytest.approx(math.hypot(0.98872, -0.00873), abs=1e-5)
 
 
 def test_a_pair_at_the_end_of_an_ensemble_begins_the_next():
