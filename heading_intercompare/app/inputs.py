@@ -49,6 +49,7 @@ from heading_intercompare.bags.rosbag2.bag_files import find_files
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.motion_topics import read_bag_motion, read_fixes
 from heading_intercompare.bags.rosbag2.provenance import read_notes
+from heading_intercompare.bags.rosbag2.quality_topics import read_quality
 from heading_intercompare.bags.rosbag2.readable import Readable
 from heading_intercompare.bags.rosbag2.trial_parts import is_joined
 from heading_intercompare.core.count_words import count_words
@@ -59,7 +60,7 @@ from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey, LedgerSe
 from heading_intercompare.core.pairing.pair_maker import PairMaker
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.pipeline import Compliance
-from heading_intercompare.core.records import Headings, Losses, Motion, Pairs
+from heading_intercompare.core.records import Headings, Losses, Motion, Pairs, Quality
 from heading_intercompare.core.sensor_table import Sensor
 from heading_intercompare.core.sensors.compared_sensors import list_sensors, pair_with_reference
 from heading_intercompare.core.sensors.pair_names import TWO
@@ -306,6 +307,8 @@ def _judge_recording(readers: Sequence[Readable], path: str, name: str, settings
     n, whole = 0, _count_headings(readers, conventions)
     comparison.take_motion(Motion.concatenate(
         [read_motion(reader, settings, problems) for reader in readers]))
+    for sensor, quality in read_quality_of(readers, settings, comparison, problems).items():
+        comparison.take_quality(sensor, quality)
     joined = [is_joined(*two, conventions) for two in zip(readers, readers[1:])]
     for reader, before, goes_on, is_continued in zip(
             readers, [None, *readers], [False, *joined], [*joined, False]):
@@ -485,6 +488,15 @@ def read_motion(reader: Readable, settings: Settings, problems: list[str]) -> Mo
         problems.append(f'{bag_motion.unreadable} messages of the motion of the ship cannot be '
                         'read')
     return bag_motion.rows
+
+
+def read_quality_of(readers: Sequence[Readable], settings: Settings, taker: TakesReadings,
+                    problems: list[str]) -> dict[str, Quality]:
+    """Return what each sensor says of its readings in recordings, and add what is unreadable."""
+    conventions = _list_conventions(taker, settings)
+    return {sensor.name: Quality.concatenate(
+        [read_quality(reader, sensor.heading_topic, problems) for reader in readers])
+            for sensor in taker.sensors if sensor.heading_topic in conventions}
 
 
 def _count_headings(readers: Sequence[Readable], topics: Iterable[str]) -> int:

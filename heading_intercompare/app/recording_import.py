@@ -24,7 +24,7 @@ from heading_intercompare.bags.recording.journal import is_journal
 from heading_intercompare.bags.recording.recorded_headings import read_marks
 from heading_intercompare.bags.rosbag2.provenance import Note, read_notes
 from heading_intercompare.core.pairing.ledger import LedgerKey
-from heading_intercompare.core.records import Headings, Losses, Motion
+from heading_intercompare.core.records import Headings, Losses, Motion, Quality
 from heading_intercompare.core.sensor_table import find_reference, Sensor
 from heading_intercompare.core.sensors.compared_sensors import list_sensors
 from heading_intercompare.core.settings import Settings
@@ -36,7 +36,14 @@ from heading_intercompare.readers.registry import (
     open_recording,
 )
 
-from .inputs import describe_reading, options_of, read_motion, read_sensors_of, sha256
+from .inputs import (
+    describe_reading,
+    options_of,
+    read_motion,
+    read_quality_of,
+    read_sensors_of,
+    sha256,
+)
 from .logs.log_import import describe_reading_options
 
 
@@ -53,6 +60,8 @@ class ImportedRecording:
         Readings that never came: the name of the sensor, one of `LOST_AS`, and the gaps.
     motion
         The motion of the ship.
+    quality
+        What the sensors say of their readings, by name; empty of one that says nothing.
     marks
         Kind and stamp of the marks of runs.
     notes : sequence of Note
@@ -67,6 +76,7 @@ class ImportedRecording:
     headings: Mapping[str, Headings]
     losses: Sequence[tuple[str, str, Losses]]
     motion: Motion
+    quality: Mapping[str, Quality]
     marks: Sequence[tuple[str, int]]
     notes: Sequence[Note]
     problems: Sequence[str]
@@ -129,6 +139,7 @@ def import_recording(path: str, settings: Settings, driver: DriverSettings,
     taker = _Taker(sensors)
     problems: list[str] = []
     motion = read_motion(reader, settings, problems)
+    quality = read_quality_of([reader], settings, taker, problems)
     marks = list(read_marks(reader))
     n = 0
     for headings in read_sensors_of(reader, settings, taker, problems):
@@ -139,7 +150,8 @@ def import_recording(path: str, settings: Settings, driver: DriverSettings,
     form = find_format(path, options)
     return ImportedRecording(
         {sensor.name: Headings.concatenate(taker.chunks.get(sensor.name, []))
-         for sensor in sensors}, taker.losses, motion, marks, read_notes(reader), problems,
+         for sensor in sensors}, taker.losses, motion, quality, marks, read_notes(reader),
+        problems,
         {'path': path, 'sha256': sha256(path, options),
          'format': 'rosbag2, MCAP' if form is None else form.name,
          'stamp_format': driver.stamp_format, **describe_reading_options(driver),

@@ -17,7 +17,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Sequence
+from typing import Mapping, NamedTuple, Sequence
 
 import numpy as np
 
@@ -30,7 +30,7 @@ from heading_intercompare.core.timing.skew_search import REACH_S
 from heading_intercompare.core.verdict.judge import RunResult
 
 from .pipeline import Intercomparison
-from .records import Headings, Integers, Losses, Motion
+from .records import Headings, Integers, Losses, Motion, Quality
 from .settings import LARGEST_SKEW_S, Pairing, Settings
 
 _LEAST_READINGS = 64
@@ -40,9 +40,19 @@ _NO_RUN = ('not_aligned: with latency or clock offset removed the run no longer 
            'it is judged with its stamps unchanged')
 
 
+class _Beside(NamedTuple):
+    """What is judged with the readings: as for `judge_aligned`."""
+
+    source: str
+    lost: Sequence[tuple[LedgerKey, Losses]]
+    motion: Sequence[Motion]
+    quality: Mapping[str, Quality]
+
+
 def judge_aligned(ts: Headings, rs: Headings, results: Sequence[RunResult], settings: Settings, *,
                   source: str = '', lost: Sequence[tuple[LedgerKey, Losses]] = (),
-                  motion: Sequence[Motion] = ()) -> list[RunResult]:
+                  motion: Sequence[Motion] = (),
+                  quality: Mapping[str, Quality] | None = None) -> list[RunResult]:
     """
     Remove the time skew of each run, then pair and judge it again.
 
@@ -61,6 +71,8 @@ def judge_aligned(ts: Headings, rs: Headings, results: Sequence[RunResult], sett
         What is missing from it, and how it was lost.
     motion
         The motion of the ship, in chunks.
+    quality
+        What ``'ts'`` and ``'rs'`` say of their readings.
 
     Returns
     -------
@@ -81,16 +93,16 @@ def judge_aligned(ts: Headings, rs: Headings, results: Sequence[RunResult], sett
     ``docs/verdict.md``, time skew.
 
     """
-    return [_judge_again(ts, rs, result, settings, source, lost, motion) for result in results]
+    beside = _Beside(source, lost, motion, quality or {})
+    return [_judge_again(ts, rs, result, settings, beside) for result in results]
 
 
 def _judge_again(ts: Headings, rs: Headings, result: RunResult, settings: Settings,
-                 source: str, lost: Sequence[tuple[LedgerKey, Losses]],
-                 motion: Sequence[Motion]) -> RunResult:
+                 beside: _Beside) -> RunResult:
     apart_s = _find_apart(ts, rs, result, settings)
     begun: RunResult | None = result
     if apart_s:
-        begun = _pair_again(ts, rs, result, settings, source, lost, motion, apart_s)
+        begun = _pair_again(ts, rs, result, settings, beside, apart_s)
     ts_then, rs_then = _readings_of(ts, rs, result, settings, 0.0)
     scan = None if apart_s else scan_skew(ts_then, rs_then, settings.alignment.skew_range_s)
     if begun is None:
@@ -101,7 +113,7 @@ def _judge_again(ts: Headings, rs: Headings, result: RunResult, settings: Settin
         return _note_alignment(result, scan,
                                f'not_aligned: {why}; the run is judged with its stamps unchanged')
     shift_s = apart_s + round(estimate.skew_s * 1e9) / 1e9
-    again = _pair_again(ts, rs, result, settings, source, lost, motion, shift_s)
+    again = _pair_again(ts, rs, result, settings, beside, shift_s)
     if again is None:
         return _note_alignment(result, scan, _NO_RUN)
     return _note_alignment(
@@ -171,9 +183,8 @@ def name_apart(ts: Headings, rs: Headings, results: Sequence[RunResult],
             f'{rule.skew_s + apart_s:.1f} pairs them')
 
 
-def _pair_again(ts: Headings, rs: Headings, result: RunResult, settings: Settings, source: str,
-                lost: Sequence[tuple[LedgerKey, Losses]], motion: Sequence[Motion],
-                shift_s: float) -> RunResult | None:
+def _pair_again(ts: Headings, rs: Headings, result: RunResult, settings: Settings,
+                beside: _Beside, shift_s: float) -> RunResult | None:
     """Return a run as judged with a skew removed; None if it does not pair as one run."""
     ts, rs = _readings_of(ts, rs, result, settings, abs(shift_s))
     shift_ns = round(shift_s * 1e9)
@@ -183,13 +194,15 @@ def _pair_again(ts: Headings, rs: Headings, result: RunResult, settings: Setting
                                       skew_s=settings.alignment.skew_s + shift_ns / 1e9),
                     pairing=_fix_method(result, settings.pairing),
                     runs=replace(settings.runs, stabilization_s=result.stabilization_s))
-    comparison = Intercomparison(moved, source=source, table=table)
-    for rows in motion:
+    comparison = Intercomparison(moved, source=beside.source, table=table)
+    for rows in beside.motion:
         comparison.take_motion(rows)
+    for stream, said in beside.quality.items():
+        comparison.take_quality(stream, said)
     late_ns = {'ts': round(moved.alignment.skew_s * 1e9)}
     for piece in cut_streams({'ts': ts, 'rs': rs}, late_ns):
         comparison.update(piece['ts'], piece['rs'])
-    for key, losses in lost:
+    for key, losses in beside.lost:
         within = (losses.stamp_ns >= result.verdict.start_ns) & (
             losses.stamp_ns <= result.verdict.end_ns)
         comparison.lose(key, losses[within])

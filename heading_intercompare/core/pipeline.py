@@ -52,7 +52,7 @@ from heading_intercompare.core.verdict.verdict_document import (
 )
 
 from .kept_state import KeptState
-from .records import Differences, Headings, Losses, Motion, Pairs
+from .records import Differences, Headings, Losses, Motion, Pairs, Quality
 from .segment_runs import SegmentRuns
 from .settings import Settings
 
@@ -125,6 +125,12 @@ class Compliance:
         self._n_earlier = 0
         self.rolling = Rolling(settings.window_s)
         self.motion = RunMotion(keeper)
+        self._quality: dict[str, Quality] = {}
+
+    def take_quality(self, stream: str, quality: Quality) -> None:
+        """Take what ``'ts'`` or ``'rs'`` says of the readings of all runs to come."""
+        self._quality[stream] = Quality.concatenate(
+            [self._quality.get(stream, Quality.empty()), quality])
 
     def take_motion(self, motion: Motion) -> None:
         """Take motion of the ship, before the run that it belongs to ends; in any order."""
@@ -247,7 +253,7 @@ class Compliance:
         """Judge the run in progress; the last of all looks is the end of the run."""
         if look.index < looks - 1:
             self._looks.append(look_at(run, look, looks, self.settings,
-                                       self.motion.by_thing()))
+                                       self.motion.by_thing(), self._quality))
 
     @property
     def early(self) -> LookVerdict | None:
@@ -278,7 +284,7 @@ class Compliance:
         number = 1 + sum(len(segment.finished) for segment in (*self._closed, runs))
         result = judge_run(
             run, self.settings, number, self._source, looks=self._looks,
-            motion=self.motion.by_thing(),
+            motion=self.motion.by_thing(), quality=self._quality,
             progress=lambda share: self._progress(f'{share:.0%} of run {number} judged'))
         result = replace(result, first_pair=self._first_pair, verdict=replace(
             result.verdict, clock_segment=runs.number or None))
@@ -517,6 +523,10 @@ class Intercomparison:
     def take_motion(self, motion: Motion) -> None:
         """Take motion of the ship; see `Compliance.take_motion`."""
         self.compliance.take_motion(motion)
+
+    def take_quality(self, stream: str, quality: Quality) -> None:
+        """Take what a sensor says of its readings; see `Compliance.take_quality`."""
+        self.compliance.take_quality(stream, quality)
 
     def update(self, ts: Headings | None = None, rs: Headings | None = None,
                now_s: float | None = None) -> Pairs:

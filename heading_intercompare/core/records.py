@@ -13,7 +13,7 @@
 # limitations under the License.
 
 """
-The arrays that flow through the package: headings, losses, motion, pairs, differences.
+The arrays that flow through the package: headings, losses, quality, motion, pairs, differences.
 
 Each is a chunk: n >= 0 samples in columns of equal length. No sample travels alone.
 """
@@ -39,6 +39,12 @@ FASTEST_M_S, FASTEST_TURN_DEG_S = 80.0, 60.0
 MOTION_COLUMNS = {'fix': ('latitude_deg', 'longitude_deg'), 'velocity': ('east_m_s', 'north_m_s'),
                   'rate': ('rate_deg_s',)}
 """The columns of `Motion` that a row fills, by what it tells."""
+
+QUALITY_FLAGS = ('unknown', 'normal', 'reduced performance', 'float solution', 'code solution',
+                 'no GNSS aiding', 'inertial only', 'rough attitude', 'invalid by PSXN,20',
+                 'no position', 'estimated position', 'position set by hand', 'simulated position')
+"""What a sensor says of a reading, in words; the readings from the third word on are poor."""
+UNKNOWN_QUALITY, NORMAL_QUALITY = 0, 1
 
 Reals = NDArray[np.float64]
 Integers = NDArray[np.int64]
@@ -289,6 +295,43 @@ class Losses(_Columns):
     def of(cls, stamp_ns: ArrayLike, since_ns: ArrayLike, count: ArrayLike) -> 'Losses':
         """Build a chunk from these columns, all of integers."""
         return cls(integer_stamps(stamp_ns), integer_stamps(since_ns), integer_stamps(count))
+
+
+@dataclass(frozen=True, slots=True, eq=False, repr=False)
+class Quality(_Columns):
+    """
+    What a heading sensor says of its own readings.
+
+    Of readings in a row of which it says the same, the first and the last suffice.
+
+    Attributes
+    ----------
+    stamp_ns : ndarray of int64, shape (n,)
+        Stamps of the readings, nanoseconds.
+    stated_deg : ndarray of float64, shape (n,)
+        Standard deviation of the heading as the sensor claims it, degrees; nan without a claim.
+    flag : ndarray of int64, shape (n,)
+        Index of `QUALITY_FLAGS`.
+
+    """
+
+    stamp_ns: Integers
+    stated_deg: Reals
+    flag: Integers
+
+    @classmethod
+    def empty(cls) -> 'Quality':
+        """Return the empty chunk."""
+        return cls.of([], [], [])
+
+    @classmethod
+    def of(cls, stamp_ns: ArrayLike, stated_deg: ArrayLike, flag: ArrayLike) -> 'Quality':
+        """Build a chunk from these columns; stamps and flags must be integers."""
+        return cls(integer_stamps(stamp_ns), _reals(stated_deg), integer_stamps(flag))
+
+    def in_order(self) -> 'Quality':
+        """Return the rows in stamp order."""
+        return self[np.argsort(self.stamp_ns, kind='stable')]
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

@@ -22,7 +22,7 @@ from os import PathLike
 from typing import Iterator
 
 from heading_intercompare.core.count_words import count_words
-from heading_intercompare.core.records import Headings
+from heading_intercompare.core.records import Headings, Quality
 from heading_intercompare.core.units.angle_units import AngleWatch
 
 from .csv_log import CsvDecoder, is_csv_file, open_csv
@@ -136,6 +136,11 @@ class LogReader:
         """Return talker and kind in one word, HEHDT; None if unknown, and for a csv."""
         name = None if self._nmea is None else self._nmea.chosen
         return None if name is None else str(name)
+
+    def drain_quality(self, *, end: bool = False) -> Quality:
+        """Return what the sensor said of its headings; see `NmeaDecoder.drain_quality`."""
+        return (Quality.empty() if self._nmea is None else
+                self._nmea.drain_quality(end=end))
 
     def __iter__(self) -> Iterator[Headings]:
         """Yield the chunks, in the order of the log."""

@@ -26,7 +26,7 @@ from functools import partial
 from statistics import median
 from typing import Mapping
 
-from heading_intercompare.core.records import Headings
+from heading_intercompare.core.records import Headings, Quality
 
 from .framing import Frame, Framer
 from .line_numbers import LineNumbers, SenderTurns
@@ -47,6 +47,7 @@ from .sentence_choice import (
     Listening,
     TalkerTurns,
 )
+from .sentence_quality import QualityListener
 from .sentences import (
     field_of,
     find_time,
@@ -213,6 +214,9 @@ class NmeaDecoder:
         self._burst_ns: int | None = None
         self._stamped: set[Name] = set()
         self._psxn_quality = b''
+        # Nobody takes that of a live line yet, so it would grow for months.
+        self._quality = QualityListener(
+            self._listening.chosen if self._from_file else None, self._own_sentence)
         self._n_headings = self._n_others = self._n_chosen = 0
         self._turns = TalkerTurns()
         self.numbers, self.senders = LineNumbers(), SenderTurns()
@@ -350,6 +354,14 @@ class NmeaDecoder:
             else:
                 self._counts[self._reason_not_chosen(name)] += heard.n
 
+    def drain_quality(self, *, end: bool = False) -> Quality:
+        """
+        Return what the sensor said of the headings of a file since the last call.
+
+        Rows come where it says something else, if it says anything; `end` adds the last reading.
+        """
+        return self._quality.drain(end=end)
+
     def _drain(self) -> Headings:
         chunk = Headings(*self._listening.rows.drain())
         self._n_headings += len(chunk)
@@ -415,6 +427,8 @@ class NmeaDecoder:
         self.senders.hear(f'{self._sender} {self.numbers.source}'.strip())
         rows.stamp_ns.append(stamp_ns)
         rows.values[0].append(heading_deg)
+        if self._quality.listens:
+            self._quality.hear(text, stamp_ns)
 
     def _hold(self, reason: str, name: Name, text: bytes, prefix: bytes, suffix: bytes,
               received_ns: int | None) -> None:
@@ -452,6 +466,7 @@ class NmeaDecoder:
         """Keep what another sentence says about later headings; return the reason to count it."""
         if self._from_file and (prefix or suffix):
             self._stamps.pass_by(prefix, suffix)
+        self._quality.note(text)
         if text[:8] == b'PSXN,20,':
             self._psxn_quality = (text.split(b',') + [b''] * 3)[4].strip()
         elif text[3:6] in _TIME_MARKS and (

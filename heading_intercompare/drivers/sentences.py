@@ -152,7 +152,8 @@ def _parse_pashr(fields: list[bytes]) -> float:
     """
     Read `PASHR,time,heading,T,roll,pitch,heave,...` or `PASHR,ATT,time,heading,pitch,roll,...`.
 
-    The status flags of the first form are not used: their meaning differs from maker to maker.
+    No flag rejects a heading: their meaning differs from maker to maker. `PASHR_FORMS` has what
+    they agree on.
     """
     return _heading(fields, 3) if fields[1] == b'ATT' else _true_heading(fields, 2)
 
@@ -182,6 +183,12 @@ class Form(NamedTuple):
         Whether the heading is magnetic.
     checksum
         Whether the sentence has one.
+    grades
+        What the sentence begins with from the field of the quality on, and what that says of a
+        measurement, a word of `QUALITY_FLAGS`; the first that fits. Without one it is unknown.
+    stated
+        Field of the standard deviation that the sensor claims for the heading, degrees; 0 if
+        there is none.
 
     """
 
@@ -194,7 +201,16 @@ class Form(NamedTuple):
     scale: float = 1.0
     magnetic: bool = False
     checksum: bool = True
+    grades: tuple[tuple[str, str], ...] = ()
+    stated: int = 0
 
+
+_FLOAT, _CODE, _INERTIAL = 'float solution', 'code solution', 'inertial only'
+_RTK = (('4', 'normal'), ('5', _FLOAT), ('[123]', _CODE))
+_TRIMBLE = (('0*3', 'normal'), ('0*2', _FLOAT), ('0*[14]', _CODE))
+_SOLUTION = ((r'\w+, *\w*(INT|FIXED) *,', 'normal'), (r'\w+, *\w*FLOAT *,', _FLOAT),
+             (r'\w+, *(SINGLE|PSRDIFF|WAAS|SBAS|PROPAGATED) *,', _CODE))
+_INS_STATUS = (('INS_SOLUTION_GOOD', 'normal'), ('INS_SOLUTION_FREE', _INERTIAL))
 
 _SOLVED, _GOOD = 'SOL_COMPUTED,(?!NONE,)', 'INS_SOLUTION_(GOOD|FREE)'
 
@@ -202,34 +218,36 @@ FORMS: dict[str, Form] = {
     'PSXN,23': Form(4),
     'PUHAW,UVH': Form(4, checksum=False),
     # Trimble: 0 is no fix. The yaw is that from one antenna to the other.
-    'PTNL,AVR': Form(3, 10, '0*[1-9]', time=2),
-    'PTNL,VHD': Form(4, 10, '0*[1-9]', time=2),
+    'PTNL,AVR': Form(3, 10, '0*[1-9]', time=2, grades=_TRIMBLE),
+    'PTNL,VHD': Form(4, 10, '0*[1-9]', time=2, grades=_TRIMBLE),
     # Hemisphere: N is GNSS; G is a gyro that stands in for it, as E of THS.
     'PSAT,HPR': Form(3, 6, 'N', time=2),
     # Septentrio: 0 is no attitude; 1 and 3 are float, 2 and 4 fixed.
-    'PSSN,HRP': Form(4, 11, '0*[1-4]', time=2),
+    'PSSN,HRP': Form(4, 11, '0*[1-4]', time=2, stated=7,
+                     grades=(('0*[24]', 'normal'), ('0*[13]', _FLOAT))),
     # Unicore: 0 is invalid, 4 fixed, 5 float.
-    'HPR': Form(2, 5, '[1-5]', time=1),
-    'KSXT': Form(5, 11, '[1-3]', time=1, clock='yyyymmddhhmmss'),
+    'HPR': Form(2, 5, '[1-5]', time=1, grades=_RTK),
+    'KSXT': Form(5, 11, '[1-3]', time=1, clock='yyyymmddhhmmss',
+                 grades=(('3', 'normal'), ('2', _FLOAT), ('1', _CODE))),
     # NovAtel, and what others write in its way. The header has ten fields, or three after `%`.
-    'UNIHEADINGA': Form(13, 10, _SOLVED),
-    'HEADINGA': Form(13, 10, _SOLVED),
-    'HEADING2A': Form(13, 10, _SOLVED),
-    'DUALANTENNAHEADINGA': Form(13, 10, _SOLVED),
-    'INSPVAA': Form(20, 21, _GOOD, time=10, clock='week'),
-    'INSPVAXA': Form(21, 10, _GOOD),
-    'INSPVASA': Form(13, 14, _GOOD, time=3, clock='week'),
-    'INSATTA': Form(14, 15, _GOOD, time=10, clock='week'),
-    'INSATTXA': Form(14, 10, _GOOD),
-    'INSATTSA': Form(7, 8, _GOOD, time=3, clock='week'),
+    'UNIHEADINGA': Form(13, 10, _SOLVED, grades=_SOLUTION, stated=16),
+    'HEADINGA': Form(13, 10, _SOLVED, grades=_SOLUTION, stated=16),
+    'HEADING2A': Form(13, 10, _SOLVED, grades=_SOLUTION, stated=16),
+    'DUALANTENNAHEADINGA': Form(13, 10, _SOLVED, grades=_SOLUTION, stated=16),
+    'INSPVAA': Form(20, 21, _GOOD, time=10, clock='week', grades=_INS_STATUS),
+    'INSPVAXA': Form(21, 10, _GOOD, grades=_INS_STATUS, stated=30),
+    'INSPVASA': Form(13, 14, _GOOD, time=3, clock='week', grades=_INS_STATUS),
+    'INSATTA': Form(14, 15, _GOOD, time=10, clock='week', grades=_INS_STATUS),
+    'INSATTXA': Form(14, 10, _GOOD, grades=_INS_STATUS, stated=17),
+    'INSATTSA': Form(7, 8, _GOOD, time=3, clock='week', grades=_INS_STATUS),
     # Furuno and JRC, and RDI: they leave the heading empty without one.
     'PFEC,GPatt': Form(2),
     'PRDID': Form(3),
     # ComNav, and Unicore: 0 is invalid, 4 fixed, 5 float. YBM has another quality of its position.
-    'TRA': Form(2, 5, '[1-5]', time=1),
-    'YBM': Form(6, 17, '[45]', time=2),
+    'TRA': Form(2, 5, '[1-5]', time=1, grades=_RTK),
+    'YBM': Form(6, 17, '[45]', time=2, grades=_RTK),
     # Quectel: 4 is fixed, 5 float, 6 dead reckoning.
-    'PQTMTAR': Form(8, 3, '[45]', time=2),
+    'PQTMTAR': Form(8, 3, '[45]', time=2, grades=_RTK, stated=11),
     # Ashtech: the last flag of AT2 and PAT is 0 unless the attitude is a rough one.
     'PASHR,HPR': Form(3, time=2),
     'PASHR,AT2': Form(3, 8, '0'),
@@ -242,6 +260,15 @@ FORMS: dict[str, Form] = {
     'INS': Form(4, 3, r'[0-9A-Fa-f]{0,3}[26AaEe](?:,|\Z)'),
 }
 """The sentences of makers, after their manuals."""
+
+PASHR_FORMS = {
+    # Makers agree that 0 is a heading without GNSS. 1 is a sound heading of some, a poor one of
+    # others; the flag of the IMU has no meaning in common.
+    b'': Form(2, 10, grades=(('0', 'no GNSS aiding'), ('6', _INERTIAL), ('[2-5]', 'normal')),
+              stated=9),
+    b'ATT': Form(3, 8, grades=(('0', 'normal'), ('1', 'rough attitude'))),
+}
+"""The quality in the two forms of PASHR, by the field that tells them apart."""
 
 
 class Compass(NamedTuple):

@@ -23,7 +23,7 @@ import time
 from typing import Any, Callable, Mapping, Sequence
 
 from heading_intercompare.app.sources.file_hash import hash_files
-from heading_intercompare.core.records import Headings
+from heading_intercompare.core.records import Headings, Quality
 from heading_intercompare.core.runs.growing_columns import GrowingHeadings
 from heading_intercompare.drivers.log_lines.rollovers import describe_far
 from heading_intercompare.drivers.logs import LogReader
@@ -61,6 +61,8 @@ class ImportedLog:
         The number of its files.
     remarks
         What a reader of the verdict should know of how it was read.
+    quality
+        What the sensor says of its headings; None if that is not read.
 
     """
 
@@ -73,6 +75,7 @@ class ImportedLog:
     driver: DriverSettings
     files: int = 1
     remarks: Sequence[str] = ()
+    quality: Quality | None = None
 
     @property
     def origin(self) -> dict[str, Any]:
@@ -146,16 +149,18 @@ def import_log(path: str, driver: DriverSettings,
                                *streams.oddities, *_describe_span(streams.streams[name])])
     try:
         reader = LogReader(path, driver)
-        readings = GrowingHeadings()
+        readings, quality = GrowingHeadings(), []
         for chunk in reader:
             readings.append(chunk)
+            quality.append(reader.drain_quality())
             progress(f'{reader.share_read} of {path} read')
     except DriverError as error:
         raise DriverError(name_options(str(error), role)) from None
     log = ImportedLog(path=path, headings=readings.headings,
                       sha256=hash_files(reader.paths), size=reader.size, sentence=reader.sentence,
                       not_taken=reader.counts, driver=driver, files=len(reader.paths),
-                      remarks=[name_options(remark, role) for remark in reader.remarks])
+                      remarks=[name_options(remark, role) for remark in reader.remarks],
+                      quality=Quality.concatenate([*quality, reader.drain_quality(end=True)]))
     log = dataclasses.replace(log, remarks=[*log.remarks, *_describe_span(log.headings)])
     if role is not None and not len(log.headings):
         raise DriverError(_no_heading(log, role))

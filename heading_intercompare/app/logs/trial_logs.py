@@ -246,6 +246,9 @@ def judge_logs(logs: Mapping[str, str], settings: Settings,
     if settings.motion.compare:
         for thing in moved.things.values():
             comparison.take_motion(thing)
+    for name, log in imported.items():
+        if log.quality is not None:
+            comparison.take_quality(name, log.quality)
     comparison.update({name: log.headings for name, log in imported.items()})
     results = comparison.finish()
     notes = [f'{name if settings.sensors else _WORDS[name]}: {log.path}, {len(log.headings)} '

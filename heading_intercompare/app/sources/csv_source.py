@@ -33,6 +33,7 @@ from heading_intercompare.bags.csv.pairs_account import (
     motion_of_text,
     PairsAccount,
     PairsDigest,
+    quality_of_text,
     read_account,
 )
 from heading_intercompare.bags.csv.pairs_csv import COLUMNS, PairsCsv
@@ -146,7 +147,7 @@ def judge_csv(path: str, name: str, settings: Settings,
     judging = _Judging(compliance, settings, takers, progress,
                        trusted=None if account is None else account.ledger)
     if account is not None:
-        _take_marks_and_motion(account, compliance, table, sketch)
+        _take_from_account(account, compliance, table, sketch)
     rows = open_pairs(path)
     for pairs in rows:
         judging.take(pairs)
@@ -176,13 +177,15 @@ def judge_csv(path: str, name: str, settings: Settings,
         settings, table=runs, account=judged_account, sketch=sketch)
 
 
-def _take_marks_and_motion(account: PairsAccount, compliance: Compliance, table: Spans | None,
-                           sketch: SegmentSketches | None) -> None:
+def _take_from_account(account: PairsAccount, compliance: Compliance, table: Spans | None,
+                       sketch: SegmentSketches | None) -> None:
     """Take from an account what belongs between the pairs."""
     for kind, stamp_ns in account.marks if table is None else ():
         compliance.mark(kind, stamp_ns)
     motion = motion_of_text(account.motion)
     compliance.take_motion(motion)
+    for stream, quality in quality_of_text(account.quality).items():
+        compliance.take_quality(stream, quality)
     if sketch is not None:
         sketch.take_motion(motion)
 

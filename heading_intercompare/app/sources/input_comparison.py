@@ -18,12 +18,16 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Callable, Mapping, Sequence
 
-from heading_intercompare.bags.csv.pairs_account import PairsAccount, text_of_motion
+from heading_intercompare.bags.csv.pairs_account import (
+    PairsAccount,
+    text_of_motion,
+    text_of_quality,
+)
 from heading_intercompare.core.offline import judge_aligned
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey
 from heading_intercompare.core.pairing.stream_pieces import cut_streams
 from heading_intercompare.core.pipeline import Intercomparison
-from heading_intercompare.core.records import Headings, Losses, Motion, Pairs
+from heading_intercompare.core.records import Headings, Losses, Motion, Pairs, Quality
 from heading_intercompare.core.runs.growing_columns import GrowingHeadings
 from heading_intercompare.core.sensor_table import find_reference, Sensor
 from heading_intercompare.core.sensors.comparison import SensorsComparison
@@ -78,6 +82,7 @@ class InputComparison:
         self._spans = {sensor.name: StreamSpan() for sensor in self.comparison.sensors}
         self._losses: list[tuple[str, LedgerKey, Losses]] = []
         self._motion: list[Motion] = []
+        self._quality: dict[str, Quality] = {}
 
     @property
     def sensors(self) -> tuple[Sensor, ...]:
@@ -105,6 +110,12 @@ class InputComparison:
         self._motion.append(motion)
         for sketch in self._sketches.values():
             sketch.take_motion(motion)
+
+    def take_quality(self, name: str, quality: Quality) -> None:
+        """Take what a sensor says of its readings, once and before the first readings."""
+        if len(quality):
+            self.comparison.take_quality(name, quality)
+            self._quality[name] = quality
 
     def mark(self, kind: str, stamp_ns: int) -> None:
         """Start or stop a run after the pair with this stamp."""
@@ -150,7 +161,13 @@ class InputComparison:
         lost = [(key if name == names[0] else key.of_stream('rs'), losses)
                 for name, key, losses in self._losses if name in names]
         return judge_aligned(first, second, results, pair.compliance.settings,
-                             source=self._source, lost=lost, motion=self._motion)
+                             source=self._source, lost=lost, motion=self._motion,
+                             quality=self._quality_of(names))
+
+    def _quality_of(self, names: Names) -> dict[str, Quality]:
+        """Return what two sensors say of their readings, as ``'ts'`` and ``'rs'``."""
+        return {stream: self._quality[name] for stream, name in zip(('ts', 'rs'), names)
+                if name in self._quality}
 
     def describe(self, results: Mapping[Names, list[RunResult]], entries: Sequence[Input],
                  entries_of_pair: Callable[[Sensor, Sensor], Sequence[Input]],
@@ -197,7 +214,9 @@ class InputComparison:
             entries_of_tested[names[0]] = pair_entries
             if pair_entries:
                 accounts[names[0]] = _make_account(pair_entries, settings, ledger, self.marks,
-                                                   self._table, motion)
+                                                   self._table, motion,
+                                                   text_of_quality(self._quality_of(names))
+                                                   if self._takers else None)
         if entries and not any(results.values()):
             entries = [replace(entries[0], no_run='no pair of sensors has a run'), *entries[1:]]
         earlier = {name: [result.verdict for result in pair.compliance.take_earlier(pair.ledger)]
@@ -257,12 +276,13 @@ def describe_two(results: list[RunResult], earlier: Sequence[RunResult], entry: 
 
 def _make_account(entries: Sequence[Input], settings: Settings, ledger: Ledger,
                  marks: Sequence[tuple[str, int]], table: Spans | None,
-                 motion: Mapping[str, str] | None = None) -> PairsAccount:
+                 motion: Mapping[str, str] | None = None,
+                 quality: Mapping[str, str] | None = None) -> PairsAccount:
     """Return the account to lay beside a csv of the pairs of two sensors."""
     return PairsAccount(inputs=tuple(entries), settings=settings.to_mapping(), marks=tuple(marks),
                         table=None if table is None else tuple(table), newest_ns=ledger.newest_ns,
                         segments=ledger.segments, set_backs=tuple(ledger.all_set_backs),
-                        motion=motion)
+                        motion=motion, quality=quality)
 
 
 def _explain_no_run(ledger: Ledger, settings: Settings, table: Spans | None,

@@ -36,7 +36,15 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.core.declared_figures import figure
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
 from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
-from heading_intercompare.core.records import Integers, Motion, MOTION_COLUMNS, Pairs, Reals
+from heading_intercompare.core.records import (
+    Integers,
+    Motion,
+    MOTION_COLUMNS,
+    Pairs,
+    Quality,
+    QUALITY_FLAGS,
+    Reals,
+)
 from heading_intercompare.core.typed_reader import make_plain, read_plain, VerdictError
 from heading_intercompare.core.verdict.verdict_document import Input
 from heading_intercompare.core.version import VERSION
@@ -65,11 +73,56 @@ def text_of_motion(motion: Motion) -> dict[str, str] | None:
     texts = {}
     for what, rows in motion.split().items():
         if len(rows):
-            columns: list[Integers | Reals] = [rows.stamp_ns.astype('<i8')]
-            columns += [getattr(rows, name).astype('<f8') for name in MOTION_COLUMNS[what]]
-            texts[_WORDS[what]] = b64encode(
-                b''.join(column.tobytes() for column in columns)).decode('ascii')
+            texts[_WORDS[what]] = _join_columns(
+                rows.stamp_ns, *(getattr(rows, name) for name in MOTION_COLUMNS[what]))
     return texts or None
+
+
+def _join_columns(*columns: Integers | Reals) -> str:
+    """Return the bytes of whole columns, little-endian, as text."""
+    return b64encode(b''.join(column.astype(column.dtype.newbyteorder('<')).tobytes()
+                              for column in columns)).decode('ascii')
+
+
+def _cut_columns(place: str, text: str, width: int) -> list[bytes]:
+    """Return the bytes of each column of a text; ValueError unless it has whole rows."""
+    try:
+        data = b64decode(text, validate=True)
+    except binascii.Error as error:
+        raise ValueError(f'{place} is no base64: {error}') from None
+    if not width or len(data) % (8 * width):
+        raise ValueError(f'{place} has {len(data)} bytes: must be whole rows')
+    size = len(data) // width
+    return [data[size * at:size * (at + 1)] for at in range(width)]
+
+
+def text_of_quality(quality: Mapping[str, Quality]) -> dict[str, str] | None:
+    """Return what ``'ts'`` and ``'rs'`` say of their readings as text; None if nothing."""
+    return {stream: _join_columns(rows.stamp_ns, rows.stated_deg, rows.flag)
+            for stream, rows in quality.items() if len(rows)} or None
+
+
+def quality_of_text(text: Mapping[str, str] | None) -> dict[str, Quality]:
+    """
+    Return the quality in a text of `text_of_quality`.
+
+    Raises
+    ------
+    ValueError
+        If the text is not one.
+
+    """
+    quality = {}
+    for stream, columns in (text or {}).items():
+        stamps, stated_deg, flags = _cut_columns(f'quality.{stream}', columns, 3)
+        rows = Quality.of(np.frombuffer(stamps, '<i8').astype(np.int64),
+                          np.frombuffer(stated_deg, '<f8').astype(np.float64),
+                          np.frombuffer(flags, '<i8').astype(np.int64))
+        if stream not in ('ts', 'rs') or ((rows.flag < 0) | (
+                rows.flag >= len(QUALITY_FLAGS)) | (rows.stated_deg <= 0.0)).any():
+            raise ValueError(f'quality.{stream} has a sensor, a flag or a claim that is none')
+        quality[stream] = rows
+    return quality
 
 
 def motion_of_text(text: Mapping[str, str] | None) -> Motion:
@@ -87,17 +140,10 @@ def motion_of_text(text: Mapping[str, str] | None) -> Motion:
     for word, columns in (text or {}).items():
         what = things.get(word, '')
         names = MOTION_COLUMNS.get(what)
-        try:
-            data = b64decode(columns, validate=True)
-        except binascii.Error as error:
-            raise ValueError(f'motion.{word} is no base64: {error}') from None
-        if names is None or len(data) % (8 * (1 + len(names))):
-            raise ValueError(f'motion.{word} has {len(data)} bytes: must be whole rows')
-        size = len(data) // (1 + len(names))
-        stamps = np.frombuffer(data[:size], '<i8').astype(np.int64)
-        reals = [np.frombuffer(data[at:at + size], '<f8').astype(np.float64)
-                 for at in range(size, len(data), size)] if size else [np.zeros(0)] * len(names)
-        chunks.append(Motion.of(what, stamps, *reals))
+        stamps, *reals = _cut_columns(f'motion.{word}', columns,
+                                      0 if names is None else 1 + len(names))
+        chunks.append(Motion.of(what, np.frombuffer(stamps, '<i8').astype(np.int64), *(
+            np.frombuffer(column, '<f8').astype(np.float64) for column in reals)))
     return Motion.concatenate(chunks)
 
 
@@ -141,6 +187,8 @@ class PairsAccount:
     set_backs: tuple[SetBack, ...]
     software_version: str = VERSION
     motion: Mapping[str, str] | None = figure('motion of the ship', absent='if unknown')
+    quality: Mapping[str, str] | None = figure('what the sensors say of their readings',
+                                               absent='if they say nothing')
 
     @property
     def ledger(self) -> Ledger:
@@ -269,6 +317,7 @@ def read_account(csv: str | os.PathLike[str]) -> tuple[PairsAccount, Fingerprint
             raise VerdictError(f'is no account of pairs: its schema must be {_SCHEMA!r}')
         account: PairsAccount = read_plain(PairsAccount, plain)
         motion_of_text(account.motion)
+        quality_of_text(account.quality)
         for at, segment in enumerate(account.segments):
             if at and segment.start_ns is None and (
                     segment.clock_segment == account.segments[at - 1].clock_segment):

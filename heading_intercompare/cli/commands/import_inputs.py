@@ -21,7 +21,7 @@ from dataclasses import dataclass, field, replace
 from functools import partial
 import re
 import time
-from typing import Any, Callable, Mapping, NamedTuple, Sequence, TypeVar
+from typing import Any, Callable, Iterator, Mapping, NamedTuple, Sequence, TypeVar
 
 import numpy as np
 
@@ -37,7 +37,7 @@ from heading_intercompare.cli.terminal.console import say_lines
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.pairing.stream_pieces import find_edges, follow_stamps
-from heading_intercompare.core.records import Headings, Integers, Losses, Motion
+from heading_intercompare.core.records import Headings, Integers, Losses, Motion, Quality
 from heading_intercompare.core.sensor_table import read_sensors, Sensor, write_sensors
 from heading_intercompare.core.sensors.compared_sensors import list_sensors
 from heading_intercompare.core.settings import Settings
@@ -45,6 +45,7 @@ from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.messages.heading_messages import encode_imu, IMU
 from heading_intercompare.messages.ledger_messages import encode_losses, lost_topic
 from heading_intercompare.messages.motion.motion_messages import encode_motion, MOTION_TYPES
+from heading_intercompare.messages.quality_messages import encode_quality, quality_topic
 from heading_intercompare.messages.stamps import fits_message
 from heading_intercompare.messages.status_messages import encode_mark, MARKER_TOPIC, STATUS_TYPE
 
@@ -59,9 +60,9 @@ from .log_options import add_log_arguments, add_unit_arguments, drivers_for
 from .note import add_note_argument, read_notes
 
 _PIECE = 20_000
-_LOSSES = 1_000
+_ROWS = 1_000
 _TOPIC = re.compile(r'/?[A-Za-z_]\w*(/[A-Za-z_]\w*)*')
-_Rows = TypeVar('_Rows', Headings, Motion)
+_Rows = TypeVar('_Rows', Headings, Losses, Motion, Quality)
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -93,6 +94,7 @@ class _Contents:
     origins: dict[str, Mapping[str, Any]]
     sensor_lines: Mapping[str, tuple[str, str]]
     motion: Mapping[str, Motion]
+    quality: Mapping[str, Quality]
     lines: Sequence[str] = ()
     losses: Sequence[tuple[str, str, Losses]] = ()
     marks: Sequence[tuple[str, int]] = ()
@@ -178,7 +180,8 @@ def _read_logs(logs: Mapping[str, str], arguments: argparse.Namespace, settings:
          **({'motion': dict(moved.origin)} if moved.origin else {})},
         {name: (log.path, ''.join(f'; {remark}' for remark in log.remarks)
                 + f'; not taken: {log.words_not_taken}') for name, log in imported.items()},
-        moved.things, moved.notes)
+        moved.things, {name: log.quality for name, log in imported.items()
+                       if log.quality is not None}, moved.notes)
 
 
 def _read_recording(arguments: argparse.Namespace, settings: Settings,
@@ -194,7 +197,8 @@ def _read_recording(arguments: argparse.Namespace, settings: Settings,
         recording.headings, {'recording': recording.origin},
         {sensor.name: (f'{sensor.heading_topic} of {path}', '')
          for sensor in list_sensors(settings)},
-        recording.motion.split(), [f'note: {problem}' for problem in recording.problems],
+        recording.motion.split(), recording.quality,
+        [f'note: {problem}' for problem in recording.problems],
         recording.losses, recording.marks, list(recording.notes))
 
 
@@ -270,17 +274,24 @@ def _encode_part(rows: Motion, what: str, lo: int, hi: int) -> np.ndarray:
 
 
 def _single_messages(contents: _Contents, sensors: Mapping[str, Sensor]) -> list[_Message]:
-    """Return the marks and the losses that a bag can hold, in the order of their times."""
+    """Return marks, losses and quality that a bag can hold, in the order of their times."""
     messages = [_Message(stamp_ns, MARKER_TOPIC, encode_mark(kind, stamp_ns))
                 for kind, stamp_ns in contents.marks if fits_message(np.array([stamp_ns]))[0]]
     for name, lost_as, all_losses in contents.losses:
-        losses = all_losses[fits_message(all_losses.stamp_ns)]
-        for at in range(0, len(losses), _LOSSES):
-            rows = losses[at:at + _LOSSES]
-            messages.append(_Message(int(rows.stamp_ns.max()),
-                                     lost_topic(sensors[name].heading_topic),
-                                     encode_losses({lost_as: rows})))
+        topic = lost_topic(sensors[name].heading_topic)
+        messages += [_Message(int(rows.stamp_ns.max()), topic, encode_losses({lost_as: rows}))
+                     for rows in _cut(_that_fit(all_losses))]
+    for name, quality in contents.quality.items():
+        topic = quality_topic(sensors[name].heading_topic)
+        messages += [_Message(int(rows.stamp_ns.max()), topic, encode_quality(rows))
+                     for rows in _cut(_that_fit(quality))]
     return sorted(messages, key=lambda message: message.log_ns)
+
+
+def _cut(rows: _Rows) -> Iterator[_Rows]:
+    """Yield the rows in pieces, one for each message."""
+    for at in range(0, len(rows), _ROWS):
+        yield rows[at:at + _ROWS]
 
 
 def _write(bag: BagWriter, streams: Sequence[_Stream], messages: Sequence[_Message]) -> None:

@@ -21,6 +21,7 @@ from dataclasses import dataclass
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.validity.condition import (
     Condition,
+    DOUBTFUL,
     Finding,
     HOLDS,
     NOT_TESTABLE,
@@ -61,6 +62,8 @@ def _find_rounding(step_deg: float | None, norm_deg: float) -> _Excess | None:
 
 def _judge(e: Examined) -> Finding:
     excess, norm_deg = _find_excess(e), e.limits.sigma_ref_max_deg
+    if excess is None and (claimed := _find_claimed(e, norm_deg)) is not None:
+        return _weigh_claim(e, claimed)
     if excess is None:
         lower_deg = e.diagnostics.allan.reference_noise.sigma_ref_lower_deg
         if lower_deg is None:
@@ -69,6 +72,25 @@ def _judge(e: Examined) -> Finding:
         return REFERENCE.find(HOLDS, '', f'the noise of the RS is at least {lower_deg:.3g} deg, '
                               f'its norm is {norm_deg:.3g} deg')
     return _weigh(e, excess)
+
+
+def _find_claimed(e: Examined, norm_deg: float) -> _Excess | None:
+    """Return by how much the RS itself says that it exceeds its norm; None if it does not."""
+    claim_deg = None if e.quality is None else e.quality.claimed_of_rs_deg
+    if claim_deg is None or claim_deg <= norm_deg:
+        return None
+    excess_deg2 = claim_deg ** 2 - norm_deg ** 2
+    return _Excess(excess_deg2, excess_deg2, f'it claims {claim_deg:.3g} deg')
+
+
+def _weigh_claim(e: Examined, claimed: _Excess) -> Finding:
+    """Judge a claim that contradicts the norm by what it could change: a claim proves nothing."""
+    norm_deg = e.limits.sigma_ref_max_deg
+    words = f'the RS contradicts its norm of {norm_deg:.3g} deg: {claimed.words}'
+    if _decides(e, claimed):
+        return REFERENCE.find(DOUBTFUL, words,
+                              f'{words}; without the excess the outcome might differ')
+    return REFERENCE.find(HOLDS, '', f'{words}; the outcome is the same without the excess')
 
 
 def _settle(finding: Finding | None, account: RunAccount) -> Finding | None:
@@ -108,4 +130,6 @@ REFERENCE = Condition(
               'exceeds its norm, and with the excess taken off the outcome would differ',
     void_why='the paper compares with an RS within its norm: what the RS adds is not an error of '
              'the TS',
+    doubtful_when='the RS claims a standard deviation above its norm, as the median over the '
+                  'run, and with the excess taken off the outcome would differ',
     judge=_judge, settle=_settle, is_permanent=True)

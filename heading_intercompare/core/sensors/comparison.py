@@ -22,7 +22,7 @@ from typing import Callable, Mapping, Sequence
 from heading_intercompare.core.pairing.ledger import LedgerKey
 from heading_intercompare.core.pairing.pair_sampling import PairSampler
 from heading_intercompare.core.pipeline import Intercomparison
-from heading_intercompare.core.records import Headings, Losses, Motion, Pairs
+from heading_intercompare.core.records import Headings, Losses, Motion, Pairs, Quality
 from heading_intercompare.core.runs.growing_columns import Keep
 from heading_intercompare.core.settings import Settings
 
@@ -95,6 +95,12 @@ class SensorsComparison:
         """Take motion of the ship, before the runs that it belongs to end."""
         for comparison in self.pairs.values():
             comparison.take_motion(motion)
+
+    def take_quality(self, name: str, quality: Quality) -> None:
+        """Take what a sensor says of its readings, before the runs that they belong to end."""
+        for names, comparison in self.pairs.items():
+            if name in names:
+                comparison.take_quality('ts' if name == names[0] else 'rs', quality)
 
     def lose(self, name: str, key: LedgerKey, losses: Losses) -> None:
         """Count readings of a sensor that never came; `key` is that of a TS."""

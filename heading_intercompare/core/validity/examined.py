@@ -23,6 +23,7 @@ from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.guarded import Guarded
 from heading_intercompare.core.diagnostics.run_columns import RunColumns
 from heading_intercompare.core.diagnostics.run_diagnostics import Diagnostics
+from heading_intercompare.core.diagnostics.sensor_quality import QualityCheck
 from heading_intercompare.core.motion.motion_check import MotionCheck
 from heading_intercompare.core.norm_tests.judged_test import JudgedTest
 from heading_intercompare.core.outcome import Outcome
@@ -55,6 +56,8 @@ class Examined:
         the variance of the RS noise; `changes` are settings, such as another variant or model.
     motion
         The headings against the motion of the ship; None if it is unknown.
+    quality
+        What the sensors say of their readings; None if they say nothing.
     findings
         Findings on the conditions judged before.
 
@@ -67,6 +70,7 @@ class Examined:
     guarded: Guarded
     decide: Callable[..., Outcome]
     motion: MotionCheck | None = None
+    quality: QualityCheck | None = None
     findings: tuple[Finding, ...] = ()
 
     @property

@@ -41,6 +41,7 @@ from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.record_conditions.drift_removed import DRIFT_REMOVED
 from heading_intercompare.core.record_conditions.left_out import LEFT_OUT
 from heading_intercompare.core.record_conditions.norm_tests import NORM_TESTS
+from heading_intercompare.core.record_conditions.reduced_quality import REDUCED_QUALITY
 from heading_intercompare.core.record_conditions.repeated_readings import REPEATED_READINGS
 from heading_intercompare.core.sensor_conditions.motion import MOTION
 from heading_intercompare.core.settings import Risk, Settings
@@ -357,7 +358,7 @@ def _sum_up(run: RunVerdict, settings: Settings) -> dict[str, Any]:
 def _list_findings(run: RunVerdict) -> tuple[Finding, ...]:
     """Return the findings of a run; one that every run has and that is missing does not hold."""
     by_name = {finding.condition: finding for finding in run.validity}
-    missing = {MOTION.name: run.motion is None,
+    missing = {MOTION.name: run.motion is None, REDUCED_QUALITY.name: run.quality is None,
                DRIFT_REMOVED.name: not run.drift_coefficients_deg,
                NORM_TESTS.name: not run.norm_tests}
     return tuple(

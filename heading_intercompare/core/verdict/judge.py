@@ -39,6 +39,13 @@ from heading_intercompare.core.diagnostics.run_columns import (
 )
 from heading_intercompare.core.diagnostics.run_diagnostics import diagnose, with_runs
 from heading_intercompare.core.diagnostics.run_findings import describe_drift, left_in_deg2
+from heading_intercompare.core.diagnostics.sensor_quality import (
+    check_quality,
+    compare_claim,
+    leaves_enough,
+    QualityCheck,
+    warn_of_claim,
+)
 from heading_intercompare.core.motion.motion_check import check_motion
 from heading_intercompare.core.norm_tests.judged_test import JudgedTest, TestRisks
 from heading_intercompare.core.norm_tests.resolution_error import settle_resolution
@@ -50,7 +57,7 @@ from heading_intercompare.core.record_conditions.losses import (
     warn_of_held,
     warn_of_rejected,
 )
-from heading_intercompare.core.records import Integers, Motion, Reals
+from heading_intercompare.core.records import Integers, Motion, Quality, Reals
 from heading_intercompare.core.runs.pairing_figures import PairingFigures
 from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.settings import Risk, Settings
@@ -274,7 +281,8 @@ class _Decision:
 
 def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
               risk: Risk | None = None, looks: Sequence[LookVerdict] = (),
-              motion: Mapping[str, Motion] | None = None, is_look: bool = False,
+              motion: Mapping[str, Motion] | None = None,
+              quality: Mapping[str, Quality] | None = None, is_look: bool = False,
               progress: Callable[[float], None] = lambda share: None) -> RunResult:
     """
     Judge a run as it is.
@@ -296,6 +304,8 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
     motion
         The motion of the ship by what it tells, to check the headings against; None if there is
         none.
+    quality
+        What ``'ts'`` and ``'rs'`` say of their readings, as far as they say something.
     is_look
         Whether the run goes on: the tests of the norm have no looks.
     progress
@@ -354,9 +364,10 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
                                                           lost_share=every.lost_share))
     checked = None if motion is None or not settings.motion.compare else check_motion(
         motion, data.stamp_ns, data.rs_deg + data.x_deg, data.rs_deg, settings.motion)
+    claims = _weigh_quality(quality or {}, data, guarded, decision, settings)
     judged = examine(Examined(columns=columns, diagnostics=diagnostics, settings=settings,
                               outcome=outcome, guarded=guarded, decide=decision.outcome,
-                              motion=checked))
+                              motion=checked, quality=claims))
     progress(_BEFORE + 0.9 * (1.0 - _BEFORE))
     coverage = coverage_of(data.span_s, risk,
                            scopes=[Scope.of(data.stamp_ns, data.rs_deg, settings)])
@@ -380,17 +391,35 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
         stationarity=diagnostics.stationarity,
         correlation=correlation, allan=diagnostics.allan,
         assumptions=diagnostics.assumptions, taken_out=taken_out, motion=checked,
+        quality=claims,
         limit_95=_estimate_limit_95(data, settings, correlation.n_effective_variance),
         norm_tests=None if is_look else judge_tests(
             columns, moments.mean_deg if moments.n else None, guarded,
             diagnostics.by_motion or ByMotion(), run) or None,
-        warnings=(*_warnings(data, limits, guarded, settings), *diagnostics.warnings))
+        warnings=(*_warnings(data, limits, guarded, settings), *diagnostics.warnings,
+                  *warn_of_claim(claims, guarded.sigma_ts_lower_deg,
+                                 guarded.sigma_ts_upper_deg)))
     return RunResult(
         verdict=verdict, evidence=evidence, limits=limits, printed=printed,
         alone=(outcome, reason), risk=risk, settings=settings,
         stabilization_s=run.stabilization_s, judged=judged,
         fingerprint=None if columns.fingerprint is None
         else columns.fingerprint.to_text()).conclude()
+
+
+def _weigh_quality(quality: Mapping[str, Quality], data: PreparedRun, guarded: Guarded,
+                   decision: _Decision, settings: Settings) -> QualityCheck | None:
+    """Return what sensors say, with the claim of the TS and the outcome without poor readings."""
+    matched = check_quality(quality, data.stamp_ns,
+                            late_ns=round(settings.alignment.skew_s * 1e9))
+    if matched is None:
+        return None
+    check, is_reduced = matched
+    without = None
+    if leaves_enough(is_reduced):
+        without = decision.outcome(data.stamp_ns[~is_reduced], data.x_deg[~is_reduced])
+    return replace(check, without_reduced=without, ts_claim=compare_claim(
+        check, guarded.sigma_ts_lower_deg, guarded.sigma_ts_upper_deg))
 
 
 def _summarise(data: PreparedRun) -> dict[str, float | None]:
@@ -415,7 +444,8 @@ def _estimate_limit_95(data: PreparedRun, settings: Settings, n_effective: float
 
 
 def look_at(run: RunSeries, look: Look, looks: int, settings: Settings,
-            motion: Mapping[str, Motion] | None = None) -> LookVerdict:
+            motion: Mapping[str, Motion] | None = None,
+            quality: Mapping[str, Quality] | None = None) -> LookVerdict:
     """
     Judge a run in progress at a look, just as its end would be judged.
 
@@ -429,8 +459,8 @@ def look_at(run: RunSeries, look: Look, looks: int, settings: Settings,
         Number of looks, with the end of the run.
     settings
         By which its end will be judged.
-    motion
-        The motion of the ship so far, as for `judge_run`.
+    motion, quality
+        The motion of the ship so far, and what the sensors said, as for `judge_run`.
 
     Notes
     -----
@@ -438,7 +468,8 @@ def look_at(run: RunSeries, look: Look, looks: int, settings: Settings,
     or without partner count only at the end.
 
     """
-    verdict = judge_run(run, settings, 0, '', risk=look.risk, motion=motion, is_look=True).verdict
+    verdict = judge_run(run, settings, 0, '', risk=look.risk, motion=motion,
+                        quality=quality, is_look=True).verdict
     return LookVerdict(look=look.index + 1, looks=looks, span_s=run.span_s,
                        outcome=verdict.outcome, reason=verdict.reason,
                        validity_effect=verdict.validity_effect, headline=verdict.headline)

@@ -33,6 +33,7 @@ from heading_intercompare.core.record_conditions.left_out import LEFT_OUT
 from heading_intercompare.core.record_conditions.losses import LOSSES
 from heading_intercompare.core.record_conditions.mean_over_runs import MEAN_OVER_RUNS
 from heading_intercompare.core.record_conditions.norm_tests import NORM_TESTS
+from heading_intercompare.core.record_conditions.reduced_quality import REDUCED_QUALITY
 from heading_intercompare.core.record_conditions.repeated_readings import REPEATED_READINGS
 from heading_intercompare.core.sensor_conditions.convention import CONVENTION
 from heading_intercompare.core.sensor_conditions.enough_motion import STANDSTILL
@@ -47,15 +48,16 @@ from heading_intercompare.core.validity.condition import Finding
 from heading_intercompare.core.validity.examined import Examined, RunAccount
 
 CONDITIONS = (SAME_SOURCE, CLOCKS, FROZEN, MOTION, CONVENTION, MEAN_DIFFERENCE, PARTING,
-              REFERENCE, RESOLUTION, STANDSTILL, OUTLIERS, INTERPOLATION, REPEATED_READINGS,
-              DRIFT_REMOVED, ASSUMPTIONS, LOSSES, MEAN_OVER_RUNS, LEFT_OUT,
+              REFERENCE, RESOLUTION, STANDSTILL, OUTLIERS, REDUCED_QUALITY, INTERPOLATION,
+              REPEATED_READINGS, DRIFT_REMOVED, ASSUMPTIONS, LOSSES, MEAN_OVER_RUNS, LEFT_OUT,
               NORM_TESTS)
 """
 All conditions, causes before their consequences; the first that makes a run void is its reason.
 
-A run has a finding on `motion` only if the motion of the ship is known, and one on `drift_removed`
-only if a drift is removed, one on `norm_tests` only if the norm requires tests. The findings on
-`mean_over_runs` and `left_out` are those of all runs.
+A run has a finding on `motion` only if the motion of the ship is known, on `reduced_quality` only
+if a sensor says something of its readings, on `drift_removed` only if a drift is removed, and on
+`norm_tests` only if the norm requires tests. The findings on `mean_over_runs` and `left_out` are
+those of all runs.
 """
 
 CONDITION_WORDS = {condition.name: condition.holds for condition in CONDITIONS}

@@ -37,6 +37,7 @@ from heading_intercompare.core.diagnostics.by_motion import ByMotion
 from heading_intercompare.core.diagnostics.deviation import HeadingDependence
 from heading_intercompare.core.diagnostics.percentile import Percentile
 from heading_intercompare.core.diagnostics.run_findings import Allan, Correlation, Drift, RunSkew
+from heading_intercompare.core.diagnostics.sensor_quality import QualityCheck
 from heading_intercompare.core.motion.motion_check import MotionCheck
 from heading_intercompare.core.norm_tests.judged_test import JudgedTest
 from heading_intercompare.core.outcome import Outcome, worst
@@ -140,6 +141,8 @@ class RunVerdict:
                                         absent='if it is not known')
     by_motion: ByMotion | None = figure('differences by heading and by the rate of turn',
                                         absent='with fewer than 64 differences')
+    quality: QualityCheck | None = figure('what the sensors say of their readings',
+                                          absent='if they say nothing')
     limit_95: Percentile | None = figure('limit that 95 % of the differences keep',
                                          absent='with fewer than 20 independent differences')
     norm_tests: Sequence[JudgedTest] | None = figure(

@@ -104,6 +104,9 @@ class Described:
 _OF_HEADING = ('kind', 'off_deg', 'largest_deg', 'against_s', 'turns.kind', 'turns.n',
                'turns.turn_deg', 'turns.slope', 'turns.correlation', 'turns.delay_s')
 
+_OF_QUALITY = ('n', 'n_reduced', 'reduced_share', 'flags', 'stated_median_deg',
+               'stated_largest_deg')
+
 FINDINGS = (
     Finding(
         'skew',
@@ -170,6 +173,12 @@ FINDINGS = (
         'kind whose n_positions n_velocities n_rates n_legs legs_s astern_s least_bound_deg '
         + ' '.join(f'{sensor}.{key}' for sensor in ('ts', 'rs') for key in _OF_HEADING),
         'legs.duration_s legs.course_deg legs.speed_kn legs.bound_deg legs.ts_deg legs.rs_deg'),
+    Finding(
+        'quality',
+        'Some sensors say how good a reading is: by a flag, or by the standard deviation that '
+        'they claim. A claim is no proof, and a reading of unknown quality is not a poor one.', '',
+        'ts_claim without_reduced '
+        + ' '.join(f'{sensor}.{key}' for sensor in ('ts', 'rs') for key in _OF_QUALITY)),
     Finding(
         'allan',
         'The Allan deviation says how much neighbouring averages differ. White noise falls with '

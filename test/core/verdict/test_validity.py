@@ -41,7 +41,8 @@ from heading_intercompare.core.verdict.verdict_document import Verdict
 
 REFUSALS = Path(__file__).resolve().parents[3] / 'docs' / 'refusals.md'
 #: Findings on all runs together, or on what is removed.
-NOT_OF_EVERY_RUN = ('drift_removed', 'mean_over_runs', 'left_out', 'norm_tests')
+NOT_OF_EVERY_RUN = ('reduced_quality', 'drift_removed', 'mean_over_runs', 'left_out',
+                    'norm_tests')
 OFFSET = 'latency or clock offset'
 N = 12_000
 STEP_NS = 10 ** 8
