@@ -44,7 +44,7 @@ def measure_static_error(tested: TestedRun, limit: float) -> Measurement:
     MSC.116(73) 3.6 and 4.3.2.2; ISO 22090-2.
 
     """
-    means = _list_means(tested.by_motion.sectors)
+    means = [] if tested.by_motion is None else _list_means(tested.by_motion.sectors)
     if len(means) < LEAST_HEADINGS:
         return measure_mean_of_run(tested, limit, f'{len(means)} of 8 sectors of headings')
     offset_u = tested.settings.installation_offset_u_deg

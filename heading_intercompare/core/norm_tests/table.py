@@ -55,7 +55,7 @@ MERGES: Mapping[str, Callable[[Sequence[JudgedTest], TestRisks], JudgedTest]] = 
 
 
 def judge_tests(columns: RunColumns, mean_deg: float | None, guarded: Guarded,
-                by_motion: ByMotion, run: RunSeries) -> tuple[JudgedTest, ...]:
+                by_motion: ByMotion | None, run: RunSeries) -> tuple[JudgedTest, ...]:
     """
     Return the table of tests of a run.
 

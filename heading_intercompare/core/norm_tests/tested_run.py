@@ -47,7 +47,7 @@ class TestedRun:
     mean_nu
         Degrees of freedom of that uncertainty.
     by_motion
-        The differences by heading and by rate of turn.
+        The differences by heading and by rate of turn; None for fewer than 64.
     risks
         Of each test.
     run
@@ -61,7 +61,7 @@ class TestedRun:
     mean_deg: float | None
     mean_u_deg: float | None
     mean_nu: float
-    by_motion: ByMotion
+    by_motion: ByMotion | None
     risks: TestRisks
     run: RunSeries
 

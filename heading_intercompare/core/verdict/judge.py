@@ -28,7 +28,6 @@ from heading_intercompare.core.decision.criteria import apply_gk, Limits, Printe
 from heading_intercompare.core.decision.guarded import decide, Evidence, gather_evidence, Guarded
 from heading_intercompare.core.decision.sequential import Look, LookVerdict, risk_at_the_end
 from heading_intercompare.core.decision.taken_out import Stretch, TakenOut
-from heading_intercompare.core.diagnostics.by_motion import ByMotion
 from heading_intercompare.core.diagnostics.percentile import estimate_percentile, Percentile
 from heading_intercompare.core.diagnostics.run_columns import (
     HIGHEST_ORDER_REMOVED,
@@ -395,7 +394,7 @@ def judge_run(run: RunSeries, settings: Settings, number: int, source: str, *,
         limit_95=_estimate_limit_95(data, settings, correlation.n_effective_variance),
         norm_tests=None if is_look else judge_tests(
             columns, moments.mean_deg if moments.n else None, guarded,
-            diagnostics.by_motion or ByMotion(), run) or None,
+            diagnostics.by_motion, run) or None,
         warnings=(*_warnings(data, limits, guarded, settings), *diagnostics.warnings,
                   *warn_of_claim(claims, guarded.sigma_ts_lower_deg,
                                  guarded.sigma_ts_upper_deg)))
