@@ -261,7 +261,7 @@ def test_the_templates_are_data_of_the_package_and_of_its_source_archive():
     templates = {p.relative_to(ROOT / NAME).as_posix()
                  for p in (ROOT / NAME / 'report' / 'templates').rglob('*') if p.is_file()}
     assert templates == {f'report/templates/{name}' for name in (
-        'protocol.html', 'protocol.css', 'sensors.html')}
+        'protocol.html', 'protocol.css', 'sensors.html', 'card.html')}
     assert "'report/templates/*'" in (ROOT / 'setup.py').read_text('utf-8')
     assert (f'recursive-include {NAME}/report/templates *.css *.html'
             in (ROOT / 'MANIFEST.in').read_text('utf-8').splitlines())
