@@ -50,14 +50,15 @@ class BySector:
     """The differences on steady headings; keys of the JSON, an item for each sector of 45 deg."""
 
     heading_deg: tuple[float, ...] = figure('heading', 'middle of the sector, of the RS')
-    n: tuple[int, ...] = figure('differences', 'on steady headings')
-    duration_s: tuple[float, ...] = figure('time in the sector')
-    mean_deg: tuple[float | None, ...] = figure('mean difference', 'null without differences')
-    std_deg: tuple[float | None, ...] = figure('standard deviation')
+    n: tuple[int, ...] = figure('differences', 'on steady headings', row='n')
+    duration_s: tuple[float, ...] = figure('time in the sector', row='time')
+    mean_deg: tuple[float | None, ...] = figure('mean difference', 'null without differences',
+                                                row='mean')
+    std_deg: tuple[float | None, ...] = figure('standard deviation', row='sd')
     low_deg: tuple[float | None, ...] = figure(
         'mean, 95 % from', 'the interval holds for errors that are correlated in time; null where '
-        'they are too slow to say')
-    up_deg: tuple[float | None, ...] = figure('mean, 95 % to')
+        'they are too slow to say', row='95 % from')
+    up_deg: tuple[float | None, ...] = figure('mean, 95 % to', row='95 % to')
 
 
 @dataclass(frozen=True, slots=True)
@@ -65,15 +66,16 @@ class ByRate:
     """The differences by the rate of turn; keys of the JSON, an item for each band."""
 
     from_deg_s: tuple[float, ...] = figure('rate of turn from', 'of the RS, starboard is positive',
-                                           default=())
-    to_deg_s: tuple[float, ...] = figure('rate of turn to', default=())
-    n: tuple[int, ...] = figure('differences', default=())
-    duration_s: tuple[float, ...] = figure('time in the band', default=())
-    rate_deg_s: tuple[float, ...] = figure('mean rate of turn', default=())
-    mean_deg: tuple[float | None, ...] = figure('mean difference', default=())
-    std_deg: tuple[float | None, ...] = figure('standard deviation', default=())
-    low_deg: tuple[float | None, ...] = figure('mean, 95 % from', 'as for a sector', default=())
-    up_deg: tuple[float | None, ...] = figure('mean, 95 % to', default=())
+                                           row='rate from', default=())
+    to_deg_s: tuple[float, ...] = figure('rate of turn to', row='to', default=())
+    n: tuple[int, ...] = figure('differences', row='n', default=())
+    duration_s: tuple[float, ...] = figure('time in the band', row='time', default=())
+    rate_deg_s: tuple[float, ...] = figure('mean rate of turn', row='mean rate', default=())
+    mean_deg: tuple[float | None, ...] = figure('mean difference', row='mean', default=())
+    std_deg: tuple[float | None, ...] = figure('standard deviation', row='sd', default=())
+    low_deg: tuple[float | None, ...] = figure('mean, 95 % from', 'as for a sector',
+                                               row='95 % from', default=())
+    up_deg: tuple[float | None, ...] = figure('mean, 95 % to', row='95 % to', default=())
 
 
 @dataclass(frozen=True, slots=True)

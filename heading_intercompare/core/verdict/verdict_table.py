@@ -39,6 +39,8 @@ from .vocabulary import EFFECT_WORDS, law_words, NO_RUN
 Row = tuple[str, Callable[[RunVerdict], str]]
 
 _COLUMNS = 5
+#: Decimals of figures that are no differences, in the tables by heading and by rate of turn.
+_DIGITS = {'heading_deg': 0, 'duration_s': 0, 'from_deg_s': 1, 'to_deg_s': 1, 'rate_deg_s': 2}
 
 #: Settings in the terms of GK; who states one has a norm, or a contract, of GK.
 _GK_TERMS = ('model', 'variant', 'norms.probability', 'norms.k_rule', 'norms.k_total_rule',
@@ -252,11 +254,10 @@ def _list_by_motion(run: RunVerdict) -> Iterator[str]:
 def _list_columns(block: BySector | ByRate,
                   figures: Mapping[str, Figure]) -> Iterator[tuple[str, ...]]:
     """Yield the head and the rows of figures that are lists of equal length."""
-    yield tuple(f'{figure.words} [{figure.unit}]' if figure.unit != '1' else figure.words
-                for figure in figures.values())
+    words = ((figure.row or figure.words, figure.unit) for figure in figures.values())
+    yield tuple(name if unit == '1' else f'{name} [{unit}]' for name, unit in words)
     for row in zip(*(getattr(block, key) for key in figures)):
-        yield tuple(_number(value, 1 if key.endswith(('_s', 'heading_deg')) else 4)
-                    for key, value in zip(figures, row))
+        yield tuple(_number(value, _DIGITS.get(key, 4)) for key, value in zip(figures, row))
 
 
 def _align(rows: Sequence[tuple[str, ...]]) -> list[str]:
