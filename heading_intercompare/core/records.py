@@ -329,9 +329,37 @@ class Quality(_Columns):
         """Build a chunk from these columns; stamps and flags must be integers."""
         return cls(integer_stamps(stamp_ns), _reals(stated_deg), integer_stamps(flag))
 
-    def in_order(self) -> 'Quality':
-        """Return the rows in stamp order."""
-        return self[np.argsort(self.stamp_ns, kind='stable')]
+    def match(self, stamp_ns: Integers) -> tuple[Integers, Reals]:
+        """
+        Return flag and claim at other stamps: the worse of the rows before and after.
+
+        Parameters
+        ----------
+        stamp_ns : ndarray of int64, shape (n,)
+            Nanoseconds, in any order, as the rows are.
+
+        Returns
+        -------
+        flag, stated_deg : ndarray, shape (n,)
+            Unknown, and nan, before the first row and after the last one.
+
+        Examples
+        --------
+        >>> flag, stated_deg = Quality.of([10, 20], [0.1, 0.5], [1, 3]).match(np.arange(5, 30, 5))
+        >>> flag.tolist(), stated_deg.tolist()
+        ([0, 1, 3, 3, 0], [nan, 0.1, 0.5, 0.5, nan])
+
+        """
+        if not len(self):
+            return np.full(stamp_ns.shape, UNKNOWN_QUALITY), np.full(stamp_ns.shape, np.nan)
+        rows = self[np.argsort(self.stamp_ns, kind='stable')]
+        before = np.searchsorted(rows.stamp_ns, stamp_ns, 'right') - 1
+        after = np.searchsorted(rows.stamp_ns, stamp_ns, 'left')
+        is_within = (before >= 0) & (after < len(rows))
+        before, after = np.maximum(before, 0), np.minimum(after, len(rows) - 1)
+        flag = np.maximum(rows.flag[before], rows.flag[after])
+        stated_deg = np.fmax(rows.stated_deg[before], rows.stated_deg[after])
+        return np.where(is_within, flag, UNKNOWN_QUALITY), np.where(is_within, stated_deg, np.nan)
 
 
 @dataclass(frozen=True, slots=True, eq=False, repr=False)

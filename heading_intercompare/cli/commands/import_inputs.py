@@ -123,7 +123,8 @@ def run(arguments: argparse.Namespace) -> int:
     settings = _writable(replace(settings, ts_topic=plain.ts_topic, rs_topic=plain.rs_topic))
     sensors = {sensor.name: sensor for sensor in list_sensors(settings)}
     fitting = _leave_out(contents)
-    streams = [_of_headings(sensors[name], headings) for name, headings in fitting.items()]
+    streams = [_of_headings(sensors[name], headings, contents.quality.get(name))
+               for name, headings in fitting.items()]
     streams += _of_motion(contents.motion, motion_topics(settings.motion))
     messages = _single_messages(contents, sensors)
     with BagWriter(arguments.output, whole=True) as bag:
@@ -252,13 +253,18 @@ def _that_fit(rows: _Rows) -> _Rows:
     return rows if fits.all() else rows[fits]
 
 
-def _of_headings(sensor: Sensor, headings: Headings) -> _Stream:
+def _of_headings(sensor: Sensor, headings: Headings, quality: Quality | None) -> _Stream:
     """Return the stream of a sensor; the settings read its axes back as they are written."""
+    sigma_deg = np.zeros(len(headings))
+    if quality is not None:
+        _, stated_deg = quality.match(headings.stamp_ns)
+        sigma_deg = np.nan_to_num(stated_deg)
     if sensor.convention == 'ned':
         # The messages have the yaw of ENU, 90 - heading; that of NED is the heading.
         headings = Headings(headings.stamp_ns, wrap360(90.0 - headings.heading_deg))
     return _Stream(sensor.heading_topic, IMU, headings.stamp_ns, follow_stamps(headings.stamp_ns),
-                   lambda lo, hi: encode_imu(headings[lo:hi], f'{sensor.name}_heading'))
+                   lambda lo, hi: encode_imu(headings[lo:hi], f'{sensor.name}_heading',
+                                             sigma_deg=sigma_deg[lo:hi]))
 
 
 def _of_motion(motion: Mapping[str, Motion], topics: dict[str, str]) -> list[_Stream]:

@@ -108,27 +108,13 @@ def check_quality(quality: Mapping[str, Quality], stamp_ns: Integers, *,
     """
     sensors, is_reduced = {}, np.zeros(stamp_ns.shape, bool)
     for sensor, rows in quality.items():
-        flag, stated_deg = _match(rows.in_order(), stamp_ns + (late_ns if sensor == 'ts' else 0))
+        flag, stated_deg = rows.match(stamp_ns + (late_ns if sensor == 'ts' else 0))
         if flag.any() or np.isfinite(stated_deg).any():
             sensors[sensor] = _sum_up(flag, stated_deg)
             is_reduced |= flag > NORMAL_QUALITY
     if not sensors:
         return None
     return QualityCheck(ts=sensors.get('ts'), rs=sensors.get('rs')), is_reduced
-
-
-def _match(rows: Quality, stamp_ns: Integers) -> tuple[Integers, Reals]:
-    """Return flag and claim of each pair."""
-    if not len(rows):
-        return np.full(stamp_ns.shape, UNKNOWN_QUALITY), np.full(stamp_ns.shape, np.nan)
-    before = np.searchsorted(rows.stamp_ns, stamp_ns, 'right') - 1
-    after = np.searchsorted(rows.stamp_ns, stamp_ns, 'left')
-    is_within = (before >= 0) & (after < len(rows))
-    before, after = np.maximum(before, 0), np.minimum(after, len(rows) - 1)
-    flag = np.where(is_within, np.maximum(rows.flag[before], rows.flag[after]), UNKNOWN_QUALITY)
-    stated_deg = np.where(is_within, np.fmax(rows.stated_deg[before], rows.stated_deg[after]),
-                          np.nan)
-    return flag, stated_deg
 
 
 def _sum_up(flag: Integers, stated_deg: Reals) -> SensorQuality:

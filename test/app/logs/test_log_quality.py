@@ -23,7 +23,10 @@ import pytest
 from trials import write_headings
 
 from heading_intercompare import Headings
+from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.cli import main
+from heading_intercompare.messages.cdr import decode
+from heading_intercompare.messages.heading_messages import IMU
 from heading_intercompare.messages.status_messages import STATUS_TYPE
 
 N = 1800
@@ -61,6 +64,18 @@ def test_a_bag_keeps_what_the_sensors_say(logs, capsys, tmp_path):
     assert by_logs['headline'] == by_bag['headline'] == by_copy['headline']
     assert (by_logs['runs'][0]['quality'] == by_bag['runs'][0]['quality']
             == by_copy['runs'][0]['quality'])
+
+
+def test_a_claim_stands_in_the_covariance_of_an_imported_heading(logs, tmp_path):
+    """Other programs find it where ROS has it: the variance about the vertical axis, rad²."""
+    assert main(['import', *map(str, logs), '-o', str(tmp_path / 'bag'), '--quiet']) == 0
+    variances: dict[str, list[float]] = {}
+    for message in BagReader(tmp_path / 'bag').messages(['/ts/heading', '/rs/heading']):
+        variances.setdefault(message.topic, []).append(
+            decode(IMU, message.data)['orientation_covariance'][8])
+    assert set(variances['/ts/heading']) == {0.0}
+    assert np.degrees(np.sqrt(variances['/rs/heading'])) == pytest.approx(
+        np.where((np.arange(N) >= 900) & (np.arange(N) < 1100), 0.4, 0.02))
 
 
 def test_a_table_of_pairs_keeps_what_the_sensors_say(logs, capsys, tmp_path):
