@@ -76,9 +76,10 @@ def measure_dynamic_error(tested: TestedRun, limit: float) -> Measurement:
     Notes
     -----
     The amplitude is the distance from the mean of a leg that 95 % of the differences keep, means
-    of half a second. Blocks of the legs say how well it is known. The part of the RS is taken
-    out as in GK: in squares, between its least and its most. So are white noise and rounding
-    before the test is not met: no motion of the ship makes them, and both are judged elsewhere.
+    of half a second. Blocks of the legs say how well it is known. The least part of the RS is
+    taken out of the upper bound as in GK: in squares. Before the test is not met, the most of
+    the RS, of white noise and of rounding is taken out as it is: at the peaks of a swing they
+    add, and no motion of the ship makes them.
 
     References
     ----------
@@ -113,9 +114,9 @@ def _measure(tested: TestedRun, limit: float, *, is_fast: bool) -> Measurement:
     least = NORMAL_QUANTILE * tested.reference_deg(False)
     low = amplitude - reach(tested.risks.not_met, nu) * u
     high = amplitude + reach(tested.risks.met, nu) * u
-    beyond = amplitude - math.hypot(limit, most)
+    beyond = amplitude - limit - most
     return Measurement(
-        amplitude, _without(low, most), _without(high, least),
+        amplitude, max(0.0, low - most), _without(high, least),
         exceeding(beyond / u, nu) if u > 0.0 else float(beyond <= 0.0),
         yaw >= LEAST_YAW_DEG, record)
 

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Mapping, Sequence
 
 import numpy as np
@@ -65,7 +66,8 @@ def measure_resolution(tested: TestedRun, limit: float) -> Measurement:
 
 
 def _measure_step(step_deg: float, limit: float) -> Measurement:
-    half = 0.5 * step_deg
+    # A step is found from differences of readings, so it is known to their rounding.
+    half = limit if math.isclose(0.5 * step_deg, limit) else 0.5 * step_deg
     return Measurement(half, half, half, 0.0 if half > limit else 1.0, True,
                        f'the TS reports in steps of {step_deg:.4g} deg')
 

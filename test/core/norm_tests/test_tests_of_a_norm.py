@@ -95,6 +95,14 @@ def test_a_swing_is_seen_beside_noise(noise_deg, period_s):
     assert states(verdict)['fast_dynamic_error'] == NOT_MET
 
 
+@pytest.mark.parametrize('errors', [
+    {'dynamic_deg': 1.5, 'period_s': 60.0, 'noise_deg': 0.03},
+    {'dynamic_deg': 0.5, 'noise_deg': 0.03}, {'step_deg': 0.4}, {'step_deg': 0.4, 'rate_hz': 1.0}])
+def test_an_error_at_its_limit_breaks_no_test(errors):
+    """The noise of the RS adds to the peaks of a swing, and a step is known to its rounding."""
+    assert NOT_MET not in states(judge(errors)).values()
+
+
 @pytest.mark.parametrize('period_s,state', [(20.0, NOT_MET), (40.0, MET), (60.0, MET)])
 def test_a_slow_swing_may_be_larger(period_s, state):
     """0.8 deg are too much below 30 s, MSC.116(73) 4.3.2.3."""
