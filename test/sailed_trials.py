@@ -16,6 +16,8 @@
 
 from __future__ import annotations
 
+from typing import Sequence
+
 import numpy as np
 
 from heading_intercompare.core.records import Headings
@@ -43,3 +45,21 @@ def sail(*, seed: int = 1, hours: float = 2.0, rate_hz: float = 2.0, lag_s: floa
         ts_deg = np.round(ts_deg / step_deg) * step_deg
     stamp_ns = START_NS + np.round(t_s * 1e9).astype(np.int64)
     return Headings.of(stamp_ns, ts_deg % 360.0), Headings.of(stamp_ns, rs_deg % 360.0)
+
+
+def lie_alongside(*, points_deg: Sequence[float] = (0.1, 0.15, 0.05), hours: float = 8.0,
+                  tau_s: float = 2400.0, amplitude_deg: float = 20.0, noise_deg: float = 0.08,
+                  headings_deg: Sequence[float] = (73.6,),
+                  seed: int = 1) -> tuple[Headings, Headings]:
+    """Return TS and RS, read every 30 s, of a sensor that is started once for each point."""
+    rng, t_s = np.random.default_rng(seed), np.arange(0.0, 3600.0 * hours, 30.0)
+    stamps, x, rs = [], [], []
+    for start, point_deg in enumerate(points_deg):
+        begin_s = start * (3600.0 * hours + 1800.0)
+        stamps.append(START_NS + np.rint((begin_s + t_s) * 1e9).astype(np.int64))
+        x.append(point_deg + amplitude_deg * np.exp(-t_s / tau_s)
+                 + noise_deg * rng.standard_normal(t_s.size))
+        rs.append(headings_deg[start % len(headings_deg)] + 0.05 * rng.standard_normal(t_s.size))
+    stamp_ns, rs_deg = np.concatenate(stamps), np.concatenate(rs)
+    return (Headings(stamp_ns, (rs_deg + np.concatenate(x)) % 360.0),
+            Headings(stamp_ns, rs_deg % 360.0))

@@ -46,6 +46,7 @@ import decision_risk  # noqa: E402
 import error_processes as processes  # noqa: E402
 import history  # noqa: E402
 import live  # noqa: E402
+import norm_tests  # noqa: E402
 import plain_rule  # noqa: E402
 from risk_campaigns import _decide_wrongly, CAMPAIGNS, ENDS  # noqa: E402
 from risk_rows import ROWS  # noqa: E402
@@ -192,6 +193,15 @@ def test_a_sound_pair_is_decided_by_its_number_and_the_seed():
         pair, again, other = (sound_ships.draw_pair(number, seed) for seed in (1, 1, 2))
         assert (pair.words, pair.ts, pair.rs) == (again.words, again.ts, again.rs)
         assert pair.ts != other.ts
+
+
+def test_an_error_of_a_norm_is_counted_by_its_test(capsys):
+    assert norm_tests.main(['--tests', 'rms_of_ten', 'settling_time', '--trials', '1',
+                            '--jobs', '1']) == 0
+    rows = capsys.readouterr().out.splitlines()[2:]
+    assert rows == ['| `rms_of_ten` | 0.00417 | 0.00 | 0.00 | 1.00 | 1.00 | 0 |',
+                    '| `settling_time` | 0.0125 | 0.00 | 0.00 | 1.00 | 1.00 | 0 |']
+    assert norm_tests.is_too_often(9, 100, 0.01) and not norm_tests.is_too_often(2, 100, 0.01)
 
 
 def test_sound_pairs_are_of_every_ship_and_bear_every_burden():

@@ -22,8 +22,9 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from sailed_trials import lie_alongside, START_NS
 
-from heading_intercompare import analyze, Headings
+from heading_intercompare import analyze
 from heading_intercompare.core.norm_tests.judged_test import (
     MET,
     NOT_MET,
@@ -39,28 +40,10 @@ from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.consistency import check_consistency
 from heading_intercompare.core.verdict.verdict_document import Verdict
 
-START_NS = 1_770_000_000_000_000_000
-STEP_S = 30.0
 KINDS = 'settling_time', 'settle_point', 'rms_of_ten', 'repeatability'
 #: Twice the largest sigma here: the variance does not reject a settled sensor.
 WIDE = {'sigma_max_deg': 1.0, 'sigma_ref_max_deg': 0.1,
         'tests': 'settling_time 6; settle_point 0.75; rms_of_ten 0.25; repeatability 0.25'}
-
-
-def lie_alongside(points_deg=(0.1, 0.15, 0.05), hours=8.0, tau_s=2400.0, amplitude_deg=20.0,
-                  noise_deg=0.08, headings_deg=(73.6,), seed=1):
-    """Return TS and RS of a sensor that is started once for each settle point."""
-    rng, t_s = np.random.default_rng(seed), np.arange(0.0, 3600.0 * hours, STEP_S)
-    stamps, x, rs = [], [], []
-    for start, point_deg in enumerate(points_deg):
-        begin_s = start * (3600.0 * hours + 1800.0)
-        stamps.append(START_NS + np.rint((begin_s + t_s) * 1e9).astype(np.int64))
-        x.append(point_deg + amplitude_deg * np.exp(-t_s / tau_s)
-                 + noise_deg * rng.standard_normal(t_s.size))
-        rs.append(headings_deg[start % len(headings_deg)] + 0.05 * rng.standard_normal(t_s.size))
-    stamp_ns, rs_deg = np.concatenate(stamps), np.concatenate(rs)
-    return (Headings(stamp_ns, (rs_deg + np.concatenate(x)) % 360.0),
-            Headings(stamp_ns, rs_deg % 360.0))
 
 
 def judge(trial=None, norms=None, **settings):
