@@ -61,8 +61,10 @@ def measure_follow_up(tested: TestedRun, limit: float, rates_deg_s: tuple[float,
                            'with alignment.skew: report and alignment.skew_s: 0')
     held = highest_held_rate(tested)
     record = f'turns at up to {held:.2g} deg/s'
-    if not skew.well_determined or skew.skew_s is None or not skew.u_s or held <= slowest:
+    if held <= slowest:
         return Measurement(record=record)
+    if not skew.well_determined or skew.skew_s is None or not skew.u_s:
+        return Measurement(record=f'{record}; {skew.why_not(alignment.skew_range_s)}')
     rate = min(held, fastest)
     nu = float('inf')
     value, u = abs(skew.skew_s) * rate, skew.u_s * rate
