@@ -37,6 +37,10 @@ def measure_follow_up(tested: TestedRun, limit: float, rates_deg_s: tuple[float,
 
     Parameters
     ----------
+    tested
+        The run.
+    limit
+        Largest permitted error, degrees.
     rates_deg_s
         The rates of turn that the limit holds for, slowest and fastest.
     least_rate_deg_s
