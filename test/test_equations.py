@@ -33,7 +33,7 @@ UNUSED = [row for row in ROWS if row[2] == 'not used']
 PRINTED = ['1', '2', '2a', '2b', '2c', '2d', '3', '4', '5', "5'", "5''", '*', '**', '6', "6'",
            "6''", '7']
 NUMBERS = [*(f'GK ({n})' for n in PRINTED), 'K.1', 'K.2', *(f'S.{n}' for n in range(1, 20)),
-           *(f'E.{n}' for n in range(1, 29))]
+           *(f'E.{n}' for n in range(1, 30))]
 
 ONE = r"\((?:\d+[a-z]?'*|\*+)\)"
 CHAIN = re.compile(rf'\bGK ({ONE}(?:(?:, and |, | and | to |-)(?:GK )?{ONE})*)')
