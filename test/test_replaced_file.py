@@ -176,9 +176,11 @@ def test_a_file_that_cannot_be_made_is_named_as_the_user_named_it(tmp_path):
 @pytest.mark.parametrize('number', [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
 def test_a_signal_while_a_bag_is_written_leaves_nothing(tmp_path, number):
     """The bag is simulated; the next try is not blocked by half of it."""
-    begun = Path(tmp_path / 'begun')
+    begun, trial = Path(tmp_path / 'begun'), Path(tmp_path / 'week.yaml')
+    # Long enough that a signal always comes before its end.
+    trial.write_text('duration_s: 604800\nlegs: 0 20 8\nts: {rate_hz: 10}\nrs: {rate_hz: 10}\n')
     process = subprocess.Popen(
-        [sys.executable, '-m', 'heading_intercompare', 'simulate', '--scenario', 'sea_trial_12h',
+        [sys.executable, '-m', 'heading_intercompare', 'simulate', '--scenario', trial,
          '-o', begun, '--quiet'], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     deadline_s = time.monotonic() + DEADLINE_S
     while not list(tmp_path.glob('begun.*.part/*.mcap')) and time.monotonic() < deadline_s:
@@ -188,7 +190,7 @@ def test_a_signal_while_a_bag_is_written_leaves_nothing(tmp_path, number):
     process.send_signal(number)
     _, words = process.communicate(timeout=DEADLINE_S)
     assert process.returncode == 128 + number and 'Traceback' not in words
-    assert list(tmp_path.iterdir()) == []
+    assert list(tmp_path.iterdir()) == [trial]
 
 
 def test_ctrl_c_in_import_does_not_block_the_next_try(bag, tmp_path, monkeypatch, capsys):
