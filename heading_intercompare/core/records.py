@@ -329,6 +329,23 @@ class Quality(_Columns):
         """Build a chunk from these columns; stamps and flags must be integers."""
         return cls(integer_stamps(stamp_ns), _reals(stated_deg), integer_stamps(flag))
 
+    def without_repeats(self) -> 'Quality':
+        """
+        Return the rows without those between two that say the same.
+
+        Examples
+        --------
+        >>> rows = Quality.of([1, 2, 3, 4], [0.1, 0.1, 0.1, np.nan], [0, 0, 0, 0])
+        >>> rows.without_repeats().stamp_ns.tolist()
+        [1, 3, 4]
+
+        """
+        stated_deg = np.nan_to_num(self.stated_deg, nan=-1.0)
+        is_same = (stated_deg[1:] == stated_deg[:-1]) & (self.flag[1:] == self.flag[:-1])
+        is_needed = np.ones(len(self), bool)
+        is_needed[1:-1] = ~(is_same[:-1] & is_same[1:])
+        return self[np.flatnonzero(is_needed)]
+
     def match(self, stamp_ns: Integers) -> tuple[Integers, Reals]:
         """
         Return flag and claim at other stamps: the worse of the rows before and after.

@@ -35,6 +35,7 @@ from heading_intercompare.core.records import (
     Integers,
     Motion,
     Pairs,
+    Quality,
     Reals,
 )
 
@@ -91,7 +92,8 @@ class FieldColumn:
         return FieldColumn(self.stamp_ns[which], self.values[which])
 
 
-_Chunk = TypeVar('_Chunk', Attitude, FieldColumn, Headings, Motion, Pairs)
+_Chunk = TypeVar('_Chunk', Attitude, FieldColumn, Headings, Motion, Pairs,
+                 Quality)
 #: Converts messages of one byte order to a chunk, from the data, their first bytes, their sizes
 #: and their headers.
 _DecodeOne = Callable[[BytesLike, Integers, Integers, np.ndarray], _Chunk]
@@ -286,7 +288,7 @@ def decode_readable(decode: Callable[[Integers, Integers], _Chunk], start: Integ
 
     Returns
     -------
-    chunk : Headings, Motion or Pairs
+    chunk : Headings, Motion, Pairs or Quality
         One row for each readable message.
     readable : ndarray of bool, shape (n,)
         Which messages these are.

@@ -22,6 +22,7 @@ An unreadable message is an invalid reading at its log time, as in MCAP bags.
 from __future__ import annotations
 
 from contextlib import contextmanager
+from itertools import islice
 import os
 from pathlib import Path
 import sqlite3
@@ -29,6 +30,7 @@ import struct
 from typing import Any, Callable, Iterable, Iterator, Mapping
 import weakref
 
+import numpy as np
 from rosbags.interfaces import Nodetype
 from rosbags.rosbag1 import Reader as Ros1Reader, ReaderError as Ros1Error
 from rosbags.rosbag2 import Reader as Ros2Reader, reader as ros2, ReaderError as Ros2Error
@@ -42,9 +44,10 @@ from rosbags.typesys import (
 )
 
 from heading_intercompare.bags.packed_files import unpack_payload
-from heading_intercompare.bags.rosbag2.bag_reader import BagMessage, TopicInfo
+from heading_intercompare.bags.rosbag2.bag_reader import BagMessage, Payloads, TopicInfo
 from heading_intercompare.bags.rosbag2.topic_names import clean_namespace, find_topic, list_topics
 from heading_intercompare.core.records import Headings, Losses
+from heading_intercompare.messages.byte_columns import join_messages
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.fields import Definitions, Field, leaves, SEQUENCE, short_name
 from heading_intercompare.messages.heading_places import LOG_TIME, PUBLISH_TIME
@@ -76,6 +79,7 @@ _CONVERTED = ('std_msgs/msg/Header', 'builtin_interfaces/msg/Time',
               'builtin_interfaces/msg/Duration')
 #: A longer definition is not read.
 _MOST_LETTERS = 2**18
+_AT_ONCE = 4_000
 
 
 def _faults() -> tuple[type[Exception], ...]:
@@ -323,6 +327,13 @@ class RosbagRecording:
         with self._named():
             for name, time_ns, data in self._raw(names):
                 yield BagMessage(name, self.topics[name].type_name, time_ns, time_ns, 0, data)
+
+    def payloads(self, topic: str) -> Iterator[Payloads]:
+        """Yield the messages of a topic in file order, many at once."""
+        messages = self.messages([topic])
+        while batch := list(islice(messages, _AT_ONCE)):
+            time_ns = np.array([message.log_time_ns for message in batch], np.int64)
+            yield Payloads(*join_messages([message.data for message in batch]), time_ns, time_ns)
 
     def metadata(self) -> dict[str, dict[str, str]]:
         """Return no metadata records."""

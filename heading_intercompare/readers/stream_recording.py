@@ -24,7 +24,7 @@ from typing import Callable, Iterator, Mapping
 
 import numpy as np
 
-from heading_intercompare.bags.rosbag2.bag_reader import BagMessage, TopicInfo
+from heading_intercompare.bags.rosbag2.bag_reader import BagMessage, Payloads, TopicInfo
 from heading_intercompare.bags.rosbag2.topic_names import find_topic
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.motion.moved_rows import MovedRow
@@ -371,6 +371,10 @@ class StreamRecording:
         return False
 
     def messages(self, topics: object = None) -> Iterator[BagMessage]:
+        """Return an iterator over no messages."""
+        return iter(())
+
+    def payloads(self, topic: str) -> Iterator[Payloads]:
         """Return an iterator over no messages."""
         return iter(())
 

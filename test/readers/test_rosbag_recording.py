@@ -134,6 +134,16 @@ def test_a_bag_gives_the_verdict_of_the_same_messages_in_mcap(bags, capsys, kind
     assert ('metadata.yaml is missing' in ''.join(notes)) == (kind == 'without metadata')
 
 
+@pytest.mark.parametrize('kind', KINDS)
+def test_many_messages_at_once_are_those_that_come_one_by_one(bags, kind):
+    bag = open_recording(bags[kind])
+    messages = [(bytes(many.data[start:stop]), log_time_ns)
+                for many in bag.payloads('/rs/heading') for start, stop, log_time_ns in zip(
+                    many.start.tolist(), many.stop.tolist(), many.log_time_ns.tolist())]
+    assert len(messages) == N and messages == [
+        (message.data, message.log_time_ns) for message in bag.messages(['/rs/heading'])]
+
+
 @pytest.mark.parametrize('kind', ['sqlite', 'by message', 'ros1', 'ours'])
 def test_an_import_gives_the_verdict_of_the_bag(bags, capsys, tmp_path, kind):
     assert main(['import', str(bags[kind]), '-o', str(tmp_path / 'bag'), '--quiet']) == 0

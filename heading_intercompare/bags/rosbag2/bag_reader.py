@@ -39,6 +39,7 @@ from heading_intercompare.bags.packed_files import (
     plain_name,
     unpack_file,
     unpack_payload,
+    unpack_payloads,
 )
 from heading_intercompare.bags.parallel.by_minute import Window
 from heading_intercompare.bags.parallel.decode_workers import (
@@ -64,6 +65,7 @@ from heading_intercompare.bags.parallel.reading_order import (
     rises_by_time,
 )
 from heading_intercompare.core.records import Headings, Integers, Losses
+from heading_intercompare.messages.byte_columns import BytesLike
 from heading_intercompare.messages.fields import full_name
 from heading_intercompare.messages.heading_messages import HEADING_TYPES
 
@@ -111,6 +113,28 @@ class BagMessage(NamedTuple):
     publish_time_ns: int
     sequence: int
     data: bytes
+
+
+class Payloads(NamedTuple):
+    """
+    Messages of a topic that were read together.
+
+    Attributes
+    ----------
+    data : bytes-like
+        Bytes that hold the messages.
+    start, stop : ndarray of int64, shape (n,)
+        First byte of each message, and the byte after its last.
+    log_time_ns, publish_time_ns : ndarray of int64, shape (n,)
+        Times of each message, nanoseconds.
+
+    """
+
+    data: BytesLike
+    start: Integers
+    stop: Integers
+    log_time_ns: Integers
+    publish_time_ns: Integers
 
 
 @dataclass(frozen=True, slots=True)
@@ -517,6 +541,23 @@ class BagReader:
                 data = bytes(block.data[lo:hi])
                 yield BagMessage(*channels[number], log, publish, sequence,
                                  (unpack_payload(data) or data) if packed else data)
+
+    def payloads(self, topic: str) -> Iterator[Payloads]:
+        """Yield the readable messages of a topic in file order; BagError as of `messages`."""
+        for part in self._parts:
+            channels = [number for number, channel in part.channels.items()
+                        if channel.topic == topic and not find_channel_problem(
+                            part, number, self.topics[topic].type_name)]
+            for block in part.blocks() if channels else ():
+                rows = np.flatnonzero(np.isin(block.heads['channel'], channels))
+                if not rows.size:
+                    continue
+                heads, within = block.heads[rows], (block.start[rows], block.stop[rows])
+                data, start, stop = (unpack_payloads(block.data, *within)
+                                     if is_packed(block.data, within[0])
+                                     else (block.data, *within))
+                yield Payloads(data, start, stop, heads['log_time'].astype(np.int64),
+                               heads['publish_time'].astype(np.int64))
 
     @property
     def recovered(self) -> str | None:

@@ -12,21 +12,37 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a recording says of the quality of its headings, on topics beside theirs."""
+"""What a recording says of the quality of its headings: beside their topics, or within them."""
 
 from __future__ import annotations
 
+from functools import partial
+
+import numpy as np
+
 from heading_intercompare.core.count_words import count_words
 from heading_intercompare.core.records import Quality
+from heading_intercompare.messages.byte_columns import decode_readable
+from heading_intercompare.messages.heading_claims import find_claims
+from heading_intercompare.messages.heading_places import HeadingPlace, LOG_TIME
 from heading_intercompare.messages.quality_messages import decode_quality, quality_topic
 from heading_intercompare.messages.status_messages import STATUS_TYPE
 
+from .bag_reader import BagReader
 from .readable import Readable
+from .topic_names import locate_in
+
+#: Readings without a claim after which no later one is expected.
+_SILENT = 1_000
 
 
 def read_quality(bag: Readable, heading_topic: str, problems: list[str]) -> Quality:
     """
     Read what a sensor says of its readings.
+
+    A topic beside the headings holds all that it says. Without it the covariance of the headings
+    is a claim, except in a bag of this program: its live nodes read none, and both verdicts agree.
+    If it is no claim in the first messages, the others are not read.
 
     Parameters
     ----------
@@ -46,8 +62,9 @@ def read_quality(bag: Readable, heading_topic: str, problems: list[str]) -> Qual
     name = bag.find(heading_topic)
     topic = '' if name is None else quality_topic(name)
     info = bag.topics.get(topic)
-    if info is None or info.type_name != STATUS_TYPE:
-        return Quality.empty()
+    if name is None or info is None or info.type_name != STATUS_TYPE:
+        return Quality.empty() if name is None else _read_claims(
+            bag, locate_in(name, heading_topic))
     chunks, unreadable = [], 0
     for message in bag.messages([topic]):
         try:
@@ -58,3 +75,24 @@ def read_quality(bag: Readable, heading_topic: str, problems: list[str]) -> Qual
         problems.append(f'{count_words(unreadable, "message")} about the quality of readings '
                         f'cannot be read (topic {topic})')
     return Quality.concatenate(chunks)
+
+
+def _read_claims(bag: Readable, place: HeadingPlace) -> Quality:
+    """Return what the covariances of headings claim; empty if they claim nothing."""
+    decode = find_claims(bag.topics[place.topic].type_name, place.part)
+    if decode is None or isinstance(bag, BagReader) and bag.is_ours():
+        return Quality.empty()
+    chunks, n, says_something = [], 0, False
+    for messages in bag.payloads(place.topic):
+        rows, readable, _ = decode_readable(partial(decode, messages.data), messages.start,
+                                            messages.stop)
+        if place.clock:
+            time_ns = (messages.log_time_ns if place.clock == LOG_TIME
+                       else messages.publish_time_ns)
+            rows = Quality(time_ns[readable], rows.stated_deg, rows.flag)
+        chunks.append(rows.without_repeats())
+        n, says_something = n + len(rows), says_something or bool(
+            np.isfinite(rows.stated_deg).any())
+        if n >= _SILENT and not says_something:
+            break
+    return Quality.concatenate(chunks).without_repeats() if says_something else Quality.empty()

@@ -32,7 +32,7 @@ from heading_intercompare.core.records import Headings, Losses
 
 if TYPE_CHECKING:
     # Live nodes read no bag, and need nothing that reads one.
-    from .bag_reader import BagMessage, TopicInfo
+    from .bag_reader import BagMessage, Payloads, TopicInfo
 
 _BATCH = 20_000
 _Chunk = TypeVar('_Chunk')
@@ -72,6 +72,9 @@ class Readable(Protocol):
 
     def messages(self, topics: Iterable[str] | None = None) -> Iterator[BagMessage]:
         """Return an iterator over messages as they are stored."""
+
+    def payloads(self, topic: str) -> Iterator[Payloads]:
+        """Return an iterator over the messages of a topic, many at once."""
 
     def metadata(self) -> dict[str, dict[str, str]]:
         """Return the metadata records by name."""

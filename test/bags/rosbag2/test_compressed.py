@@ -91,10 +91,18 @@ def columns(path: Path) -> list[list]:
             for topic in TOPICS for name in ('stamp_ns', 'heading_deg')]
 
 
+def payloads(path: Path) -> list[bytes]:
+    return [bytes(messages.data[start:stop]) for topic in TOPICS
+            for messages in BagReader(path).payloads(topic)
+            for start, stop in zip(messages.start.tolist(), messages.stop.tolist())]
+
+
 def test_a_compressed_bag_is_read_like_another(packed, write_bag):
     np.testing.assert_array_equal(columns(packed)[0], columns(write_bag('plain'))[0])
     for one, other in zip(columns(packed), columns(write_bag('again'))):
         np.testing.assert_array_equal(one, other)
+    assert payloads(packed) == [message.data for topic in TOPICS
+                                for message in BagReader(packed).messages([topic])]
     assert BagReader(packed).incomplete is None
     assert check_bag(packed).faults == []
 
