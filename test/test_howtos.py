@@ -41,9 +41,9 @@ BAGS = ('trial', 'trial_1', 'trial_2', 'monday', 'tuesday', 'wednesday')
 TS, RS = 'HEHDT,{ts:.2f},T', 'INHDT,{rs:.2f},T'
 LOGS = {'gyro.log': [TS], 'compass.log': [RS], 'seapath.log': [RS], 'nav.log': [TS, RS],
         'gps.log': ['GPVTG,{rs:.2f},T,,M,9.0,N,,K']}
-#: Commands that need a graph, messages of other types, or sensors that other tests make.
+#: Commands that need a graph, messages of other types, sensors or runs that other tests make.
 ELSEWHERE = re.compile(r'^(live|demo|note|import|simulate)|@|tf\.|OUTPUT|FILE|four|gyro=|bag_\*|'
-                       '--rs-antennas|COMMAND')
+                       '--rs-antennas|COMMAND|--certify')
 
 #: A plan repeats its trial: one shows that the command runs, and 13 h of 12 sail legs twice.
 ONE_TRIAL = ('--trials', '1')
