@@ -34,11 +34,15 @@ from xml.etree import ElementTree
 POLICY = Path(__file__).resolve().parent / 'heading_intercompare.policy.xml'
 
 
+#: What stands beside the headings has a topic that ends so.
+ENDS = ('', '/lost', '/quality')
+
+
 def fill_in(policy: str, namespace: str, topics: dict) -> str:
     """Return the policy for a namespace, with other topics of the headings."""
     policy = policy.replace('ns="/"', f'ns="{namespace}"')
     for usual, topic in topics.items():
-        for end in ('', '/lost'):
+        for end in ENDS:
             policy = policy.replace(f'<topic>{usual}{end}<', f'<topic>{topic}{end}<')
     return policy
 
@@ -48,7 +52,7 @@ OWN = ('pairs', 'pairs/ledger', 'compliance/verdict', 'compliance/report', 'comp
        'compliance/run', 'compliance/intermediate_report')
 #: Of these the page and the terminal hear those of each sensor.
 SHOWN = ('compliance/run', 'pairs')
-HEADINGS = tuple(f'{role}/heading{end}' for role in ('ts', 'rs') for end in ('', '/lost'))
+HEADINGS = tuple(f'{role}/heading{end}' for role in ('ts', 'rs') for end in ENDS)
 ALL_SENSORS = ('sensors/figures', 'sensors/verdict', 'sensors/vote')
 #: What a node hears, or publishes, of all sensors together.
 HEARD = {'recorder': ('sensors/report', 'sensors/verdict'), 'dashboard': ALL_SENSORS,
@@ -104,7 +108,7 @@ def add_sensors(policy: str, namespace: str, topics: dict, reference: str | None
 
         def rename(topic):
             if topic in HEADINGS:
-                end = '/lost' * topic.endswith('/lost')
+                end = topic[len('ts/heading'):]
                 return [] if shown else [text + end for text in topics.values()]
             if (topic in OWN or topic.startswith('scalar/')) and node != 'operator_note':
                 hidden = shown and topic not in SHOWN

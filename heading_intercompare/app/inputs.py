@@ -222,6 +222,9 @@ class _Resumed:
     def take_motion(self, motion: Motion) -> None:
         self._compliance.take_motion(motion)
 
+    def take_quality(self, stream: str, quality: Quality) -> None:
+        self._compliance.take_quality(stream, quality)
+
     def mark(self, kind: str, stamp_ns: int) -> None:
         self._compliance.mark(kind, stamp_ns)
 

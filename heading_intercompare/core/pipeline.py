@@ -42,6 +42,7 @@ from heading_intercompare.core.runs.live_figures import (
 )
 from heading_intercompare.core.runs.rolling_window import Rolling
 from heading_intercompare.core.runs.run_cutter import RunCutter
+from heading_intercompare.core.runs.run_quality import RunQuality
 from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.verdict.all_runs import join
 from heading_intercompare.core.verdict.judge import judge_run, look_at, RunResult
@@ -82,6 +83,8 @@ class Compliance:
     ----------
     motion : RunMotion
         The motion of the ship during the run in progress.
+    quality : RunQuality
+        What the sensors say of their readings during it.
     rolling : Rolling
         The rolling window.
 
@@ -125,16 +128,20 @@ class Compliance:
         self._n_earlier = 0
         self.rolling = Rolling(settings.window_s)
         self.motion = RunMotion(keeper)
-        self._quality: dict[str, Quality] = {}
+        self.quality = RunQuality(keeper)
 
     def take_quality(self, stream: str, quality: Quality) -> None:
-        """Take what ``'ts'`` or ``'rs'`` says of the readings of all runs to come."""
-        self._quality[stream] = Quality.concatenate(
-            [self._quality.get(stream, Quality.empty()), quality])
+        """Take what ``'ts'`` or ``'rs'`` says of its readings, before their run ends."""
+        self.quality.take(stream, quality)
 
     def take_motion(self, motion: Motion) -> None:
         """Take motion of the ship, before the run that it belongs to ends; in any order."""
         self.motion.take(motion)
+
+    def forget(self) -> None:
+        """Forget motion and quality that are older than any run to come."""
+        self.motion.forget(self.run_start_ns)
+        self.quality.forget(self.run_start_ns)
 
     def update(self, pairs: Pairs) -> None:
         """
@@ -253,7 +260,7 @@ class Compliance:
         """Judge the run in progress; the last of all looks is the end of the run."""
         if look.index < looks - 1:
             self._looks.append(look_at(run, look, looks, self.settings,
-                                       self.motion.by_thing(), self._quality))
+                                       self.motion.by_thing(), self.quality.by_stream()))
 
     @property
     def early(self) -> LookVerdict | None:
@@ -284,7 +291,7 @@ class Compliance:
         number = 1 + sum(len(segment.finished) for segment in (*self._closed, runs))
         result = judge_run(
             run, self.settings, number, self._source, looks=self._looks,
-            motion=self.motion.by_thing(), quality=self._quality,
+            motion=self.motion.by_thing(), quality=self.quality.by_stream(),
             progress=lambda share: self._progress(f'{share:.0%} of run {number} judged'))
         result = replace(result, first_pair=self._first_pair, verdict=replace(
             result.verdict, clock_segment=runs.number or None))

@@ -71,6 +71,7 @@ from heading_intercompare.nodes.spinning.batches import Arrivals
 from heading_intercompare.nodes.spinning.clocks import every
 from heading_intercompare.nodes.taking.mark_intake import explain_mark, MarkIntake
 from heading_intercompare.nodes.taking.motion_intake import MotionIntake
+from heading_intercompare.nodes.taking.quality_intake import QualityIntake
 from heading_intercompare.nodes.taking.raw_subscription import subscribe
 
 from .interface import qos
@@ -156,8 +157,10 @@ class Compliance(GraphNode):
         self.panels = [*([self._now.panel] if self._now is not None else ()),
                        *(watch.panel for watch in alarms)]
         GraphAlarms(self, self.health, self.panels[0])
-        self._motion = MotionIntake(self, self.health, taking, settings.motion, (
-            self.journal, self.comparison, *alarms), self.journal.kept.motion_ns)
+        self._beside = (
+            MotionIntake(self, self.health, taking, settings.motion, (
+                self.journal, self.comparison, *alarms), self.journal.kept.motion_ns),
+            QualityIntake(self, self.health, taking, settings, (self.journal, self.comparison)))
         self._marks = MarkIntake(self.health, self.journal.kept.marks)
         self.sole = SoleNode(self, [
             *(f'{name_place(label)}compliance/report' for label in labels.values()),
@@ -210,15 +213,20 @@ class Compliance(GraphNode):
             return
         pairs = self._pairs.read()
         self._heard.look()
-        self._motion.pass_on()  # What was sent before these pairs is there by now.
+        self._pass_on_beside()  # What was sent before these pairs is there by now.
         names, = self._judges
         self.take({names: pairs}, self._pairs.numbers_by_name)
         if self._end_s < math.inf:
             self._finish_if_complete(self._heard)
 
+    def _pass_on_beside(self) -> None:
+        """Take motion and quality."""
+        for intake in self._beside:
+            intake.pass_on()
+
     def keep(self, batch: Batch, received_ns: Mapping[str, int]) -> None:
         """
-        Keep readings, before they are paired here; the motion that came before them, too.
+        Keep readings, before they are paired here, and what came beside them before.
 
         Parameters
         ----------
@@ -228,7 +236,7 @@ class Compliance(GraphNode):
             When the newest message of each sensor came, UTC ns.
 
         """
-        self._motion.pass_on()
+        self._pass_on_beside()
         self.journal.add_batch(batch, self.sole.clear)
         if self._now is not None:
             self._now.take(batch.headings, received_ns)
@@ -257,7 +265,7 @@ class Compliance(GraphNode):
         rolling = {names: judgement.look() for names, judgement in self._judgements.items()}
         for pair in self.comparison.others.values():
             pair.compliance.take_earlier()
-            pair.compliance.motion.forget(pair.compliance.run_start_ns)
+            pair.compliance.forget()
         if self._now is not None:
             verdict = self._all.verdict
             self._now.look(rolling, self.newest_ns, None if verdict is None else verdict.vote)

@@ -56,7 +56,7 @@ from .sending import replayed_beside as beside
 from .settings import REPLAYED, ReplayerNode, Sending
 
 _TICK_S = 0.02
-_MARK_WAIT_S = 5.0  # For those who judge; then the replay starts without them.
+_BESIDE_WAIT_S = 5.0  # For those who judge; then the replay starts without them.
 _PAUSED_BY = {'pause': True, 'resume': False, 'toggle_paused': None}
 
 
@@ -84,8 +84,11 @@ class Replayer(GraphNode):
                 event_callbacks=self.health.of_publisher(name))
         self._lost = beside.ReplayedLosses(self, self._reader, dict(zip(self._headings, names)),
                                            whole=not node_settings.start_s)
+        self._quality = beside.ReplayedQuality(
+            self, self.health, self._reader, dict(zip(self._headings, names)))
         self._replay = Replay(
-            self._reader, [*self._lost.topics, *self._motion.in_bag], rate=node_settings.rate,
+            self._reader, [*self._lost.topics, *self._motion.in_bag, *self._quality.publishers],
+            rate=node_settings.rate,
             start_s=node_settings.start_s, duration_s=node_settings.duration_s,
             loop=node_settings.loop, paused=node_settings.start_paused, clock_ns=clock_ns)
         self._motion.open(self, self.health)
@@ -140,12 +143,13 @@ class Replayer(GraphNode):
         return response
 
     def _is_ready(self) -> bool:
-        """Tell whether the headings have subscribers, and the marks too."""
+        """Tell whether the headings have subscribers, and marks and quality too."""
         if not self._audience.is_there():
             return False
         self._heard_s = self._heard_s or time.monotonic()
-        return (not self._marks or self._marker.get_subscription_count() > 0
-                or time.monotonic() > self._heard_s + _MARK_WAIT_S)
+        beside = [*[self._marker] * (self._marks > 0), *self._quality.publishers.values()]
+        return (all(publisher.get_subscription_count() for publisher in beside)
+                or time.monotonic() > self._heard_s + _BESIDE_WAIT_S)
 
     def _tick(self) -> None:
         if self.done or self.ended:
@@ -157,7 +161,7 @@ class Replayer(GraphNode):
         until_s = time.monotonic() + _TICK_S
         while (self._begun and time.monotonic() < until_s and self._allowance.has_left()
                and self._flow.has_room() and (message := self._replay.take()) is not None):
-            if not (self._motion.take(message)
+            if not (self._motion.take(message) or self._quality.take(message)
                     or self._lost.take(message, self._replay.round)):
                 self._headings[message.topic].publish(message.data)
                 for budget in (self._allowance, self._flow):
@@ -176,7 +180,8 @@ class Replayer(GraphNode):
                           paused=self._replay.paused, position_s=self._replay.place_s)
 
     def _all_publishers(self) -> list[Publisher]:
-        return [*self._headings.values(), *self._motion.publishers.values()]
+        return [*self._headings.values(), *self._motion.publishers.values(),
+                *self._quality.publishers.values()]
 
     def end(self) -> None:
         """Stop publishing, and wait until the last messages have arrived."""

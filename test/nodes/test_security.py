@@ -222,6 +222,7 @@ def test_the_replayer_does_what_its_policy_allows_and_nothing_else(ros, tmp_path
         for topic in ('/ts/heading', '/rs/heading'):
             bag.add_topic(topic, 'sensor_msgs/msg/Imu')
             bag.write(topic, bytes(324), 5)
+            bag.add_topic(f'{topic}/quality', 'diagnostic_msgs/msg/DiagnosticArray')
         for what, topic in motion_topics(MotionRule()).items():
             bag.add_topic(topic, PUBLISHED_TYPES[what])
         bag.add_topic('/compliance/marker', 'diagnostic_msgs/msg/DiagnosticArray')
@@ -309,4 +310,6 @@ def test_the_script_fills_in_namespace_and_topics(tmp_path):
     assert [words.split()[1] for words in said] == ['create_keystore', 'generate_artifacts']
     policy = (tmp_path / 'k' / 'heading_intercompare.policy.xml').read_text()
     assert 'ns="/ship1"' in policy and 'ns="/"' not in policy
-    assert '<topic>/gyro/imu/lost</topic>' in policy and '<topic>ts/heading' not in policy
+    for end in ('lost', 'quality'):
+        assert f'<topic>/gyro/imu/{end}</topic>' in policy
+    assert '<topic>ts/heading' not in policy

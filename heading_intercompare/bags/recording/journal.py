@@ -38,7 +38,7 @@ import zlib
 import numpy as np
 
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.core.records import Headings, Motion, Pairs
+from heading_intercompare.core.records import Headings, Motion, Pairs, Quality
 
 from .disk_sync import Syncing
 
@@ -53,8 +53,8 @@ _SYNC_S = 1.0
 _MOST_WAITING = 16_000_000
 _RETRY_S = 1.0
 
-_Columns = TypeVar('_Columns', Pairs, Motion, Headings)
-_TYPES = {'stamp_ns': '<i8', 'lag_ns': '<i8'}
+_Columns = TypeVar('_Columns', Pairs, Motion, Quality, Headings)
+_TYPES = {'stamp_ns': '<i8', 'lag_ns': '<i8', 'flag': '<i8'}
 
 
 class Record(NamedTuple):
@@ -85,7 +85,7 @@ class JournalContents(NamedTuple):
     sha256: str
 
 
-def encode_columns(rows: Pairs | Motion | Headings) -> bytes:
+def encode_columns(rows: Pairs | Motion | Quality | Headings) -> bytes:
     """Return rows as bytes; a column of one value throughout takes the place of one."""
     flags, parts = 0, []
     for at, name in enumerate(type(rows).__slots__):

@@ -31,7 +31,7 @@ from heading_intercompare.core.pairing.incarnations import Incarnations
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
 from heading_intercompare.core.pairing.pair_maker import PairMaker
 from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
-from heading_intercompare.core.records import Motion, Pairs
+from heading_intercompare.core.records import Motion, Pairs, Quality
 from heading_intercompare.core.sensors.pair_names import list_names, Names, TWO
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.messages.ledger_messages import LedgerMessage
@@ -42,7 +42,7 @@ from .journal import decode_columns, JournalContents, Record, split_parts
 from .reading_batches import choose_pairs, decode_batch, decode_numbers, LastHeard
 
 ABOUT, STATE, PAIRS, MARK, LEDGER, HOLE = b'H', b'S', b'P', b'M', b'L', b'G'
-MOTION, BATCH, MAKERS = b'V', b'B', b'K'
+MOTION, BATCH, MAKERS, QUALITY = b'V', b'B', b'K', b'Q'
 
 #: Pairs judged at once when a journal is read.
 _AT_ONCE = 65536
@@ -150,6 +150,9 @@ class Judge(Protocol):
     def take_motion(self, motion: Motion) -> None:
         """Take motion of the ship."""
 
+    def take_quality(self, stream: str, quality: Quality) -> None:
+        """Take what ``'ts'`` or ``'rs'`` says of its readings."""
+
     def mark(self, kind: str, stamp_ns: int) -> None:
         """Take a mark."""
 
@@ -165,6 +168,9 @@ class Unjudged:
 
     def take_motion(self, motion: Motion) -> None:
         """Take motion of the ship."""
+
+    def take_quality(self, stream: str, quality: Quality) -> None:
+        """Take what ``'ts'`` or ``'rs'`` says of its readings."""
 
     def mark(self, kind: str, stamp_ns: int) -> None:
         """Take a mark."""
@@ -240,7 +246,7 @@ class Survey(NamedTuple):
 
 def find_pair(record: Record) -> int | None:
     """Return the number of the two sensors that a record is of; None if it is of all."""
-    if record.kind not in (STATE, PAIRS, MOTION):
+    if record.kind not in (STATE, PAIRS, MOTION, QUALITY):
         return None
     pair: int | None = split_parts(record.data)[0]['pair']
     return pair
@@ -363,8 +369,8 @@ class JournalReader:
             if record.kind not in (ABOUT, HOLE, LEDGER) and not survey.uses(
                     at, record.kind, pair):
                 continue
-            takers = [judge for number, judge in enumerate(judges) if pair in (None, number)
-                      and at >= survey.starts[number]]
+            takers = {number: judge for number, judge in enumerate(judges)
+                      if pair in (None, number) and at >= survey.starts[number]}
             kind, data = record
             if kind == STATE and pair is not None:
                 n_judged += self._begin(pair, data, judges[pair])
@@ -377,11 +383,13 @@ class JournalReader:
                     self._judge(judges)
             elif kind == MOTION:
                 motion = self._take_motion(data)
-                for judge in takers:
+                for judge in takers.values():
                     judge.take_motion(motion)
+            elif kind == QUALITY:
+                self._hand_out_quality(data, takers)
             elif kind == MARK:
                 self._judge(judges)
-                self._mark(data, takers)
+                self._mark(data, [*takers.values()])
             else:
                 with _decoding(self._path):
                     self._take_account(kind, data)
@@ -488,6 +496,16 @@ class JournalReader:
             self.kept.motion_ns = {what: int(newest_ns) for what, newest_ns
                                    in plain['newest_ns'].items()}
             return decode_columns(columns, Motion)
+
+    def _hand_out_quality(self, data: bytes, takers: Mapping[int, Judge]) -> None:
+        """Give what a sensor says of its readings to the judges of its pairs."""
+        with _decoding(self._path):
+            plain, columns = split_parts(data)
+            sensor, quality = plain['sensor'], decode_columns(columns, Quality)
+        for number, judge in takers.items():
+            for stream, name in zip(TWO, self._names[number]):
+                if name == sensor:
+                    judge.take_quality(stream, quality)
 
     def _take_ledger(self, plain: Mapping[str, Any]) -> None:
         started_ns = plain['started_ns']

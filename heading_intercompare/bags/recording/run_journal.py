@@ -16,11 +16,12 @@
 The run in progress on disk, from which a node that was killed goes on.
 
 The journal holds what came in, in its order: readings with what was lost of them, or pairs and
-ledgers where another process pairs; motion and marks. Whatever is computed from them is computed
-again, by the same code, so the verdict is the same to the bit. Of readings it gets the pairs and
-the state of the pairing now and then, so that only the last ones are paired again. When a run of
-two sensors ends, it gets their judged runs, with the pairs and the motion of their next run. What
-came before is then left out, so it never holds more than one run of each two sensors.
+ledgers where another process pairs; motion, quality and marks. Whatever is computed from them is
+computed again, by the same code, so the verdict is the same to the bit. Of readings it gets the
+pairs and the state of the pairing now and then, so that only the last ones are paired again. When
+a run of two sensors ends, it gets their judged runs, with the pairs, the motion and the quality of
+their next run. What came before is then left out, so it never holds more than one run of each two
+sensors.
 """
 
 from __future__ import annotations
@@ -36,7 +37,7 @@ from heading_intercompare.core.declared_settings import settings_sha256
 from heading_intercompare.core.motion.motion_record import find_newest
 from heading_intercompare.core.pairing.pair_maker import PairMaker
 from heading_intercompare.core.pipeline import Compliance
-from heading_intercompare.core.records import Motion, Pairs
+from heading_intercompare.core.records import Motion, Pairs, Quality
 from heading_intercompare.core.sensors.pair_names import list_names, Names, TWO
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.utc_text import utc
@@ -67,6 +68,7 @@ from .journal_reading import (
     MOTION,
     Numbers,
     PAIRS,
+    QUALITY,
     STATE,
     survey_records,
 )
@@ -135,6 +137,7 @@ class RunJournal:
         self._written: dict[int, list[Any]] = {}
         self._waiting: list[list[Pairs]] = [[] for _ in judges]
         self._moved: list[Motion] = []
+        self._quality: list[tuple[str, Quality]] = []
         self._changed: set[int] = set()
         self._numbers: Numbers = {}
         self._due_s = 0.0
@@ -226,6 +229,10 @@ class RunJournal:
         self._journal.append(MOTION, join_parts(
             {'pair': pair, 'newest_ns': self.kept.motion_ns}, encode_columns(rows)))
 
+    def _put_quality_of(self, pair: int | None, sensor: str, rows: Quality) -> None:
+        self._journal.append(QUALITY, join_parts(
+            {'pair': pair, 'sensor': sensor}, encode_columns(rows)))
+
     def _pack_ledger(self, message: LedgerMessage, whole: bool = False) -> bytes:
         """Return a ledger; only the segments from the first that has changed, unless `whole`."""
         ledger, final, started_ns, numbers = message
@@ -265,7 +272,7 @@ class RunJournal:
         if not (self.kept.heard or batch.losses or any(map(len, batch.headings.values()))):
             # There is no trial before its first reading.
             return
-        self._put_motion()
+        self._put_beside()
         self._find_restarts(batch)
         self._journal.append(BATCH, encode_batch(batch, self.kept.heard, self._sensors))
         self.kept.heard, self.kept.now_s = batch.heard, batch.now_s
@@ -293,6 +300,11 @@ class RunJournal:
             self.kept.motion_ns = {what: max(newest.get(what, 0), motion_ns.get(what, 0))
                                    for what in {**motion_ns, **newest}}
 
+    def add_quality(self, sensor: str, quality: Quality) -> None:
+        """Keep what a sensor says of its readings, before they are judged."""
+        if len(quality):
+            self._quality.append((sensor, quality))
+
     def mark(self, kind: str, stamp_ns: int) -> None:
         """Keep a mark, before it takes effect; the next `tick` writes it."""
         self._put_rows()
@@ -308,7 +320,7 @@ class RunJournal:
 
     def _put_rows(self, ended: Sequence[int] = ()) -> None:
         """Append all that waits; for the pairs of sensors whose run has `ended`, their state."""
-        self._put_motion()
+        self._put_beside()
         for pair, waiting in enumerate(self._waiting):
             if pair in ended:
                 self._put_state(pair)
@@ -333,11 +345,17 @@ class RunJournal:
         if self.kept.motion_ns:
             rows = judge.motion.rows
             self._put_motion_of(pair, Motion.empty() if rows is None else rows)
+        for stream, quality in judge.quality.by_stream().items():
+            self._put_quality_of(pair, self._names[pair][TWO.index(stream)], quality)
 
-    def _put_motion(self) -> None:
+    def _put_beside(self) -> None:
+        """Append what came beside the readings: motion and quality."""
         if self._moved:
             self._put_motion_of(None, Motion.concatenate(self._moved))
             self._moved.clear()
+        for sensor, quality in self._quality:
+            self._put_quality_of(None, sensor, quality)
+        self._quality.clear()
 
     def tick(self, now_s: float) -> None:
         """Write what is due; call it after each judgement, with a steady clock in seconds."""

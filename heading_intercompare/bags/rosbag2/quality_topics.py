@@ -36,6 +36,14 @@ from .topic_names import locate_in
 _SILENT = 1_000
 
 
+def find_quality_topic(bag: Readable, heading_topic: str) -> str | None:
+    """Return the topic of a recording that says how good headings are; None if none does."""
+    name = bag.find(heading_topic)
+    topic = '' if name is None else quality_topic(name)
+    info = bag.topics.get(topic)
+    return None if info is None or info.type_name != STATUS_TYPE else topic
+
+
 def read_quality(bag: Readable, heading_topic: str, problems: list[str]) -> Quality:
     """
     Read what a sensor says of its readings.
@@ -59,10 +67,9 @@ def read_quality(bag: Readable, heading_topic: str, problems: list[str]) -> Qual
         Empty if the recording says nothing.
 
     """
-    name = bag.find(heading_topic)
-    topic = '' if name is None else quality_topic(name)
-    info = bag.topics.get(topic)
-    if name is None or info is None or info.type_name != STATUS_TYPE:
+    topic = find_quality_topic(bag, heading_topic)
+    if topic is None:
+        name = bag.find(heading_topic)
         return Quality.empty() if name is None else _read_claims(
             bag, locate_in(name, heading_topic))
     chunks, unreadable = [], 0

@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 import argparse
+from collections import deque
 from dataclasses import dataclass, field, replace
 from functools import partial
 import re
@@ -289,8 +290,12 @@ def _single_messages(contents: _Contents, sensors: Mapping[str, Sensor]) -> list
                      for rows in _cut(_that_fit(all_losses))]
     for name, quality in contents.quality.items():
         topic = quality_topic(sensors[name].heading_topic)
-        messages += [_Message(int(rows.stamp_ns.max()), topic, encode_quality(rows))
-                     for rows in _cut(_that_fit(quality))]
+        before_ns = None
+        for rows in _cut(_that_fit(quality)):
+            # A replay tells it before the readings that it holds for: those after the last row.
+            messages.append(_Message(int(rows.stamp_ns[0]) if before_ns is None else before_ns,
+                                     topic, encode_quality(rows)))
+            before_ns = int(rows.stamp_ns[-1])
     return sorted(messages, key=lambda message: message.log_ns)
 
 
@@ -301,21 +306,31 @@ def _cut(rows: _Rows) -> Iterator[_Rows]:
 
 
 def _write(bag: BagWriter, streams: Sequence[_Stream], messages: Sequence[_Message]) -> None:
-    """Write the streams merged by stamp, each in the order of its log, and single messages."""
+    """
+    Write the streams merged by stamp, each in the order of its log, and single messages.
+
+    A single message stands before the readings of its time, for a replay keeps this order.
+    """
     edges = find_edges([stream.log_ns for stream in streams], _PIECE)
+    edges = sorted({*edges, *(message.log_ns for message in messages
+                              if edges[0] < message.log_ns < edges[-1])})
     for stream in streams:
         bag.add_topic(stream.topic, stream.type_name)
     for topic in dict.fromkeys(message.topic for message in messages):
         bag.add_topic(topic, STATUS_TYPE)
-    written = 0
+    waiting = deque(enumerate(messages))
     for begin, end in zip(edges[:-1], edges[1:]):
+        while waiting and waiting[0][1].log_ns <= begin:
+            _write_single(bag, *waiting.popleft())
         batches = []
         for stream in streams:
             lo, hi = np.searchsorted(stream.log_ns, [begin, end])
             batches.append(Rows(stream.topic, stream.encode(lo, hi), stream.log_ns[lo:hi],
                                 stream.stamp_ns[lo:hi], np.arange(lo, hi)))
         bag.write_rows(batches)
-        while written < len(messages) and (messages[written].log_ns < end or end == edges[-1]):
-            message = messages[written]
-            bag.write(message.topic, message.data, message.log_ns, sequence=written)
-            written += 1
+    for number, message in waiting:
+        _write_single(bag, number, message)
+
+
+def _write_single(bag: BagWriter, number: int, message: _Message) -> None:
+    bag.write(message.topic, message.data, message.log_ns, sequence=number)

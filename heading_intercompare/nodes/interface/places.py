@@ -24,12 +24,17 @@ from __future__ import annotations
 from dataclasses import replace
 import os
 
+from rclpy.node import Node
+
 from heading_intercompare.bags.recording.journal import name_journal
 from heading_intercompare.core.sensors.compared_sensors import list_sensors, pair_with_reference
 from heading_intercompare.core.sensors.pair_names import Names
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.heading_places import HeadingPlace, locate_headings
+from heading_intercompare.messages.quality_messages import quality_topic
 from heading_intercompare.nodes.settings import ComplianceNode
+
+from .parameters import resolve_topic
 
 
 def label_tested(settings: Settings) -> dict[Names, str]:
@@ -57,6 +62,19 @@ def heading_places(settings: Settings) -> dict[str, HeadingPlace]:
     """Return where the headings of all sensors are, by topic."""
     places = (locate_headings(sensor.heading_topic) for sensor in list_sensors(settings))
     return {place.topic: place for place in places}
+
+
+def quality_topics(node: Node, settings: Settings) -> dict[str, list[str]]:
+    """
+    Return the sensors that say on a topic how good their readings are, by its full name.
+
+    Two sensors share one if their headings are parts of the same messages.
+    """
+    sensors: dict[str, list[str]] = {}
+    for sensor in list_sensors(settings):
+        topic = resolve_topic(node, locate_headings(sensor.heading_topic).topic)
+        sensors.setdefault(quality_topic(topic), []).append(sensor.name)
+    return sensors
 
 
 def judging_topics(settings: Settings) -> dict[str, list[str]]:

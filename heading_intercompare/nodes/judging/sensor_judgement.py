@@ -86,5 +86,5 @@ class SensorJudgement:
         """Look for alarms and publish all figures, once a second; return the rolling ones."""
         self.alarms.look()
         self.reporting.look()  # After a restart the runs of before count, too.
-        self.compliance.motion.forget(self.compliance.run_start_ns)
+        self.compliance.forget()
         return self._figures.compute()

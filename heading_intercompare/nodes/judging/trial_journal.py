@@ -30,7 +30,7 @@ from heading_intercompare.bags.recording.spool import Spool
 from heading_intercompare.core.alarms.graph_watch import NOT_WRITTEN
 from heading_intercompare.core.pairing.pair_maker import PairMaker
 from heading_intercompare.core.pipeline import Compliance
-from heading_intercompare.core.records import Motion, Pairs
+from heading_intercompare.core.records import Motion, Pairs, Quality
 from heading_intercompare.core.runs.growing_columns import Keep
 from heading_intercompare.core.sensors.pair_names import Names, TWO
 from heading_intercompare.core.settings import Settings
@@ -120,6 +120,11 @@ class TrialJournal:
         """Keep motion of the ship, before it is judged."""
         if self._journal is not None:
             self._journal.add_motion(motion)
+
+    def take_quality(self, sensor: str, quality: Quality) -> None:
+        """Keep what a sensor says of its readings, before they are judged."""
+        if self._journal is not None:
+            self._journal.add_quality(sensor, quality)
 
     def mark(self, kind: str, stamp_ns: int) -> None:
         """Keep a mark, before it takes effect."""

@@ -12,12 +12,13 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""What a recording holds and lacks beside headings, published: motion, marks, losses."""
+"""What a recording holds and lacks beside headings: motion, quality, marks, losses."""
 
 from __future__ import annotations
 
 from typing import Mapping
 
+from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 from rclpy.publisher import Publisher
 
@@ -25,9 +26,11 @@ from heading_intercompare.bags.rosbag2.bag_reader import BagMessage, BagReader
 from heading_intercompare.bags.rosbag2.motion_topics import find_motion_topics, motion_topics
 from heading_intercompare.bags.rosbag2.provenance import read_continues
 from heading_intercompare.bags.rosbag2.publisher_starts import KnownStarts, read_starts
+from heading_intercompare.bags.rosbag2.quality_topics import find_quality_topic
 from heading_intercompare.bags.rosbag2.sequence_gaps import Numbering
 from heading_intercompare.core.settings import MotionRule
 from heading_intercompare.messages.ledger_messages import encode_losses, lost_topic
+from heading_intercompare.messages.quality_messages import quality_topic
 from heading_intercompare.messages.stamps import header_stamp_ns
 from heading_intercompare.messages.status_messages import MARKER_TOPIC
 from heading_intercompare.messages.transform_messages import TRANSFORMS
@@ -89,11 +92,49 @@ class ReplayedMotion:
 
     def take(self, message: BagMessage) -> bool:
         """Tell whether a message of the bag is of the motion, and publish it if so."""
-        publisher = self.publishers.get(message.topic)
-        if publisher is None:
-            return False
-        publisher.publish(message.data)
-        return True
+        return _publish(self.publishers, message)
+
+
+class ReplayedQuality:
+    """
+    Publishes what the sensors of a recording say of their readings.
+
+    Parameters
+    ----------
+    node, health
+        The node that publishes the headings, and its state.
+    reader
+        The bag.
+    names
+        Full name under which a topic of headings of the bag is published.
+
+    Attributes
+    ----------
+    publishers
+        By the names in the bag, of the topics that it has.
+
+    """
+
+    def __init__(self, node: Node, health: Health, reader: BagReader,
+                 names: Mapping[str, str]) -> None:
+        self.publishers = {in_bag: node.create_publisher(
+            DiagnosticArray, quality_topic(name), qos.HEADINGS_OUT,
+            event_callbacks=health.of_publisher(quality_topic(name)))
+            for topic, name in names.items()
+            if (in_bag := find_quality_topic(reader, topic)) is not None}
+
+    def take(self, message: BagMessage) -> bool:
+        """Tell whether a message of the bag says this, and publish it if so."""
+        return _publish(self.publishers, message)
+
+
+def _publish(publishers: Mapping[str, Publisher], message: BagMessage) -> bool:
+    """Publish a message of the bag if one of the publishers is for its topic; tell whether."""
+    publisher = publishers.get(message.topic)
+    if publisher is None:
+        return False
+    publisher.publish(message.data)
+    return True
 
 
 class ReplayedLosses:

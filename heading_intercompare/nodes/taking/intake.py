@@ -46,6 +46,7 @@ from heading_intercompare.core.statistics.recent_count import RecentCount
 from heading_intercompare.messages.heading_places import HeadingPlace
 from heading_intercompare.messages.stamps import header_stamp_ns
 from heading_intercompare.messages.status_messages import ERROR, OK, WARN
+from heading_intercompare.nodes.interface import qos as profiles
 from heading_intercompare.nodes.interface.message_types import (
     begins_with_header,
     explain_absence,
@@ -55,6 +56,7 @@ from heading_intercompare.nodes.interface.parameters import follow, resolve_topi
 from heading_intercompare.nodes.presence.health import Health
 from heading_intercompare.nodes.presence.rivals import Rivals
 from heading_intercompare.nodes.presence.transports import DISCOVERY_S
+from heading_intercompare.nodes.settings import Taking
 from heading_intercompare.nodes.spinning.batches import Unwatched
 
 from .publisher_names import PublisherNames
@@ -528,6 +530,27 @@ class Intake:
                           '; '.join(troubles) or 'nothing lost lately',
                           alarm=LOST_ON_THE_WAY if losing else '', lost=self.lost,
                           refused=self.refused or None)
+
+
+def make_intake_beside(node: Node, health: Health, topic: str, types: Mapping[str, type],
+                       taking: Taking) -> Intake:
+    """
+    Return the intake of a topic beside the headings: from the first message that is kept.
+
+    If only one type is accepted, the subscription is made at the start.
+
+    Parameters
+    ----------
+    node, health, topic, types
+        As for `Intake`.
+    taking
+        How messages are taken.
+
+    """
+    return Intake(node, topic, types, profiles.HEADINGS_IN, health,
+                  unreliable=profiles.HEADINGS_UNRELIABLE, kept=profiles.HEADINGS_KEPT,
+                  needed=False, lost_shown_s=taking.lost_shown_s, whole=True,
+                  known_type=None if len(types) > 1 else [*types][0])
 
 
 def _name_gids(infos: Sequence[TopicEndpointInfo]) -> list[str]:

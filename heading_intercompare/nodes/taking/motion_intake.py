@@ -27,37 +27,14 @@ from heading_intercompare.core.motion.motion_record import leave_out_known
 from heading_intercompare.core.records import Motion
 from heading_intercompare.core.settings import MotionRule
 from heading_intercompare.messages.motion.motion_messages import read_motion
-from heading_intercompare.nodes.interface import qos
 from heading_intercompare.nodes.interface.message_types import MOTION_TYPES
 from heading_intercompare.nodes.presence.health import Health
 from heading_intercompare.nodes.settings import Taking
 
-from .intake import Intake
+from .intake import make_intake_beside
 
 # How often to look for publishers of a topic that has none.
 _LOOK_S = 0.5
-
-
-def make_motion_intake(node: Node, health: Health, what: str, topic: str,
-                       taking: Taking) -> Intake:
-    """
-    Return the intake of a topic of the motion: from the first message that its publisher keeps.
-
-    Parameters
-    ----------
-    node, health
-        As for `Intake`.
-    what : {'fix', 'velocity', 'rate'}
-        What the topic tells.
-    topic
-        Its name before remapping.
-    taking
-        How messages are taken.
-
-    """
-    return Intake(node, topic, MOTION_TYPES[what], qos.HEADINGS_IN, health,
-                  unreliable=qos.HEADINGS_UNRELIABLE, kept=qos.HEADINGS_KEPT, needed=False,
-                  lost_shown_s=taking.lost_shown_s, whole=True)
 
 
 class MotionTaker(Protocol):
@@ -89,7 +66,7 @@ class MotionIntake:
     def __init__(self, node: Node, health: Health, taking: Taking, rule: MotionRule,
                  takers: Sequence[MotionTaker],
                  known_ns: Mapping[str, int] | None = None) -> None:
-        self._intakes = {what: make_motion_intake(node, health, what, topic, taking)
+        self._intakes = {what: make_intake_beside(node, health, topic, MOTION_TYPES[what], taking)
                          for what, topic in motion_topics(rule).items() if rule.compare}
         self._takers, self._known_ns = takers, dict(known_ns or {})
         self._due_s = 0.0

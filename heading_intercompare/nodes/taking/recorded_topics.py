@@ -51,19 +51,24 @@ from heading_intercompare.messages.status_messages import (
 from heading_intercompare.nodes.interface import qos
 from heading_intercompare.nodes.interface.message_types import (
     list_heading_types,
+    MOTION_TYPES,
     PAIRS_TYPES,
     STATUS_TYPES,
     TEXT_TYPES,
     TRUTH_TYPES,
 )
 from heading_intercompare.nodes.interface.parameters import resolve_topic
-from heading_intercompare.nodes.interface.places import heading_places, label_tested, name_place
+from heading_intercompare.nodes.interface.places import (
+    heading_places,
+    label_tested,
+    name_place,
+    quality_topics,
+)
 from heading_intercompare.nodes.presence.health import Health
 from heading_intercompare.nodes.presence.transports import DISCOVERY_S, is_alone
 from heading_intercompare.nodes.settings import HeadingTypes, Taking
 
-from .intake import Intake
-from .motion_intake import make_motion_intake
+from .intake import Intake, make_intake_beside
 from .reception import Message
 from .recorded_messages import RecordedMessages
 
@@ -257,9 +262,13 @@ def make_intakes(node: Node, settings: Settings, taking: Taking, types: HeadingT
     known_types = dict.fromkeys(headings, types.ts_message_type)
     known_types |= {locate_headings(sensor.heading_topic).topic: types.rs_message_type
                     for sensor in sensors.values() if sensor.is_reference}
-    topics = {topic: Recorded(_offer(qos.HEADINGS_OUT), make_motion_intake(
-        node, health, what, topic, taking), False)
-        for what, topic in motion_topics(settings.motion).items() if settings.motion.compare}
+    types_beside = {
+        **{topic: MOTION_TYPES[what] for what, topic in motion_topics(settings.motion).items()
+           if settings.motion.compare},
+        **dict.fromkeys(quality_topics(node, settings), STATUS_TYPES)}
+    topics = {topic: Recorded(_offer(qos.HEADINGS_OUT), make_intake_beside(
+        node, health, topic, types_of_topic, taking), False)
+        for topic, types_of_topic in types_beside.items()}
     own = RecordedMessages(node, health)
     reports = [f'{place}{REPORT_TOPIC}' for place in places.values()]
     if settings.sensors is not None:

@@ -32,7 +32,7 @@ from heading_intercompare.core.pairing.incarnations import StreamNumbers
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
-from heading_intercompare.core.records import Motion, Pairs
+from heading_intercompare.core.records import Motion, Pairs, Quality
 from heading_intercompare.core.sensors.pair_names import TWO
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.messages.ledger_messages import LedgerMessage
@@ -147,6 +147,36 @@ def test_after_any_kills_the_motion_of_the_run_is_known(tmp_path, rng, rule):
     assert found == verdict(whole)
     assert sum(run['motion']['n_velocities'] for run in found['runs']) == n
     assert node.compliance.motion.late == whole.motion.late == 0
+
+
+@pytest.mark.parametrize('rule', [{}, {'runs__every_h': 0.25}, {'sequential__plan_s': 3600.0}])
+def test_after_any_kills_it_is_known_what_the_sensors_say(tmp_path, rng, rule):
+    """The rows come in other chunks than the pairs, and their publisher sends some again."""
+    rule, n = settings(**rule), 4000
+    pairs = some_pairs(rng, n)
+    said = Quality.of(pairs.stamp_ns, rng.uniform(0.1, 0.2, n), 1 + np.arange(n) // 300 % 3)
+    whole = Compliance(rule, source='live')
+    node, taken = Node(tmp_path / 'j', rule), 0
+    for lo in range(0, n, 100):
+        new = said[taken:lo + 100 + lo % 70]
+        taken = lo + 100 + lo % 70
+        for name, rows in {'rs': new, 'ts': new[::10]}.items():
+            whole.take_quality(name, rows)
+            node.journal.add_quality(name, rows)
+            node.compliance.take_quality(name, rows)
+        whole.update(pairs[lo:lo + 100])
+        node.take(pairs[lo:lo + 100], n=lo + 100)
+        if lo % 700 == 0:
+            node.kill()
+            node = Node(tmp_path / 'j', rule)
+            node.compliance.take_quality('rs', said[max(0, taken - 50):taken])
+    whole.finish()
+    node.compliance.finish()
+    document = verdict(node.compliance)
+    assert document == verdict(whole)
+    assert sum(run['quality']['rs']['n'] for run in document['runs']) == n
+    assert sum(run['quality']['rs']['n_reduced'] for run in document['runs']) == np.count_nonzero(
+        said.flag > 1)
 
 
 def test_ledgers_of_all_synchronizers_come_back(tmp_path):
