@@ -214,9 +214,11 @@ class NmeaDecoder:
         self._burst_ns: int | None = None
         self._stamped: set[Name] = set()
         self._psxn_quality = b''
-        # Nobody takes that of a live line yet, so it would grow for months.
-        self._quality = QualityListener(
-            self._listening.chosen if self._from_file else None, self._own_sentence)
+        # Nobody takes that of the sentences in messages, so it would grow for months.
+        self._hears_quality = settings.source is not None
+        self._listeners: dict[Name, QualityListener] = {}
+        if self._listening.chosen is not None:
+            self._listen(self._listening.chosen)
         self._n_headings = self._n_others = self._n_chosen = 0
         self._turns = TalkerTurns()
         self.numbers, self.senders = LineNumbers(), SenderTurns()
@@ -353,14 +355,24 @@ class NmeaDecoder:
                 self._counts.update(heard.counts)
             else:
                 self._counts[self._reason_not_chosen(name)] += heard.n
+                self._listeners.pop(name, None)
+
+    def _listen(self, name: Name) -> QualityListener:
+        """Return what gathers the quality of the headings in a sentence."""
+        if name not in self._listeners:
+            self._listeners[name] = QualityListener(name, self._own_sentence)
+        return self._listeners[name]
 
     def drain_quality(self, *, end: bool = False) -> Quality:
         """
-        Return what the sensor said of the headings of a file since the last call.
+        Return what the sensor said of its headings since the last call; nothing while listening.
 
         Rows come where it says something else, if it says anything; `end` adds the last reading.
+        Without a source nothing is kept.
         """
-        return self._quality.drain(end=end)
+        if not self._hears_quality or self.chosen is None:
+            return Quality.empty()
+        return self._listen(self.chosen).drain(end=end)
 
     def _drain(self) -> Headings:
         chunk = Headings(*self._listening.rows.drain())
@@ -427,8 +439,8 @@ class NmeaDecoder:
         self.senders.hear(f'{self._sender} {self.numbers.source}'.strip())
         rows.stamp_ns.append(stamp_ns)
         rows.values[0].append(heading_deg)
-        if self._quality.listens:
-            self._quality.hear(text, stamp_ns)
+        if self._hears_quality and (listener := self._listen(name)).listens:
+            listener.hear(text, stamp_ns)
 
     def _hold(self, reason: str, name: Name, text: bytes, prefix: bytes, suffix: bytes,
               received_ns: int | None) -> None:
@@ -466,7 +478,8 @@ class NmeaDecoder:
         """Keep what another sentence says about later headings; return the reason to count it."""
         if self._from_file and (prefix or suffix):
             self._stamps.pass_by(prefix, suffix)
-        self._quality.note(text)
+        for listener in self._listeners.values():
+            listener.note(text)
         if text[:8] == b'PSXN,20,':
             self._psxn_quality = (text.split(b',') + [b''] * 3)[4].strip()
         elif text[3:6] in _TIME_MARKS and (

@@ -21,10 +21,13 @@ import math
 from heading_intercompare.core.records import NORMAL_QUALITY, Quality, QUALITY_FLAGS
 
 from .errors import MessageError
+from .stamps import fits_message
 from .status_messages import decode_statuses, encode_statuses, OK, Status, WARN
 
 _NAME = 'quality'
 _MOST = 2**63
+#: Rows of one message, at most.
+_MOST_ROWS = 200
 
 
 def quality_topic(heading_topic: str) -> str:
@@ -39,6 +42,13 @@ def encode_quality(quality: Quality) -> bytes:
         Status(_NAME, WARN if flag > NORMAL_QUALITY else OK, QUALITY_FLAGS[flag], {
             'stamp_ns': stamp_ns, 'stated_deg': None if math.isnan(stated_deg) else stated_deg})
         for stamp_ns, stated_deg, flag in zip(*columns)])
+
+
+def quality_messages(quality: Quality) -> list[bytes]:
+    """Return rows as messages, for publishing; skip rows whose stamp no message can hold."""
+    rows = quality[fits_message(quality.stamp_ns)]
+    return [encode_quality(rows[at:at + _MOST_ROWS])
+            for at in range(0, len(rows), _MOST_ROWS)]
 
 
 def decode_quality(data: bytes) -> Quality:

@@ -39,6 +39,7 @@ from heading_intercompare.nodes.sending.publishing import (
     FlowControl,
     HeadingQueue,
 )
+from heading_intercompare.nodes.sending.quality_publisher import QualityPublisher
 from heading_intercompare.nodes.sending.source_thread import ReadingNode
 
 from .interface import qos
@@ -52,7 +53,9 @@ class NmeaDriver(ReadingNode):
         super().__init__('nmea_driver', 'heading', **kwargs)
         settings = self._settings
         self._frame_id = self._own.frame_id or settings.topic.strip('/').replace('/', '_')
-        self._lost = LossPublisher(self, resolve_topic(self, settings.topic))
+        full_name = resolve_topic(self, settings.topic)
+        self._lost = LossPublisher(self, full_name)
+        self._quality = QualityPublisher(self, self.health, full_name)
         self._decoder = NmeaDecoder(settings)
         self._open()
         from_file = self._reading.from_file
@@ -87,6 +90,7 @@ class NmeaDriver(ReadingNode):
         super()._take_last()
 
     def _queue(self, headings: Headings) -> None:
+        self._quality.take(self._decoder.drain_quality(end=True))
         if len(headings):
             self._newest_ns = int(headings.stamp_ns[-1])
         headings = self._waiting.add(headings)
@@ -99,12 +103,15 @@ class NmeaDriver(ReadingNode):
 
     def _publish_waiting(self) -> bool:
         clear = self._ending or self._audience.is_there() and self._audience.sole.clear
+        if clear:
+            self._quality.publish()
         while self._waiting and clear and self._allowance.has_left() and self._flow.has_room():
             self._publish(self._waiting.popleft())
         return super()._publish_waiting() or len(self._waiting) > 0
 
     def _publish(self, headings: Headings) -> None:
-        messages = imu_messages(headings, self._frame_id)
+        messages = imu_messages(headings, self._frame_id,
+                                sigma_deg=self._quality.claims_deg(headings.stamp_ns))
         for message in messages:
             self._publisher.publish(message)
         self._allowance.spend(len(messages))
@@ -113,7 +120,7 @@ class NmeaDriver(ReadingNode):
         self._beyond += len(headings) - len(messages)
 
     def _list_publishers(self) -> list[Publisher]:
-        return [self._publisher, *super()._list_publishers()]
+        return [self._publisher, self._quality.publisher, *super()._list_publishers()]
 
     @property
     def _counts(self) -> dict[str, int]:

@@ -20,8 +20,9 @@ from checksums import with_checksum
 import numpy as np
 import pytest
 
-from heading_intercompare.core.records import NORMAL_QUALITY, QUALITY_FLAGS
+from heading_intercompare.core.records import NORMAL_QUALITY, Quality, QUALITY_FLAGS
 from heading_intercompare.drivers.logs import LogReader
+from heading_intercompare.drivers.nmea import NmeaDecoder
 from heading_intercompare.drivers.sentence_quality import quality_of, QualityListener
 from heading_intercompare.drivers.sentences import FORMS, identify, PASHR_FORMS
 from heading_intercompare.drivers.settings import DriverSettings
@@ -130,3 +131,44 @@ def test_rows_stand_where_the_sensor_says_something_else(tmp_path):
     assert n == len(flags)
     assert rows == [(0, 'normal'), (2, 'normal'), (3, 'no GNSS aiding'), (5, 'no GNSS aiding'),
                     (6, 'normal')]
+
+
+def feed_line(texts, **settings):
+    """Return what a live line says, reading by reading half a second apart."""
+    decoder = NmeaDecoder(DriverSettings(**{'source': 'udp://:1', 'learn_s': 1.0, **settings}))
+    chunks = []
+    for at, text in enumerate(texts):
+        decoder.feed(f'{with_checksum(text)}\r\n'.encode(), 10 ** 18 + at * 10 ** 9 // 2)
+        chunks.append(decoder.drain_quality(end=True))
+    decoder.flush()
+    return Quality.concatenate([*chunks, decoder.drain_quality(end=True)])
+
+
+PASHR_TEXT = 'PASHR,12000{}.00,90.00,T,0.1,0.2,0.0,0.01,0.01,{:.3f},2,1'
+
+
+@pytest.mark.parametrize('talker', ['GP', 'HE'])
+def test_a_live_line_says_what_a_file_of_it_says(talker):
+    """Also of the readings that are held while the driver chooses; nothing of those left out."""
+    texts = ['GPHDT,90.0,T', 'GPGGA,120000,,,,,2,08,1.0,,,,,,', 'GPHDT,90.1,T', 'HEHDT,70.0,T',
+             'GPGGA,120001,,,,,6,08,1.0,,,,,,', 'GPHDT,90.2,T', 'GPHDT,90.3,T']
+    rows = feed_line(texts, sentence='HDT', talker=talker)
+    stamps = 10 ** 18 + np.array([0, 2, 5, 6]) * 10 ** 9 // 2
+    flag, _ = rows.match(stamps)
+    assert [QUALITY_FLAGS[word] for word in flag] == (
+        ['unknown', 'normal', 'estimated position', 'estimated position'] if talker == 'GP'
+        else ['unknown'] * 4)
+    assert set(rows.stamp_ns.tolist()) <= set(stamps.tolist())
+
+
+def test_readings_of_a_live_line_that_were_held_have_their_quality():
+    texts = [PASHR_TEXT.format(at, claim) for at, claim in enumerate((0.02, 0.02, 0.4, 0.02))]
+    rows = feed_line(texts)
+    _, stated_deg = rows.match(10 ** 18 + np.arange(4) * 10 ** 9 // 2)
+    assert stated_deg.tolist() == [0.02, 0.02, 0.4, 0.02]
+
+
+def test_nothing_is_kept_of_sentences_in_messages():
+    """Nobody takes it there, so it would grow for months."""
+    rows = feed_line([PASHR_TEXT.format(at, 0.02) for at in range(4)], source=None)
+    assert len(rows) == 0

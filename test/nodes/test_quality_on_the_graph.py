@@ -21,20 +21,27 @@ from diagnostic_msgs.msg import DiagnosticArray
 from geometry_msgs.msg import TwistStamped
 from nodes.inside_nodes import judge_of
 from nodes.killed import kill
+from nodes.lines import free_port
 from nodes.ros_nodes import NORMS
 import numpy as np
 import pytest
+from rclpy.serialization import serialize_message
+from sensor_msgs.msg import Imu
 
 from heading_intercompare.app.analysis import judge_bags
+from heading_intercompare.app.logs.trial_logs import judge_logs
 from heading_intercompare.cli import main
 from heading_intercompare.core.records import Pairs, Quality
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.compare_verdicts import find_differences
+from heading_intercompare.drivers.framing import Received
+from heading_intercompare.drivers.settings import DriverSettings
 from heading_intercompare.messages.heading_messages import pair_messages
-from heading_intercompare.messages.quality_messages import encode_quality
+from heading_intercompare.messages.quality_messages import decode_quality, encode_quality
 from heading_intercompare.nodes.compliance import Compliance
 from heading_intercompare.nodes.graph import intercompare, Source
 from heading_intercompare.nodes.interface import qos
+from heading_intercompare.nodes.nmea_driver import NmeaDriver
 from heading_intercompare.nodes.replayer import Replayer
 
 S = 10 ** 9
@@ -81,6 +88,60 @@ def test_a_replay_gives_the_verdict_of_the_bag_and_its_recording_too(tmp_path, r
     for verdict in (replayed, recorded):
         assert [*find_differences(analyzed, verdict)] == []
         assert [run.quality for run in verdict.runs] == [run.quality for run in analyzed.runs]
+
+
+@pytest.mark.slow
+def test_drivers_tell_what_their_sensors_say(tmp_path, rng):
+    """The verdict live is that of its recording, and says of the sensors what the logs say."""
+    logs = write_logs(tmp_path, rng)
+    live = intercompare([Source(NmeaDriver, f'{role}_driver', {
+        'source': f'file:{log}', 'topic': f'{role}/heading', 'speed': 20.0})
+        for role, log in zip(('ts', 'rs'), logs)], NORMS, private=True,
+        output=str(tmp_path / 'bag'))
+    settings = Settings.from_mapping(NORMS)
+    recorded = judge_bags([tmp_path / 'bag'], settings).verdict
+    imported = judge_logs(dict(zip(('ts', 'rs'), logs)), settings,
+                          dict.fromkeys(('ts', 'rs'), DriverSettings())).verdict
+    run, = live.runs
+    assert run.quality.rs.n == N and run.quality.rs.flags == {'normal': 300, 'no GNSS aiding': 100}
+    assert run.quality.ts is None and run.quality.rs.reduced_share == 0.25
+    assert [*find_differences(live, recorded)] == []
+    assert recorded.runs[0].quality == imported.runs[0].quality == run.quality
+    assert live.headline == imported.headline
+
+
+def test_a_driver_publishes_flag_and_claim_of_each_reading_of_a_line(ros):
+    """Also of the readings that it held while it listened; the claim stands in the covariance."""
+    said = ros.listen(DiagnosticArray, 'rs/heading/quality', qos.HEADINGS_KEPT)
+    headings = ros.listen(Imu, 'rs/heading', qos.HEADINGS_KEPT)
+    port = free_port()
+    node = ros.ours(NmeaDriver, name='rs_driver', topic='rs/heading', subscribers=0,
+                    source=f'udp://127.0.0.1:{port}', learn_s=1.0)
+    claims = ['0.020', '0.020', '0.400', '', '0.020']
+    for at, claim in enumerate(claims):
+        text = with_checksum(f'PASHR,12000{at}.00,90.00,T,0.1,0.2,0.0,0.01,0.01,{claim},2,1')
+        node._take(Received(f'{text}\r\n'.encode(), START_NS + at * S // 2))
+    node._pass_on()
+    ros.spin_until(lambda: len(headings) == len(claims) and sum(
+        len(message.status) for message in said) >= len(claims))
+    rows = Quality.concatenate([decode_quality(serialize_message(message)) for message in said])
+    flag, stated_deg = rows.match(START_NS + np.arange(len(claims)) * S // 2)
+    wanted_deg = [float(claim or 'nan') for claim in claims]
+    assert flag.tolist() == [1] * len(claims)
+    assert stated_deg.tolist() == pytest.approx(wanted_deg, nan_ok=True)
+    variances = [message.orientation_covariance[8] for message in headings]
+    assert np.degrees(np.sqrt(variances)) == pytest.approx(np.nan_to_num(wanted_deg))
+
+
+def test_a_driver_of_a_sensor_that_says_nothing_publishes_nothing_of_it(ros):
+    said = ros.listen(DiagnosticArray, 'ts/heading/quality', qos.HEADINGS_KEPT)
+    headings = ros.listen(Imu, 'ts/heading', qos.HEADINGS_KEPT)
+    node = ros.ours(NmeaDriver, name='ts_driver', topic='ts/heading', subscribers=0,
+                    source=f'udp://127.0.0.1:{free_port()}', learn_s=0.0)
+    node._take(Received(f'{with_checksum("HEHDT,90.00,T")}\r\n'.encode(), START_NS))
+    node._pass_on()
+    ros.spin_until(lambda: len(headings) == 1)
+    assert said == [] and headings[0].orientation_covariance[8] == 0.0
 
 
 class Sensors:
