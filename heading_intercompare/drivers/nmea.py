@@ -47,7 +47,7 @@ from .sentence_choice import (
     Listening,
     TalkerTurns,
 )
-from .sentence_quality import QualityListener
+from .sentence_quality import QualityListener, says_quality
 from .sentences import (
     field_of,
     find_time,
@@ -120,6 +120,7 @@ class BurstFinder:
 #: Talkers counted each by itself; a flood may have thousands.
 _MOST_OTHERS = 32
 #: Readings held until a sentence is chosen; a flood does not wait for the end of `learn_s`.
+_MOST_TALKERS = 64
 _MOST_HELD = 100_000
 
 
@@ -217,6 +218,8 @@ class NmeaDecoder:
         # Nobody takes that of the sentences in messages, so it would grow for months.
         self._hears_quality = settings.source is not None
         self._listeners: dict[Name, QualityListener] = {}
+        #: The newest sentences that say something of headings, by talker: one may come earlier.
+        self._quality_sentences: dict[bytes, bytes] = {}
         if self._listening.chosen is not None:
             self._listen(self._listening.chosen)
         self._n_headings = self._n_others = self._n_chosen = 0
@@ -360,7 +363,9 @@ class NmeaDecoder:
     def _listen(self, name: Name) -> QualityListener:
         """Return what gathers the quality of the headings in a sentence."""
         if name not in self._listeners:
-            self._listeners[name] = QualityListener(name, self._own_sentence)
+            listener = self._listeners[name] = QualityListener(name, self._own_sentence)
+            for text in self._quality_sentences.values():
+                listener.note(text)
         return self._listeners[name]
 
     def drain_quality(self, *, end: bool = False) -> Quality:
@@ -480,6 +485,10 @@ class NmeaDecoder:
             self._stamps.pass_by(prefix, suffix)
         for listener in self._listeners.values():
             listener.note(text)
+        if self._hears_quality and says_quality(text):
+            heard = self._quality_sentences
+            if text[:6] in heard or len(heard) < _MOST_TALKERS:
+                heard[text[:6]] = text
         if text[:8] == b'PSXN,20,':
             self._psxn_quality = (text.split(b',') + [b''] * 3)[4].strip()
         elif text[3:6] in _TIME_MARKS and (

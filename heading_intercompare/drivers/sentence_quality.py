@@ -162,6 +162,11 @@ class QualityListener:
         return Quality.of(stamp_ns, stated_deg, flag.astype('int64'))
 
 
+def says_quality(text: bytes) -> bool:
+    """Tell whether a sentence without a heading may say something of headings."""
+    return text[2:6] == b'GGA,' or text[:8] == b'PSXN,20,'
+
+
 def _look_up(words_of: Mapping[bytes, str], text: bytes, at: int) -> int:
     """Return the flag that a field of a sentence says."""
     words = words_of.get((text.split(b',') + [b''] * (at + 1))[at].strip())

@@ -161,6 +161,16 @@ def test_a_live_line_says_what_a_file_of_it_says(talker):
     assert set(rows.stamp_ns.tolist()) <= set(stamps.tolist())
 
 
+@pytest.mark.parametrize('said,word', [
+    ('GPGGA,120000,,,,,6,08,1.0,,,,,,', 'estimated position'),
+    ('PSXN,20,0,0,1,0', 'reduced performance')])
+def test_what_comes_before_the_first_heading_is_said_of_it(said, word):
+    """Live, where no file tells beforehand which sentence has the headings."""
+    rows = feed_line([said, 'GPHDT,90.0,T', 'GPHDT,90.1,T'], sentence='HDT', talker='GP')
+    flag, _ = rows.match(10 ** 18 + np.array([1, 2]) * 10 ** 9 // 2)
+    assert [QUALITY_FLAGS[at] for at in flag] == [word] * 2
+
+
 def test_readings_of_a_live_line_that_were_held_have_their_quality():
     texts = [PASHR_TEXT.format(at, claim) for at, claim in enumerate((0.02, 0.02, 0.4, 0.02))]
     rows = feed_line(texts)
