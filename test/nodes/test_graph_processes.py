@@ -44,6 +44,7 @@ from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.app.config import LIVE
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.motion_topics import read_bag_motion
+from heading_intercompare.bags.rosbag2.quality_topics import read_quality
 from heading_intercompare.cli import main
 from heading_intercompare.core.pairing.pairer import pair
 from heading_intercompare.core.pipeline import Intercomparison
@@ -179,6 +180,8 @@ def test_real_logs_at_20_times_the_speed_give_the_offline_verdict(
     assert reader.topics['/pairs'].count == len(pair(*recorded)[0])
     comparison = Intercomparison(settings_for_bags(NORMS, bag))
     comparison.take_motion(read_bag_motion(reader, MotionRule()).rows)
+    for stream in ('ts', 'rs'):
+        comparison.take_quality(stream, read_quality(reader, f'{stream}/heading', []))
     comparison.update(*recorded)
     comparison.finish()
     assert_same(report, json.loads(json.dumps(comparison.verdict().to_dict())))
