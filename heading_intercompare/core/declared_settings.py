@@ -38,6 +38,8 @@ from typing import (
     Union,
 )
 
+from .text_rows import split_rows
+
 _DATE = re.compile('[0-9]{4}-[0-9]{2}-[0-9]{2}')
 
 
@@ -420,8 +422,7 @@ def read_rows(text: str | None, kind: type,
 
     """
     seen: set[str] = set()
-    rows = [row for row in map(str.strip, re.split(r'[;\r\n]', text or ''))
-            if row and not row.startswith('#')]
+    rows = [row for row in split_rows(text) if not row.startswith('#')]
     for at, row in enumerate(rows, 1):
         try:
             name, settings = read_row(row, kind, words)

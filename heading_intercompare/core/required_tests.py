@@ -21,6 +21,8 @@ import math
 import re
 from typing import Mapping
 
+from .text_rows import split_rows
+
 VERIFIED, UNVERIFIED, OWN = 'verified', 'unverified', 'own'
 """Whether the clause was read: in the document itself, or only elsewhere; or it is the user's."""
 
@@ -193,8 +195,7 @@ def read_required_tests(text: str | None) -> tuple[RequiredTest, ...]:
 
     """
     tests: list[RequiredTest] = []
-    rows = [row for row in map(str.strip, re.split(r'[;\r\n]', text or '')) if row]
-    for number, row in enumerate(rows, 1):
+    for number, row in enumerate(split_rows(text), 1):
         test = _read_row(row, number)
         if any((test.kind, test.rates_deg_s) == (other.kind, other.rates_deg_s)
                for other in tests):

@@ -32,7 +32,7 @@ from heading_intercompare.core.statistics.blocking import student_95
 from heading_intercompare.core.utc_text import DAY_NS, utc
 from heading_intercompare.replaced_file import ReplacedFile
 
-from .ensembles_csv import find_year
+from .ensembles_csv import find_year, heading_cell
 
 COLUMNS = ('dday', 'utc', 'mean_hdg', 'correction', 'u', 'num', 'flag', 'running', 'running_low',
            'running_high', 'running_num')
@@ -121,7 +121,7 @@ class CorrectionsCsvWriter:
         for ns, hdg, correction, num, flag, (u, mean, half, count) in zip(
                 *(column.tolist() for column in columns)):
             self._replaced.write((
-                f'{(ns - year_ns) / DAY_NS:.7f},{utc(ns)},{round(hdg, 4) % 360.0:.4f},'
+                f'{(ns - year_ns) / DAY_NS:.7f},{utc(ns)},{heading_cell(hdg)},'
                 f'{correction:.4f},{u:.4f},{num},{flag},{mean:.4f},{mean - half:.4f},'
                 f'{mean + half:.4f},{count:.0f}\n').encode())
         self._replaced.commit()
@@ -143,17 +143,17 @@ def _flag(ensembles: Ensembles, limit_deg: float) -> np.ndarray:
 
 def _run(stamp_ns: np.ndarray, values: Reals, good: np.ndarray, half_ns: int) -> Reals:
     """Return scatter, mean, half of its 95 % interval and number of the good values about each."""
-    at, kept = stamp_ns[good], values[good]
-    first = np.searchsorted(at, stamp_ns - half_ns)
-    end = np.searchsorted(at, stamp_ns + half_ns, side='right')
+    good_ns, good_values = stamp_ns[good], values[good]
+    first = np.searchsorted(good_ns, stamp_ns - half_ns)
+    end = np.searchsorted(good_ns, stamp_ns + half_ns, side='right')
     rows: Reals = np.full((stamp_ns.size, 4), np.nan)
     for row, lo, hi in zip(rows, first.tolist(), end.tolist()):
         row[3] = hi - lo
         if hi > lo:
-            row[1] = kept[lo:hi].mean()
+            row[1] = good_values[lo:hi].mean()
         if hi - lo >= _LEAST:
-            row[0] = kept[lo:hi].std(ddof=1)
-    worth = rows[:, 3] * _worth_of_each(kept - rows[good, 1])
+            row[0] = good_values[lo:hi].std(ddof=1)
+    worth = rows[:, 3] * _worth_of_each(good_values - rows[good, 1])
     for row, number in zip(rows, worth.tolist()):
         if number >= _LEAST:
             row[2] = student_95(number - 1.0) * row[0] / np.sqrt(number)

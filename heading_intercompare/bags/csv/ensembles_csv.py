@@ -45,7 +45,7 @@ def find_year(stamp_ns: int) -> int:
     return int(datetime(year, 1, 1, tzinfo=timezone.utc).timestamp()) * _SECOND_NS
 
 
-def _heading(heading_deg: float) -> str:
+def heading_cell(heading_deg: float) -> str:
     """Return a heading as text, below 360 even after rounding."""
     return 'nan' if math.isnan(heading_deg) else f'{round(heading_deg, 4) % 360.0:.4f}'
 
@@ -113,8 +113,8 @@ class EnsemblesCsvWriter:
                    ensembles.mean_deg, ensembles.std_deg, ensembles.num, ~good)
         for ns, mean_ts, last_ts, mean, std, num, bad in zip(*(c.tolist() for c in columns)):
             self._replaced.write(
-                (f'{(ns - self._year_ns) / DAY_NS:.7f},{_heading(mean_ts)},{_heading(last_ts)},'
-                 f'{mean:.4f},{std:.4f},{num},{bad:d}\n').encode())
+                (f'{(ns - self._year_ns) / DAY_NS:.7f},{heading_cell(mean_ts)},'
+                 f'{heading_cell(last_ts)},{mean:.4f},{std:.4f},{num},{bad:d}\n').encode())
 
     def close(self) -> None:
         """Append the last ensemble and put the file in its place; a second call does nothing."""

@@ -22,9 +22,7 @@ import numpy as np
 
 from heading_intercompare.core.records import Motion, MOTION_COLUMNS
 from heading_intercompare.core.runs.growing_columns import Column, Keep
-
-#: Motion from up to this time before a run is kept: pairs may come later than the motion.
-_KEPT_BEFORE_NS = 1800 * 10 ** 9
+from heading_intercompare.core.runs.run_quality import KEPT_BEFORE_NS
 
 
 class MotionRecord:
@@ -144,8 +142,8 @@ class RunMotion:
         if record is None or record.newest_ns is None or record.oldest_ns is None:
             return
         since_ns = record.newest_ns if run_start_ns is None else run_start_ns
-        if record.oldest_ns < since_ns - 2 * _KEPT_BEFORE_NS:
-            self._record = record.after(since_ns - _KEPT_BEFORE_NS, self._keeper())
+        if record.oldest_ns < since_ns - 2 * KEPT_BEFORE_NS:
+            self._record = record.after(since_ns - KEPT_BEFORE_NS, self._keeper())
 
 
 def find_newest(motion: Motion) -> dict[str, int]:

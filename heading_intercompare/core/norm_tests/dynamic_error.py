@@ -27,7 +27,7 @@ from heading_intercompare.core.records import Reals
 from heading_intercompare.core.timing.heading_track import Track
 
 from .judged_test import Measurement
-from .tested_run import exceeding, reach, TestedRun
+from .tested_run import exceeding, NORMAL_QUANTILE, reach, TestedRun
 
 FAST_PERIOD_S = 30.0
 """Errors of shorter periods have a limit of their own, MSC.116(73) 4.3.2.3."""
@@ -37,9 +37,6 @@ LEAST_YAW_DEG = 1.0
 
 SHARE = 0.95
 """Share of the readings that the amplitude bounds: it is that of a sine to 0.3 %."""
-
-NORMAL_QUANTILE = 1.959963984540054
-"""Amplitude of normal errors in their standard deviations."""
 
 SLOWEST_STEP_S = 5.0
 """Slower readings do not show a period of 30 s, seconds."""

@@ -17,14 +17,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+import math
 
-from heading_intercompare.core import lazy_scipy as scipy
 from heading_intercompare.core.decision.criteria import Limits
 from heading_intercompare.core.decision.norm_presets import list_required
 from heading_intercompare.core.required_tests import KINDS, RequiredTest, SYSTEMATIC
 from heading_intercompare.core.settings import Settings
 
-from .dynamic_error import NORMAL_QUANTILE, SLOWEST_STEP_S
+from .dynamic_error import SLOWEST_STEP_S
+from .tested_run import NORMAL_QUANTILE, reach
 
 #: The trial is to show that a TS at this share of each limit meets it.
 _LEVEL = 0.7
@@ -88,11 +89,11 @@ def _find_obstacle(test: RequiredTest, settings: Settings, rate_hz: float) -> st
         return 'alignment removes a skew, and the lag with it'
     if test.kind in SYSTEMATIC:
         room_deg = (1.0 - _LEVEL) * limit
-        reach = -float(scipy.special.ndtri(settings.risk.alpha_consumer))
+        factor = reach(settings.risk.alpha_consumer, math.inf)
         u_deg = settings.installation_offset_u_deg
-        if reach * u_deg > room_deg:
+        if factor * u_deg > room_deg:
             return (f'the mounting angle is known to {u_deg:g} deg; it needs '
-                    f'{room_deg / reach:.2g} deg')
+                    f'{room_deg / factor:.2g} deg')
     return ''
 
 

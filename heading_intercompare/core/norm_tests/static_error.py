@@ -22,12 +22,10 @@ import math
 from heading_intercompare.core.diagnostics.by_motion import BySector
 
 from .judged_test import Measurement
-from .tested_run import exceeding, reach, TestedRun
+from .tested_run import exceeding, NORMAL_QUANTILE, reach, TestedRun
 
 LEAST_HEADINGS = 4
 """Sectors of 45 degrees that a static error must have been measured on, ISO 22090-2."""
-
-_NORMAL_QUANTILE_95 = 1.959963984540054
 
 
 def measure_static_error(tested: TestedRun, limit: float) -> Measurement:
@@ -46,7 +44,7 @@ def measure_static_error(tested: TestedRun, limit: float) -> Measurement:
     """
     means = [] if tested.by_motion is None else _list_means(tested.by_motion.sectors)
     if len(means) < LEAST_HEADINGS:
-        return measure_mean_of_run(tested, limit, f'{len(means)} of 8 sectors of headings')
+        return _measure_run(tested, limit, f'{len(means)} of 8 sectors of headings')
     offset_u = tested.settings.installation_offset_u_deg
     measured = [measure_mean(tested, mean, math.hypot(u, offset_u), math.inf, limit,
                              f'{len(means)} of 8 sectors; most at {heading:03.0f} deg',
@@ -57,19 +55,18 @@ def measure_static_error(tested: TestedRun, limit: float) -> Measurement:
 
 def _list_means(sectors: BySector) -> list[tuple[float, float, float]]:
     """Return heading, mean difference and its standard uncertainty where that is known."""
-    return [(heading, mean, 0.5 * (up - low) / _NORMAL_QUANTILE_95)
+    return [(heading, mean, 0.5 * (up - low) / NORMAL_QUANTILE)
             for heading, mean, low, up in zip(sectors.heading_deg, sectors.mean_deg,
                                               sectors.low_deg, sectors.up_deg)
             if mean is not None and low is not None and up is not None]
 
 
-def measure_mean_of_run(tested: TestedRun, limit: float, record: str,
-                        sailed: bool = False) -> Measurement:
-    """Return the size of the mean difference of a whole run."""
+def _measure_run(tested: TestedRun, limit: float, record: str) -> Measurement:
+    """Return the size of the mean difference of a run, which may break a test but not meet it."""
     if tested.mean_deg is None or tested.mean_u_deg is None:
         return Measurement(record=record)
     return replace(measure_mean(tested, tested.mean_deg, tested.mean_u_deg, tested.mean_nu, limit,
-                                record), sailed=sailed)
+                                record), sailed=False)
 
 
 def measure_mean(tested: TestedRun, mean_deg: float, u_deg: float, nu: float, limit: float,

@@ -25,9 +25,13 @@ from heading_intercompare.core.diagnostics.by_motion import ByMotion
 from heading_intercompare.core.diagnostics.run_columns import RunColumns
 from heading_intercompare.core.runs.run_series import RunSeries
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.statistics.blocking import student_quantile
 
 from .judged_test import TestRisks
 from .sets_of_ten import find_sets, SetOfTen
+
+NORMAL_QUANTILE = 1.959963984540054
+"""Reach of 95 % of normal errors, in their standard deviations."""
 
 NO_SETS = 'no ten readings every 20 min on one heading after settling'
 
@@ -91,9 +95,7 @@ class TestedRun:
 
 def reach(alpha: float, nu: float) -> float:
     """Return the quantile of Student's distribution beyond which the probability is alpha."""
-    if math.isinf(nu):
-        return -float(scipy.special.ndtri(alpha))
-    return -float(scipy.special.stdtrit(nu, alpha))
+    return -student_quantile(alpha, nu)
 
 
 def exceeding(t: float, nu: float) -> float:

@@ -29,6 +29,7 @@ from heading_intercompare.core.decision.norm_presets import sigma_max_deg, syste
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.records import Integers, Reals
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.core.statistics.blocking import student_quantile
 
 from .corrections import Corrections
 
@@ -223,11 +224,6 @@ class SystematicError:
     std_norm_deg: float | None = None
 
 
-def _student(p: float, nu: float) -> float:
-    """Return the quantile of Student's distribution; the normal one for infinite `nu`."""
-    return float(scipy.special.ndtri(p) if math.isinf(nu) else scipy.special.stdtrit(nu, p))
-
-
 def _reach(p: float, own_u_deg: Any, shared_u_deg: float, nu: Any) -> Any:
     """Return how far the mean may be off at a probability: each part by its own quantile."""
     return np.hypot(scipy.special.stdtrit(nu, p) * own_u_deg,
@@ -303,7 +299,7 @@ def _judge(corrections: Corrections, settings: Settings, norm: float | None,
         offset_u_deg=settings.installation_offset_u_deg,
         slow=None if slowest is None or sigma is None else (sigma, slowest))
     u, nu, std = budget.u_deg, budget.nu, float(np.std(x, ddof=1))
-    k = _student(0.5 + 0.5 * _COVERAGE, nu)
+    k = student_quantile(0.5 + 0.5 * _COVERAGE, nu)
     parts = budget.components[0].u_deg, budget.u_shared_deg, n - 1.0
     high = abs(mean) + float(_reach(1.0 - risk.alpha_consumer, *parts))
     low = max(0.0, abs(mean) - float(_reach(1.0 - 0.5 * risk.alpha_producer, *parts)))
@@ -349,7 +345,7 @@ def _find_questionable(x: Reals, std: float) -> tuple[int, ...]:
     n = x.size
     if n < _LEAST_TO_QUESTION or not std > 0.0:
         return ()
-    t = _student(1.0 - _QUESTIONABLE / (2.0 * n), n - 2.0)
+    t = student_quantile(1.0 - _QUESTIONABLE / (2.0 * n), n - 2.0)
     limit = (n - 1) / math.sqrt(n) * math.sqrt(t * t / (n - 2 + t * t))
     far = np.flatnonzero(np.abs(x - x.mean()) > limit * std)
     return tuple(far.tolist())

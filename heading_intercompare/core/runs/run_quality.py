@@ -24,8 +24,8 @@ from heading_intercompare.core.records import Quality
 
 from .growing_columns import Column, Keep
 
-#: Rows from up to this time before a run stay: pairs may come later than what is said of them.
-_KEPT_BEFORE_NS = 1800 * 10 ** 9
+KEPT_BEFORE_NS = 1800 * 10 ** 9
+"""What came beside the readings stays from up to this time before a run: pairs may come later."""
 
 
 class RunQuality:
@@ -69,9 +69,9 @@ class RunQuality:
         """
         for stream, (stamps, *_) in [*self._columns.items()]:
             since_ns = int(stamps.last) if run_start_ns is None else run_start_ns
-            if self._oldest_ns[stream] >= since_ns - 2 * _KEPT_BEFORE_NS:
+            if self._oldest_ns[stream] >= since_ns - 2 * KEPT_BEFORE_NS:
                 continue
-            self._oldest_ns[stream] = since_ns - _KEPT_BEFORE_NS
+            self._oldest_ns[stream] = since_ns - KEPT_BEFORE_NS
             rows = self.by_stream()[stream]
             rows = rows[np.argsort(rows.stamp_ns, kind='stable')]
             n_old = int(np.searchsorted(rows.stamp_ns, self._oldest_ns[stream]))

@@ -149,6 +149,11 @@ def student_95(dof: float) -> float:
     return -float(scipy.special.stdtrit(dof, 0.025)) if dof > 0 else math.inf
 
 
+def student_quantile(p: float, nu: float) -> float:
+    """Return the quantile of Student's distribution; the normal one for infinite `nu`."""
+    return float(scipy.special.ndtri(p) if math.isinf(nu) else scipy.special.stdtrit(nu, p))
+
+
 def samples_per_average(n: int) -> int:
     """
     Return how many samples of a record to average: a power of two; 1 up to 262144 samples.

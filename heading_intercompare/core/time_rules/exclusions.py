@@ -20,6 +20,8 @@ from dataclasses import dataclass
 import re
 from typing import Iterator, Sequence, TYPE_CHECKING
 
+from heading_intercompare.core.text_rows import split_rows
+
 if TYPE_CHECKING:
     # The settings import this module, and the Tab key needs them without numpy.
     import numpy as np
@@ -91,8 +93,7 @@ def read_exclusions(text: str | None) -> tuple[Exclusion, ...]:
 
 
 def _read_rows(text: str) -> Iterator[tuple[int, Exclusion]]:
-    rows = [row for row in map(str.strip, re.split(r'[;\r\n]', text)) if row]
-    for at, row in enumerate(rows, 1):
+    for at, row in enumerate(split_rows(text), 1):
         parts = [part.strip() for part in row.split(',', 2)]
         if at == 1 and [part.lower() for part in parts] == _HEADER:
             continue

@@ -168,16 +168,16 @@ def judge_kept_runs(runs: Sequence[RunVerdict], settings: Settings,
     """
     results = []
     for run in runs:
-        kept: RunEvidence = run.evidence
-        result = _rebuild_run(run, settings, kept.evidence)
+        evidence: RunEvidence = run.evidence
+        result = _rebuild_run(run, settings, evidence.evidence)
         try:
             _compare_plain(make_plain(run), make_plain(result.verdict), 'figures',
                            'the record was changed')
         except ContradictionError as error:
             raise ContradictionError(f'the record of the run of {utc(run.start_ns)} UTC: '
                                      f'{error}') from error
-        results.append(replace(result, fingerprint=kept.fingerprint, pieces=kept.pieces,
-                               outside=kept.outside))
+        results.append(replace(result, fingerprint=evidence.fingerprint,
+                               pieces=evidence.pieces, outside=evidence.outside))
     return join(results, settings, inputs)
 
 

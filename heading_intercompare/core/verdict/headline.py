@@ -80,9 +80,9 @@ def compose_headline(outcome: Outcome, findings: Sequence[Finding], coverage: Co
     text, complies = OUTCOME_WORDS[outcome.value], outcome is Outcome.COMPLIANT
     void = [f.words for f in findings if f.effect == VOID]
     doubts = [f.words for f in findings if f.effect == DOUBTFUL]
-    of_tests = '' if void else say_open(tests) if complies else ''
+    open_tests = say_open(tests) if complies and not void else ''
     also = ''.join(f'; {words}' for words in (
-        *([of_tests] if of_tests else []), *_list_also(findings, complies, bool(void))))
+        open_tests, *_list_also(findings, complies, bool(void))) if words)
     if complies and coverage is not None and not doubts:
         return f'{text} {coverage.words}{also}'
     if void:

@@ -221,7 +221,8 @@ def verdict_text(verdict: Verdict, verbose: bool = False) -> str:
     lines = head_lines(verdict, verbose)
     for rows in _tables(verdict, verbose or asks_for_gk(verdict.settings)):
         lines += ['', *_align(rows)]
-    lines += _tabulate_tests(verdict)
+    if rows := _list_tests(verdict):
+        lines += ['', *_align(rows), *_note_tests(verdict)]
     for run in verdict.runs if verbose else ():
         lines += _list_by_motion(run)
     lines.append('')
@@ -230,15 +231,17 @@ def verdict_text(verdict: Verdict, verbose: bool = False) -> str:
     return '\n'.join(map(_in_one_line, lines))
 
 
-def _tabulate_tests(verdict: Verdict) -> list[str]:
-    """Return the tests of the norm as lines; none if it requires none."""
+def _list_tests(verdict: Verdict) -> list[tuple[str, ...]]:
+    """Return the table of the tests of the norm; no rows if it requires none."""
     tests = verdict.campaign.norm_tests or ()
-    if not tests:
-        return []
-    rows = _align([('tests of the norm', '', 'figure', 'limit', 'clause'),
-                   *((test.words, *test.cells) for test in tests)])
-    return ['', *rows, *(f'  {test.words}: {test.notes}' for test in tests
-                         if test.state != MET and test.notes)]
+    head = [('tests of the norm', '', 'figure', 'limit', 'clause')] if tests else []
+    return [*head, *((test.words, *test.cells) for test in tests)]
+
+
+def _note_tests(verdict: Verdict) -> list[str]:
+    """Return what the record holds of the tests that are not met, and what decides others."""
+    return [f'  {test.words}: {test.notes}' for test in verdict.campaign.norm_tests or ()
+            if test.state != MET and test.notes]
 
 
 def _list_by_motion(run: RunVerdict) -> Iterator[str]:
@@ -285,7 +288,8 @@ def verdict_html(verdict: Verdict) -> str:
     SubElement(SubElement(whole, 'p'), 'strong').text = verdict.headline
     for text in head_lines(verdict)[1:]:
         SubElement(whole, 'p').text = text
-    for rows in _tables(verdict, asks_for_gk(verdict.settings)):
+    for rows in (*_tables(verdict, asks_for_gk(verdict.settings)),
+                 *filter(None, [_list_tests(verdict)])):
         table = SubElement(whole, 'table')
         for row in rows:
             line = SubElement(table, 'tr')

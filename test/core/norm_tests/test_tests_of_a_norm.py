@@ -181,6 +181,13 @@ def test_a_skew_that_is_removed_removes_the_lag_with_it(settings):
     assert row.state == NOT_SAILED and 'judge with alignment.skew: report' in row.record
 
 
+def test_a_notebook_shows_the_table_of_the_terminal():
+    verdict = judge({'step_deg': 0.5})
+    page = verdict._repr_html_()
+    for row in verdict.campaign.norm_tests:
+        assert f'<th>{row.words}</th>' in page and row.cells[1] in page
+
+
 def test_a_norm_without_tests_has_no_table():
     verdict = judge({}, {'sigma_max_deg': 0.5, 'sigma_ref_max_deg': 0.1})
     assert verdict.runs[0].norm_tests is None and verdict.campaign.norm_tests is None
