@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -25,7 +26,15 @@ from sailed_trials import sail
 from heading_intercompare import analyze
 from heading_intercompare.core.angles import wrap180
 from heading_intercompare.core.declared_settings import SettingsError
-from heading_intercompare.core.norm_tests.judged_test import MET, NOT_MET, NOT_SAILED, OPEN
+from heading_intercompare.core.diagnostics.by_motion import BySector
+from heading_intercompare.core.norm_tests.judged_test import (
+    MET,
+    NOT_MET,
+    NOT_SAILED,
+    OPEN,
+    TestRisks,
+)
+from heading_intercompare.core.norm_tests.static_error import measure_static_error
 from heading_intercompare.core.outcome import Outcome
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.settings import Settings
@@ -137,6 +146,25 @@ def test_a_deviation_on_one_heading_is_a_static_error():
     row = next(row for row in verdict.runs[0].norm_tests if row.kind == 'static_error')
     assert row.state == NOT_MET and row.value == pytest.approx(1.5, abs=0.05)
     assert '8 of 8 sectors; most at 135 deg' in row.record
+
+
+@pytest.mark.parametrize('means_deg,half_deg,heading_deg,value', [
+    ((1.3, 1.6, 0.1, 0.2), (0.02, 3.0, 0.02, 0.02), 0.0, 1.3),
+    ((0.3, 0.6, 0.1, 0.2), (0.02, 0.02, 0.02, 0.02), 45.0, 0.6)])
+def test_a_sure_error_is_not_hidden_by_a_larger_doubtful_one(means_deg, half_deg, heading_deg,
+                                                              value):
+    """1.30 +- 0.02 deg break the limit of 1 deg, whatever 1.6 +- 3 deg may be."""
+    mean, half = np.array(means_deg), np.array(half_deg)
+    sectors = BySector(heading_deg=(0.0, 45.0, 90.0, 135.0), n=(9,) * 4, duration_s=(9.0,) * 4,
+                       mean_deg=means_deg, std_deg=(0.1,) * 4, low_deg=tuple(mean - half),
+                       up_deg=tuple(mean + half))
+    settings = Settings.of(**WIDE, installation_offset_u_deg=1e-6)
+    tested = SimpleNamespace(
+        by_motion=SimpleNamespace(sectors=sectors), settings=settings, is_mounting_stated=True,
+        risks=TestRisks(0.05, 0.01))
+    measured = measure_static_error(tested, 1.0)
+    assert measured.value == value and f'most at {heading_deg:03.0f} deg' in measured.record
+    assert (measured.risk_not_met <= 0.01) is (value > 1.0)
 
 
 def test_a_static_error_on_one_heading_says_nothing_of_the_others():
