@@ -17,11 +17,12 @@
 from __future__ import annotations
 
 import argparse
+from contextlib import contextmanager
 from importlib import import_module
 import os
 import signal
 import sys
-from typing import Any, NoReturn, Sequence
+from typing import Any, Iterator, NoReturn, Sequence
 
 from heading_intercompare.cli.terminal.printable import escape
 from heading_intercompare.cli.terminal.standard_streams import safe_stderr, safe_stdout
@@ -32,6 +33,8 @@ PROGRAM = 'heading-intercompare'
 
 _CRASHED = 70
 
+#: How long an exception for a signal may be on its way, seconds.
+_DROPPED_S = 0.5
 #: Linear algebra here is short: several threads would mostly wait for each other.
 _ONE_THREAD = ('OPENBLAS_NUM_THREADS', 'OMP_NUM_THREADS', 'MKL_NUM_THREADS')
 
@@ -123,12 +126,17 @@ def main(argv: Sequence[str] | None = None) -> int:
         on whether anyone reads the output. A fault of the program ends the process with 70.
 
     """
-    if argv is None:
-        sys.excepthook, argv = _crash, sys.argv[1:]
-        end_by_signals()
-        # Before numpy is loaded; what the user has set stays.
-        for name in _ONE_THREAD:
-            os.environ.setdefault(name, '1')
+    if argv is not None:
+        return _run_safely(argv)
+    sys.excepthook = _crash
+    # Before numpy is loaded; what the user has set stays.
+    for name in _ONE_THREAD:
+        os.environ.setdefault(name, '1')
+    with ended_by_signals():
+        return _run_safely(sys.argv[1:])
+
+
+def _run_safely(argv: Sequence[str]) -> int:
     with safe_stderr():
         try:
             with safe_stdout():
@@ -174,7 +182,8 @@ def _refuse(error: Exception) -> int:
     return 2
 
 
-def end_by_signals() -> None:
+@contextmanager
+def ended_by_signals() -> Iterator[None]:
     """
     Let SIGTERM and SIGHUP end the process as Ctrl-C does: drafts and unpacked files are removed.
 
@@ -183,12 +192,37 @@ def end_by_signals() -> None:
     for number in (signal.SIGTERM, signal.SIGHUP):
         if signal.getsignal(number) != signal.SIG_IGN:
             signal.signal(number, _end)
+    try:
+        yield
+    finally:
+        signal.setitimer(signal.ITIMER_REAL, 0.0)
 
 
 def _end(number: int, *_: object) -> NoReturn:
-    """Leave by an exception, with the exit code that a shell gives for the signal."""
+    """
+    Leave by an exception, with the exit code that a shell gives for the signal.
+
+    Code in C that is interrupted may drop the exception, as does the loading of some modules. So
+    it is raised once more if nothing handles it a moment later.
+    """
     signal.signal(number, signal.SIG_IGN)
-    raise SystemExit(128 + number)
+    ending = SystemExit(128 + number)
+
+    def raise_if_dropped(*_: object) -> None:
+        if not _is_handled(ending):
+            raise ending
+
+    signal.signal(signal.SIGALRM, raise_if_dropped)
+    signal.setitimer(signal.ITIMER_REAL, _DROPPED_S, _DROPPED_S)
+    raise ending
+
+
+def _is_handled(error: BaseException) -> bool:
+    """Tell whether a clean-up runs because of an exception, or of one that followed from it."""
+    handled = sys.exc_info()[1]
+    while handled is not None and handled is not error:
+        handled = handled.__context__
+    return handled is error
 
 
 def _crash(*error: Any) -> NoReturn:
