@@ -27,8 +27,6 @@ import time
 
 import numpy as np
 
-from heading_intercompare.bags.recording.reading_batches import Batch, LastHeard, pair_batch
-from heading_intercompare.bags.recording.run_journal import RunJournal
 from heading_intercompare.core.pairing.incarnations import StreamNumbers
 from heading_intercompare.core.pairing.names import Span
 from heading_intercompare.core.pairing.pair_maker import PairMaker
@@ -37,6 +35,8 @@ from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.records import Headings
 from heading_intercompare.core.sensors.pair_names import TWO
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.journal.reading_batches import Batch, LastHeard, pair_batch
+from heading_intercompare.journal.run_journal import RunJournal
 
 RULE = Settings.from_mapping({'norms.sigma_max_deg': 0.2, 'norms.sigma_ref_max_deg': 0.1,
                               'pairing.method': 'interpolate'})

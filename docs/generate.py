@@ -341,7 +341,8 @@ def _describe(column: str, key: str, figures: Mapping[str, Figure]) -> str:
 
 def _module_rows() -> Iterator[str]:
     package = ROOT / 'heading_intercompare'
-    order = ('core', 'drivers', 'ahrs', 'messages', 'bags', 'report', 'nodes', 'app', 'cli')
+    order = ('core', 'drivers', 'ahrs', 'messages', 'bags', 'journal', 'report', 'nodes', 'app',
+             'cli')
 
     def place(path: Path) -> tuple[int, tuple[str, ...]]:
         *folders, name = path.relative_to(package).parts

@@ -41,7 +41,8 @@ DOCS = Path(__file__).resolve().parent
 STOREYS = (
     (('cli', 1.0),),
     (('app', 0.4), ('nodes', 0.6)),
-    (('ahrs', 0.2), ('report', 0.11), ('logbook', 0.09), ('web', 0.1), ('readers', 0.5)),
+    (('ahrs', 0.2), ('report', 0.11), ('logbook', 0.09), ('web', 0.1), ('journal', 0.09),
+     ('readers', 0.41)),
     (('drivers', 0.3), ('bags', 0.7)),
     (('messages', 1.0),),
     (('core', 1.0),),

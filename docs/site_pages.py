@@ -28,8 +28,8 @@ import heading_intercompare
 from heading_intercompare.cli import program
 
 PACKAGE = Path(heading_intercompare.__file__).resolve().parent
-FOLDERS = ('core', 'drivers', 'ahrs', 'messages', 'bags', 'report', 'logbook', 'app', 'nodes',
-           'cli')
+FOLDERS = ('core', 'drivers', 'ahrs', 'messages', 'bags', 'journal', 'report', 'logbook', 'app',
+           'nodes', 'cli')
 """The folders of the package, in the order in which they build on each other."""
 #: Width of the terminal for which the help of the commands is laid out.
 _COLUMNS = '96'

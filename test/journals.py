@@ -21,15 +21,15 @@ import json
 
 import numpy as np
 
-from heading_intercompare.bags.recording import journal as journal_module
-from heading_intercompare.bags.recording.journal import Record
-from heading_intercompare.bags.recording.run_journal import RunJournal
 from heading_intercompare.core.pairing.incarnations import Incarnations
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerKey
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.sensors.pair_names import TWO
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.journal import journal_file
+from heading_intercompare.journal.journal_file import Record
+from heading_intercompare.journal.run_journal import RunJournal
 from heading_intercompare.messages.ledger_messages import LedgerMessage
 
 S = 1_000_000_000
@@ -103,14 +103,14 @@ def write_journal(path, pairs, marks=(), bag='trial_1', booked=True, **settings)
 
 def last_record_at(path):
     """Return at which byte the last record of a journal begins."""
-    data, at, last = path.read_bytes(), len(journal_module._MAGIC), 0
+    data, at, last = path.read_bytes(), len(journal_file._MAGIC), 0
     while at < len(data):
-        last, size = at, journal_module._HEAD.unpack_from(data, at)[0]
-        at += journal_module._HEAD.size + size
+        last, size = at, journal_file._HEAD.unpack_from(data, at)[0]
+        at += journal_file._HEAD.size + size
     return last
 
 
 def write_records(path, *records):
     """Write a journal of any records, (kind, bytes)."""
-    path.write_bytes(journal_module._MAGIC + b''.join(
-        journal_module._pack(Record(*one)) for one in records))
+    path.write_bytes(journal_file._MAGIC + b''.join(
+        journal_file._pack(Record(*one)) for one in records))

@@ -29,16 +29,6 @@ from typing import Any, Callable, Iterable, Iterator, Mapping, Protocol, Sequenc
 
 from heading_intercompare.app.sources.file_hash import hash_files
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.recording.journal import (
-    is_journal,
-    read_journal,
-)
-from heading_intercompare.bags.recording.journal_reading import (
-    compare_settings,
-    describe_gaps,
-    JournalReader,
-    read_origin,
-)
 from heading_intercompare.bags.recording.recorded_headings import find_problems, read_marks
 from heading_intercompare.bags.recording.recorder_losses import (
     BagLosses,
@@ -68,6 +58,16 @@ from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.verdict.verdict_document import Input, OperatorNote
 from heading_intercompare.drivers.settings import DEFAULT_DRIVER, DriverSettings
+from heading_intercompare.journal.journal_file import (
+    is_journal,
+    read_journal,
+)
+from heading_intercompare.journal.journal_reading import (
+    compare_settings,
+    describe_gaps,
+    JournalReader,
+    read_origin,
+)
 from heading_intercompare.readers.registry import open_recording, sources_of
 from heading_intercompare.readers.stream_recording import StreamOptions, StreamRecording, UNSTATED
 from heading_intercompare.report import SegmentSketches

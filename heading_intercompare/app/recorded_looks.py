@@ -19,10 +19,10 @@ from __future__ import annotations
 import os
 from typing import Any, Mapping, Sequence
 
-from heading_intercompare.bags.recording.journal import is_journal
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import read_settings
 from heading_intercompare.core.declared_settings import SettingsError
+from heading_intercompare.journal.journal_file import is_journal
 from heading_intercompare.yaml_file import load_settings
 
 from .config import Config, unstated

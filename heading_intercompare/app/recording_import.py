@@ -20,7 +20,6 @@ from dataclasses import dataclass, field
 from typing import Any, Callable, Mapping, Sequence
 
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.recording.journal import is_journal
 from heading_intercompare.bags.recording.recorded_headings import read_marks
 from heading_intercompare.bags.rosbag2.provenance import Note, read_notes
 from heading_intercompare.core.pairing.ledger import LedgerKey
@@ -29,6 +28,7 @@ from heading_intercompare.core.sensor_table import find_reference, Sensor
 from heading_intercompare.core.sensors.compared_sensors import list_sensors
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.drivers.settings import DriverSettings
+from heading_intercompare.journal.journal_file import is_journal
 from heading_intercompare.readers.registry import (
     find_format,
     find_written,

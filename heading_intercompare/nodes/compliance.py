@@ -26,8 +26,6 @@ from diagnostic_msgs.srv import AddDiagnostics
 from std_msgs.msg import String
 from std_srvs.srv import Trigger
 
-from heading_intercompare.bags.recording.journal_reading import Numbers
-from heading_intercompare.bags.recording.reading_batches import Batch
 from heading_intercompare.bags.rosbag2.provenance import SENSORS_REPORT_TOPIC
 from heading_intercompare.core.alarms.graph_watch import estimate_judging_s
 from heading_intercompare.core.count_words import count_words
@@ -40,6 +38,8 @@ from heading_intercompare.core.sensors.pair_settings import settings_of_tested
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.verdict_document import Verdict
+from heading_intercompare.journal.journal_reading import Numbers
+from heading_intercompare.journal.reading_batches import Batch
 from heading_intercompare.messages.authors import sign_text, split_author, UNKNOWN_OPERATOR
 from heading_intercompare.messages.ledger_messages import decode_ledger
 from heading_intercompare.messages.status_messages import (

@@ -22,11 +22,11 @@ from typing import Any, Mapping, Sequence, TYPE_CHECKING
 
 from diagnostic_msgs.msg import DiagnosticArray
 
-from heading_intercompare.bags.recording.reading_batches import Batch, choose_pairs, count_losses
 from heading_intercompare.core.pairing.pair_maker import PairMaker
 from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.records import Headings, Losses
 from heading_intercompare.core.sensors.compared_sensors import list_sensors
+from heading_intercompare.journal.reading_batches import Batch, choose_pairs, count_losses
 from heading_intercompare.messages.status_messages import decode_marks, MARKER_TOPIC
 from heading_intercompare.nodes.alarms.stream_alarms import StreamAlarms
 from heading_intercompare.nodes.interface.parameters import declare

@@ -36,12 +36,12 @@ from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.app.config import settings_for
 from heading_intercompare.app.inputs import _join_chunks, judge_input, load_config_or_journal
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.recording.run_journal import RunJournal
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.records import Headings, Pairs
 from heading_intercompare.core.sensors.comparison import SensorsComparison
 from heading_intercompare.core.sensors.pair_names import TWO
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.journal.run_journal import RunJournal
 from heading_intercompare.messages.ledger_messages import LedgerMessage
 
 S = 1_000_000_000

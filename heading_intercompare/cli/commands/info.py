@@ -23,7 +23,6 @@ import shlex
 from typing import Iterator, Mapping, Sequence
 
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.recording.journal import is_journal, read_journal
 from heading_intercompare.bags.recording.part_states import read_states, STATES
 from heading_intercompare.bags.recording.recorder_losses import RECORDING, tell_missing
 from heading_intercompare.bags.rosbag2.bag_check import BagCheck, check_bag
@@ -42,6 +41,7 @@ from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.count_words import count_words
 from heading_intercompare.core.typed_reader import VerdictError
 from heading_intercompare.core.utc_text import utc
+from heading_intercompare.journal.journal_file import is_journal, read_journal
 from heading_intercompare.messages.sentence_messages import TOPIC_TYPES
 from heading_intercompare.readers.registry import (
     find_format,
@@ -266,13 +266,13 @@ def _command(words: str, name: str, arguments: argparse.Namespace, more: Sequenc
 def _show_journal(arguments: argparse.Namespace) -> int:
     """Print the contents of a journal, which always has checksums and no attachment."""
     # Only now: what judges is not loaded to look into a bag.
-    from heading_intercompare.bags.recording.journal_reading import (
+    from heading_intercompare.core.sensors.pair_names import list_names, TWO
+    from heading_intercompare.journal.journal_reading import (
         describe_gaps,
         JournalReader,
         read_origin,
         Unjudged,
     )
-    from heading_intercompare.core.sensors.pair_names import list_names, TWO
     path = Path(arguments.bag)
     _refuse_options(arguments, 'a journal', 'extract', 'plot')
     contents = read_journal(path)

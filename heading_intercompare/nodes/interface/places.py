@@ -26,10 +26,10 @@ import os
 
 from rclpy.node import Node
 
-from heading_intercompare.bags.recording.journal import name_journal
 from heading_intercompare.core.sensors.compared_sensors import list_sensors, pair_with_reference
 from heading_intercompare.core.sensors.pair_names import Names
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.journal.journal_file import name_journal
 from heading_intercompare.messages.heading_places import HeadingPlace, locate_headings
 from heading_intercompare.messages.quality_messages import quality_topic
 from heading_intercompare.nodes.settings import ComplianceNode

@@ -18,11 +18,11 @@ from __future__ import annotations
 
 from typing import Iterator, Protocol
 
-from heading_intercompare.bags.recording.journal_reading import describe_restarts
 from heading_intercompare.core.pairing.incarnations import Incarnations
 from heading_intercompare.core.pairing.ledger import Ledger
 from heading_intercompare.core.pairing.pair_maker import PairMaker
 from heading_intercompare.core.sensors.pair_names import Names
+from heading_intercompare.journal.journal_reading import describe_restarts
 from heading_intercompare.messages.ledger_messages import LedgerMessage
 
 from .pair_intake import PairIntake

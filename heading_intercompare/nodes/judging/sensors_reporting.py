@@ -23,7 +23,6 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 from std_msgs.msg import String
 
-from heading_intercompare.bags.recording.journal_reading import describe_restarts
 from heading_intercompare.bags.rosbag2.provenance import SENSORS_REPORT_TOPIC
 from heading_intercompare.core.sensors.comparison import SensorsComparison
 from heading_intercompare.core.sensors.judging import judge_sensors
@@ -32,6 +31,7 @@ from heading_intercompare.core.sensors.pair_settings import settings_of_tested
 from heading_intercompare.core.sensors.sensors_verdict import SensorsVerdict
 from heading_intercompare.core.settings import Settings
 from heading_intercompare.core.verdict.all_runs import join
+from heading_intercompare.journal.journal_reading import describe_restarts
 from heading_intercompare.messages.status_messages import encode_text, OK
 from heading_intercompare.messages.verdict_messages import (
     encode_no_verdict,

@@ -23,10 +23,6 @@ from typing import Iterator, Mapping
 
 from rclpy.node import Node
 
-from heading_intercompare.bags.recording.journal_reading import Kept, Numbers
-from heading_intercompare.bags.recording.reading_batches import Batch
-from heading_intercompare.bags.recording.run_journal import RunJournal
-from heading_intercompare.bags.recording.spool import Spool
 from heading_intercompare.core.alarms.graph_watch import NOT_WRITTEN
 from heading_intercompare.core.pairing.pair_maker import PairMaker
 from heading_intercompare.core.pipeline import Compliance
@@ -34,6 +30,10 @@ from heading_intercompare.core.records import Motion, Pairs, Quality
 from heading_intercompare.core.runs.growing_columns import Keep
 from heading_intercompare.core.sensors.pair_names import Names, TWO
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.journal.journal_reading import Kept, Numbers
+from heading_intercompare.journal.reading_batches import Batch
+from heading_intercompare.journal.run_journal import RunJournal
+from heading_intercompare.journal.spool import Spool
 from heading_intercompare.messages.ledger_messages import LedgerMessage
 from heading_intercompare.messages.status_messages import OK, WARN
 from heading_intercompare.nodes.presence.health import Health

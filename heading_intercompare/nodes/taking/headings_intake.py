@@ -23,9 +23,9 @@ from diagnostic_msgs.msg import DiagnosticArray
 from rclpy.node import Node
 
 from heading_intercompare.bags.recording.cut_bag import LastMessages
-from heading_intercompare.bags.recording.reading_batches import LastHeard
 from heading_intercompare.core.pairing.incarnations import StreamNumbers
 from heading_intercompare.core.records import Headings, Losses
+from heading_intercompare.journal.reading_batches import LastHeard
 from heading_intercompare.messages.heading_places import locate_headings
 from heading_intercompare.messages.ledger_messages import decode_losses, lost_topic
 from heading_intercompare.messages.status_messages import OK, WARN

@@ -23,7 +23,6 @@ import time
 from typing import Any, Mapping, Sequence
 
 from heading_intercompare.app.config import choose_pair, LIVE, load_config, settings_for
-from heading_intercompare.bags.recording.run_journal import find_bag
 from heading_intercompare.bags.rosbag2.trial_parts import name_first, name_next
 from heading_intercompare.cli.commands.analyze import (
     add_settings_arguments,
@@ -39,6 +38,7 @@ from heading_intercompare.core.declared_settings import from_mapping, SettingsEr
 from heading_intercompare.core.sensor_table import describe_driver, read_sensors
 from heading_intercompare.core.sensors.pair_settings import check_norms
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.journal.run_journal import find_bag
 from heading_intercompare.nodes.settings import ComplianceNode
 
 from .web_option import add_web_argument, read_web

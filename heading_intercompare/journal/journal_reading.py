@@ -38,7 +38,7 @@ from heading_intercompare.messages.ledger_messages import LedgerMessage
 from heading_intercompare.messages.status_messages import MARKS
 
 from .frozen_state import hash_code, thaw_makers
-from .journal import decode_columns, JournalContents, Record, split_parts
+from .journal_file import decode_columns, JournalContents, Record, split_parts
 from .reading_batches import choose_pairs, decode_batch, decode_numbers, LastHeard
 
 ABOUT, STATE, PAIRS, MARK, LEDGER, HOLE = b'H', b'S', b'P', b'M', b'L', b'G'

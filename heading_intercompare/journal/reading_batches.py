@@ -28,7 +28,7 @@ from heading_intercompare.core.pairing.pairer import Pairer
 from heading_intercompare.core.records import Headings, Losses, Pairs
 from heading_intercompare.core.sensors.pair_names import Names, TWO
 
-from .journal import decode_columns, encode_columns, join_parts, split_parts
+from .journal_file import decode_columns, encode_columns, join_parts, split_parts
 
 _NOW, _STREAM = struct.Struct('<d'), struct.Struct('<IqI')
 

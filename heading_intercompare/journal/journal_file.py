@@ -38,9 +38,8 @@ import zlib
 import numpy as np
 
 from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.recording.disk_sync import Syncing
 from heading_intercompare.core.records import Headings, Motion, Pairs, Quality
-
-from .disk_sync import Syncing
 
 _MAGIC = b'heading_intercompare journal 3\n'
 _KIND = _MAGIC[:-3]

@@ -30,23 +30,6 @@ from heading_intercompare.app.analysis import judge_bags
 from heading_intercompare.app.config import settings_for
 from heading_intercompare.app.inputs import load_config_or_journal
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.recording import (
-    frozen_state,
-    journal as journal_module,
-    run_journal,
-)
-from heading_intercompare.bags.recording.frozen_state import freeze, thaw
-from heading_intercompare.bags.recording.journal import join_parts
-from heading_intercompare.bags.recording.journal_reading import describe_gaps, MAKERS
-from heading_intercompare.bags.recording.reading_batches import (
-    Batch,
-    choose_pairs,
-    decode_batch,
-    encode_batch,
-    LastHeard,
-    pair_batch,
-)
-from heading_intercompare.bags.recording.run_journal import find_bag, RunJournal
 from heading_intercompare.cli import main
 from heading_intercompare.core.pairing.incarnations import StreamNumbers
 from heading_intercompare.core.pairing.names import Span
@@ -57,6 +40,19 @@ from heading_intercompare.core.records import Headings, Losses, Pairs
 from heading_intercompare.core.sensors.comparison import SensorsComparison
 from heading_intercompare.core.sensors.pair_names import TWO
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.journal import frozen_state, journal_file, run_journal
+from heading_intercompare.journal.frozen_state import freeze, thaw
+from heading_intercompare.journal.journal_file import join_parts
+from heading_intercompare.journal.journal_reading import describe_gaps, MAKERS
+from heading_intercompare.journal.reading_batches import (
+    Batch,
+    choose_pairs,
+    decode_batch,
+    encode_batch,
+    LastHeard,
+    pair_batch,
+)
+from heading_intercompare.journal.run_journal import find_bag, RunJournal
 
 N = 6000
 MS = 1_000_000
@@ -344,7 +340,7 @@ def test_a_restart_together_with_a_publisher_is_named(tmp_path):
 def test_after_a_disk_that_was_full_for_long_it_goes_on_behind_what_was_given_up(
         tmp_path, monkeypatch):
     """The numbers of a batch follow those of the batch before, which may be gone."""
-    monkeypatch.setattr(journal_module, '_MOST_WAITING', 150_000)
+    monkeypatch.setattr(journal_file, '_MOST_WAITING', 150_000)
     rule, batches, path = settings(), make_batches(9), tmp_path / 'j'
     process = Process(path, rule)
     for batch in batches[:40]:
@@ -353,7 +349,7 @@ def test_after_a_disk_that_was_full_for_long_it_goes_on_behind_what_was_given_up
     def fail(*_):
         raise OSError(28, 'No space left on device')
     with monkeypatch.context() as patch:
-        patch.setattr(journal_module, '_write_all', fail)
+        patch.setattr(journal_file, '_write_all', fail)
         for batch in batches[40:300]:
             process.take(batch)
     assert process.journal._journal.dropped
@@ -397,7 +393,7 @@ def test_other_code_neither_goes_on_with_it_nor_reads_it(tmp_path, monkeypatch):
     process.kill()
     frozen_state.hash_code.cache_clear()
     for module in ('frozen_state', 'journal_reading', 'run_journal'):
-        monkeypatch.setattr(f'heading_intercompare.bags.recording.{module}.hash_code',
+        monkeypatch.setattr(f'heading_intercompare.journal.{module}.hash_code',
                             lambda: 'other')
     with pytest.raises(BagError, match='was written by other code of version .*: analyze it'):
         load_config_or_journal(None, [str(path)])
@@ -479,4 +475,4 @@ def test_what_is_thawed_goes_on_to_the_bit():
 
 
 def test_the_file_says_its_version():
-    assert journal_module._MAGIC == b'heading_intercompare journal 3\n'
+    assert journal_file._MAGIC == b'heading_intercompare journal 3\n'

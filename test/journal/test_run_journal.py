@@ -24,9 +24,6 @@ from journals import ledger_of
 import numpy as np
 import pytest
 
-from heading_intercompare.bags.recording import journal as journal_module
-from heading_intercompare.bags.recording.journal import read_journal
-from heading_intercompare.bags.recording.run_journal import find_bag, RunJournal
 from heading_intercompare.core.motion.motion_record import leave_out_known
 from heading_intercompare.core.pairing.incarnations import StreamNumbers
 from heading_intercompare.core.pairing.ledger import Ledger, LedgerSegment
@@ -35,6 +32,9 @@ from heading_intercompare.core.raw_streams.stamp_jumps import SetBack
 from heading_intercompare.core.records import Motion, Pairs, Quality
 from heading_intercompare.core.sensors.pair_names import TWO
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.journal import journal_file
+from heading_intercompare.journal.journal_file import read_journal
+from heading_intercompare.journal.run_journal import find_bag, RunJournal
 from heading_intercompare.messages.ledger_messages import LedgerMessage
 
 S = 1_000_000_000
@@ -274,10 +274,10 @@ def test_a_state_that_this_version_cannot_read_is_set_aside(tmp_path, rng, monke
     node.kill()
     data = path.read_bytes()
     assert b'n_short' in data
-    monkeypatch.setattr(journal_module.zlib, 'crc32', lambda data: 0)
+    monkeypatch.setattr(journal_file.zlib, 'crc32', lambda data: 0)
     contents = [record._replace(data=record.data.replace(b'n_short', b'n_other'))
                 for record in _records_of(data)]
-    path.write_bytes(journal_module._MAGIC + b''.join(map(journal_module._pack, contents)))
+    path.write_bytes(journal_file._MAGIC + b''.join(map(journal_file._pack, contents)))
     node = Node(path, rule)
     assert ('this version cannot read it: state.segments[0].n_short is missing'
             in node.journal.set_aside)
@@ -285,11 +285,11 @@ def test_a_state_that_this_version_cannot_read_is_set_aside(tmp_path, rng, monke
 
 
 def _records_of(data):
-    at, found = len(journal_module._MAGIC), []
+    at, found = len(journal_file._MAGIC), []
     while at < len(data):
-        size, _, kind = journal_module._HEAD.unpack_from(data, at)
-        at += journal_module._HEAD.size
-        found.append(journal_module.Record(kind, data[at:at + size]))
+        size, _, kind = journal_file._HEAD.unpack_from(data, at)
+        at += journal_file._HEAD.size
+        found.append(journal_file.Record(kind, data[at:at + size]))
         at += size
     return found
 
@@ -333,7 +333,7 @@ def test_a_full_disk_costs_nothing_once_there_is_room_again(tmp_path, rng, monke
             real(descriptor, data[:10], at)
             raise OSError(28, 'No space left on device')
         return real(descriptor, data, at)
-    monkeypatch.setattr(journal_module.os, 'pwrite', pwrite)
+    monkeypatch.setattr(journal_file.os, 'pwrite', pwrite)
     for lo in range(0, 3000, 100):
         full[:] = [True] * (500 <= lo < 2000)
         node.take(pairs[lo:lo + 100])
@@ -351,7 +351,7 @@ def test_a_full_disk_costs_nothing_once_there_is_room_again(tmp_path, rng, monke
 
 def test_a_disk_that_stays_full_costs_bounded_memory_and_the_hole_is_counted(
         tmp_path, rng, monkeypatch):
-    monkeypatch.setattr(journal_module, '_MOST_WAITING', 20_000)
+    monkeypatch.setattr(journal_file, '_MOST_WAITING', 20_000)
     pairs, path, full = some_pairs(rng, 3000), tmp_path / 'j', [True]
     node = Node(path, settings())
     real = os.pwrite
@@ -360,7 +360,7 @@ def test_a_disk_that_stays_full_costs_bounded_memory_and_the_hole_is_counted(
         if full:
             raise OSError(28, 'No space left on device')
         return real(descriptor, data, at)
-    monkeypatch.setattr(journal_module.os, 'pwrite', pwrite)
+    monkeypatch.setattr(journal_file.os, 'pwrite', pwrite)
     for lo in range(0, 3000, 100):
         node.take(pairs[lo:lo + 100])
         node.now_s += 1.0

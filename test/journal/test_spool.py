@@ -22,10 +22,10 @@ import tracemalloc
 import numpy as np
 import pytest
 
-from heading_intercompare.bags.recording.spool import Spool
 from heading_intercompare.core.pipeline import Compliance
 from heading_intercompare.core.records import Pairs
 from heading_intercompare.core.settings import Settings
+from heading_intercompare.journal.spool import Spool
 
 SETTINGS = Settings.from_mapping({
     'norms.sigma_max_deg': 0.4, 'norms.sigma_ref_max_deg': 0.3, 'window_s': 60.0,

@@ -18,8 +18,8 @@ from __future__ import annotations
 
 from journals import ledger_of, some_pairs, T0, write_journal
 
-from heading_intercompare.bags.recording.journal import is_journal, read_journal
-from heading_intercompare.bags.recording.journal_reading import (
+from heading_intercompare.journal.journal_file import is_journal, read_journal
+from heading_intercompare.journal.journal_reading import (
     compare_settings,
     describe_gaps,
     JournalReader,

@@ -45,7 +45,7 @@ from heading_intercompare.core.version import VERSION
 from heading_intercompare.messages.ledger_messages import LedgerMessage
 
 from .frozen_state import freeze, hash_code
-from .journal import (
+from .journal_file import (
     encode_columns,
     iterate_records,
     join_parts,
