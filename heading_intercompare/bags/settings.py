@@ -34,8 +34,8 @@ class BagSettings(Checked):
         0.5, 'longest time that messages stay in memory while recording; this much is lost if '
         'the recorder is killed [s]', 0.0, 3600.0)
     fsync_interval_s: float = setting(
-        1.0, 'longest time that written data may stay in the cache of the operating system; '
-        'this much is lost if power fails [s]', 0.0, 3600.0)
+        0.5, 'least time from one sync of the file to the disk to the next, which follows a write '
+        'from memory; the longer of both times is lost if power fails [s]', 0.0, 3600.0)
     split_bytes: int = setting(
         0, 'size at which a bag continues in a new file; 0: never [bytes]', 0, 2**50)
     split_duration_s: float = setting(
