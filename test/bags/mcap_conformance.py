@@ -112,6 +112,20 @@ def digest(name: str) -> str:
     return sha256(''.join(lines).encode()).hexdigest()
 
 
+def extend(content: bytes) -> bytes:
+    """Return a record with bytes after its fields, as later versions of MCAP may write."""
+    length, = struct.unpack_from('<Q', content, 1)
+    return (content[:1] + struct.pack('<Q', length + len(PADDING_BYTES)) + content[9:]
+            + PADDING_BYTES)
+
+
+def extended_everywhere(name: str) -> bytes:
+    """Return a file with all features of an input, its chunk and what is in it extended too."""
+    usable = frozenset(feature for feature in _FEATURES
+                       if not CONTENTS[name].lacks(_NEEDS.get(feature, feature)))
+    return _Writer(CONTENTS[name], usable, with_chunk=True).file()
+
+
 def _variants(name: str) -> Iterator[Case]:
     contents = CONTENTS[name]
     usable = [feature for feature in _FEATURES
@@ -127,10 +141,11 @@ def _variants(name: str) -> Iterator[Case]:
 
 
 class _Writer:
-    """Writes one file."""
+    """Writes one file; it extends its chunk too `with_chunk`, which the originals do not."""
 
-    def __init__(self, contents: Contents, features: frozenset[str]) -> None:
-        self._contents, self._features = contents, features
+    def __init__(self, contents: Contents, features: frozenset[str], *,
+                 with_chunk: bool = False) -> None:
+        self._contents, self._features, self._with_chunk = contents, features, with_chunk
         self._data = bytearray(MAGIC)
         self._chunk_indexes: list[mcap.ChunkIndex] = []
         self._attachment_indexes: list[mcap.AttachmentIndex] = []
@@ -140,7 +155,9 @@ class _Writer:
         self._write(mcap.Header(profile='', library=''))
         definitions = *self._contents.schemas, *self._contents.channels, *self._contents.messages
         if CHUNKS in self._features:
-            self._write_chunk(b''.join(map(record, definitions)))
+            self._write_chunk(b''.join(
+                extend(record(item)) if self._with_chunk and not isinstance(item, mcap.Message)
+                else record(item) for item in definitions))
         else:
             for definition in definitions:
                 self._write(definition)
@@ -155,15 +172,13 @@ class _Writer:
 
     def _write_bytes(self, content: bytes, extensible: bool = True) -> int:
         if extensible and PADDING in self._features:
-            length, = struct.unpack_from('<Q', content, 1)
-            content = (content[:1] + struct.pack('<Q', length + len(PADDING_BYTES))
-                       + content[9:] + PADDING_BYTES)
+            content = extend(content)
         self._data += content
         return len(content)
 
     def _write_chunk(self, records: bytes) -> None:
         begin = len(self._data)
-        length = self._write_bytes(chunk(records, compression=''), extensible=False)
+        length = self._write_bytes(chunk(records, compression=''), self._with_chunk)
         end, places = len(self._data), {}
         for number, entries in (entries_of(records).items()
                                 if MESSAGE_INDEX in self._features else ()):

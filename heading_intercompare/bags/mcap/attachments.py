@@ -33,16 +33,22 @@ _TIMES, _COUNT, _SIZE = struct.Struct('<QQ'), struct.Struct('<I'), struct.Struct
 
 def parse_attachment(content: bytes) -> mcap.Attachment:
     """Return an attachment from the bytes after its head; BagError if it is damaged."""
-    attachment = read_attachment(content)
-    crc = int.from_bytes(content[-4:], 'little')
+    attachment, end = _read_fields(content)
+    crc, = _COUNT.unpack_from(content, end)
     # The checksum covers all fields; pybag 0.13 computes it over the data only.
-    if crc not in (0, zlib.crc32(content[:-4])) and crc != zlib.crc32(attachment.data):
+    if crc not in (0, zlib.crc32(memoryview(content)[:end])) and (
+            crc != zlib.crc32(attachment.data)):
         raise BagError('attachment damaged: its checksum does not match')
     return attachment
 
 
 def read_attachment(content: bytes) -> mcap.Attachment:
     """Return an attachment unchecked; what is no UTF-8 in its names is replaced."""
+    return _read_fields(content)[0]
+
+
+def _read_fields(content: bytes) -> tuple[mcap.Attachment, int]:
+    """Return an attachment and where its checksum is; later versions may have more after it."""
     try:
         log_time, create_time = _TIMES.unpack_from(content)
         texts, at = [], _TIMES.size
@@ -54,10 +60,10 @@ def read_attachment(content: bytes) -> mcap.Attachment:
         end = begin + _SIZE.unpack_from(content, at)[0]
     except struct.error:
         end = -1
-    if end + _COUNT.size != len(content):
+    if not 0 <= end <= len(content) - _COUNT.size:
         raise BagError('a record of type Attachment is damaged')
     return mcap.Attachment(create_time=create_time, log_time=log_time, name=texts[0],
-                           media_type=texts[1], data=content[begin:end])
+                           media_type=texts[1], data=content[begin:end]), end
 
 
 def find_records(stream: RecordStream, opcode: int, indexed: Sequence[int], begin: int,

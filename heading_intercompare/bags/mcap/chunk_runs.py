@@ -79,7 +79,7 @@ class Chunk(NamedTuple):
     plain
         It holds schemas and channels, then messages with valid times, and nothing else; the same
         definitions may be repeated among the messages. The messages are not compressed one by
-        one.
+        one. Nothing follows the fields of the chunk or of its message indexes.
     indexed
         The message indexes after it are right.
     protected
@@ -140,6 +140,13 @@ class _Part(NamedTuple):
     crc: int
     indexes: list[tuple[int, bytes]]
 
+    @property
+    def is_extended(self) -> bool:
+        """Whether more follows the fields of its record, or of a message index."""
+        fields = HEAD.size + self.head.length - self.head.rest + sum(
+            INDEX_HEAD.size + len(entries) for _, entries in self.indexes)
+        return self.start + fields != self.index_end
+
 
 def count_messages(channels: np.ndarray) -> Counts:
     """Return the number of messages of each channel."""
@@ -157,12 +164,17 @@ class ChunkRuns:
         Given an offset and a size, returns that many bytes of the file, fewer at its end.
     size
         Size of the file.
+    extended
+        More may follow the fields of a chunk or of a message index, as later versions of MCAP may
+        write. Without it a wrong length of a damaged file is not taken for that.
 
     """
 
-    def __init__(self, read: Callable[[int, int], bytes], size: int) -> None:
+    def __init__(self, read: Callable[[int, int], bytes], size: int, *,
+                 extended: bool = False) -> None:
         self._read = read
         self._size = size
+        self._extended = extended
         self._zstd = zstandard.ZstdDecompressor()
         self._record_sets: dict[tuple[bytes, ...], frozenset[bytes]] = {}
 
@@ -183,7 +195,7 @@ class ChunkRuns:
 
     def _part(self, at: int, most: int) -> _Part | None:
         """Return the chunk at a byte if it is intact and has at most `most` bytes of records."""
-        head = find_chunk_head(self._read(at, HEAD_BYTES))
+        head = find_chunk_head(self._read(at, HEAD_BYTES), extended=self._extended)
         if head is None or head.size > most or at + HEAD.size + head.length > self._size:
             return None
         content = self._read(at + HEAD.size, head.length)
@@ -206,7 +218,8 @@ class ChunkRuns:
                 if len(ahead) < INDEX_HEAD.size:
                     break
             opcode, length, number, count = INDEX_HEAD.unpack_from(ahead, place)
-            if (opcode != Opcode.MESSAGE_INDEX or length != count + INDEX_LEAST
+            rest = length - count - INDEX_LEAST
+            if (opcode != Opcode.MESSAGE_INDEX or rest < 0 or rest and not self._extended
                     or count > most or count % ENTRY_BYTES):
                 break
             place += INDEX_HEAD.size
@@ -216,7 +229,7 @@ class ChunkRuns:
                 if len(entries) < count:
                     break
             indexes.append((number, entries))
-            at += INDEX_HEAD.size + count
+            at += HEAD.size + length
         return indexes, at
 
     def _join(self, parts: list[_Part]) -> ChunkRun | None:
@@ -278,7 +291,8 @@ class ChunkRuns:
                 index_end=part.index_end, first_ns=begin_ns, last_ns=end_ns, size=head.size,
                 crc=part.crc, compression=head.compression, packed=head.packed, counts=counts,
                 definitions=self._intern(others.get(i, ())),
-                plain=bool(plain[i]) and not is_packed(block.data, block.start[lo:hi]),
+                plain=bool(plain[i]) and not part.is_extended and not is_packed(
+                    block.data, block.start[lo:hi]),
                 indexed=indexed[i], protected=head.crc > 0))
         return chunks, untimed
 

@@ -46,7 +46,11 @@ _LENGTH = struct.Struct('<Q')
 
 
 class ChunkHead(NamedTuple):
-    """What a chunk says about itself; `packed` is the length of its compressed records."""
+    """
+    What a chunk says about itself.
+
+    `packed` is the length of its compressed records, `rest` that of what follows its fields.
+    """
 
     length: int
     first_ns: int
@@ -55,13 +59,15 @@ class ChunkHead(NamedTuple):
     crc: int
     compression: str
     packed: int
+    rest: int
 
 
-def find_chunk_head(data: bytes) -> ChunkHead | None:
+def find_chunk_head(data: bytes, *, extended: bool = False) -> ChunkHead | None:
     """
     Return the head of the chunk whose record begins these bytes; None if it contradicts itself.
 
-    The opcode may be wrong if the head has a checksum, because that can prove the chunk.
+    The opcode may be wrong if the head has a checksum, because that can prove the chunk. The
+    record may have more after its fields, as later versions of MCAP may write, if `extended`.
     """
     if len(data) < HEAD.size + CHUNK_HEAD.size:
         return None
@@ -72,11 +78,12 @@ def find_chunk_head(data: bytes) -> ChunkHead | None:
             crc or data[0] == Opcode.CHUNK):
         return None
     packed = _LENGTH.unpack_from(data, start + letters)[0]
-    if CHUNK_HEAD.size + letters + 8 + packed != length or max(size, length) > CHUNK_BYTES:
+    rest = length - CHUNK_HEAD.size - letters - 8 - packed
+    if rest < 0 or rest and not extended or max(size, length) > CHUNK_BYTES:
         return None
     return ChunkHead(length=length, first_ns=first, last_ns=last, size=size, crc=crc,
                      compression=data[start:start + letters].decode(errors='replace'),
-                     packed=packed)
+                     packed=packed, rest=rest)
 
 
 def _is_plausible(begun: bytearray, size: int) -> bool:

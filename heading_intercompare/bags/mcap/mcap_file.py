@@ -50,8 +50,10 @@ _DATA = (Opcode.HEADER, Opcode.MESSAGE, Opcode.CHUNK, Opcode.MESSAGE_INDEX, Opco
          Opcode.METADATA, Opcode.DATA_END)
 _BUFFER_BYTES = 131072
 #: First and last log time, offset and length of a chunk, and bytes of the places of its message
-#: indexes, each a channel and an offset; at the end the size of its records.
-_CHUNK_INDEX, _SIZE = struct.Struct('<QQQQI'), struct.Struct('<Q')
+#: indexes, each a channel and an offset. After these: bytes of its message indexes and letters of
+#: the compression; after its name the sizes of its records, compressed and decompressed.
+_CHUNK_INDEX, _INDEX_TAIL = struct.Struct('<QQQQI'), struct.Struct('<QI')
+_SIZES = struct.Struct('<QQ')
 _PLACE = 10
 #: Bytes of a block, and blocks of a stretch, at least; the last of a file may be smaller.
 _BLOCK_BYTES = 3145728
@@ -122,7 +124,9 @@ def read_chunk_index(content: bytes) -> ChunkRow:
     """Return the row of a chunk from the record in the index; BagError if it is cut."""
     try:
         first_ns, last_ns, begin, _, length = _CHUNK_INDEX.unpack_from(content)
-        size, = _SIZE.unpack_from(content, len(content) - _SIZE.size)
+        tail = _CHUNK_INDEX.size + length
+        _, letters = _INDEX_TAIL.unpack_from(content, tail)
+        _, size = _SIZES.unpack_from(content, tail + _INDEX_TAIL.size + letters)
     except struct.error:
         raise BagError('a record of the index is cut') from None
     places = content[_CHUNK_INDEX.size:_CHUNK_INDEX.size + length]

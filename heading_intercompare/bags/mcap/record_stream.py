@@ -138,15 +138,16 @@ class RecordStream:
         size = measure_whole(data, _BARE)
         return block_of(data[:size], at), at + size
 
-    def _check_index(self, record: Record, after_chunk: bool) -> None:
-        """Raise BagError if a message index is malformed or does not follow a chunk."""
+    def _read_index(self, record: Record, after_chunk: bool) -> int:
+        """Return the bytes of its entries; BagError if it is malformed or follows no chunk."""
         at = record.start - HEAD.size
         if not after_chunk:
             raise BagError('damaged: a message index follows no chunk', offset=at)
-        size = record.length - INDEX_LEAST
-        if size < 0 or size % ENTRY_BYTES or int.from_bytes(
-                self._file.read(INDEX_LEAST)[2:], 'little') != size:
+        room = record.length - INDEX_LEAST
+        size = int.from_bytes(self._file.read(INDEX_LEAST)[2:], 'little')
+        if not 0 <= size <= room or size % ENTRY_BYTES:
             raise BagError('message index damaged: its lengths do not agree', offset=at)
+        return size
 
     def _large(self, begun: BegunChunk, at: int) -> Iterator[tuple[Block, int]]:
         """Yield the blocks of a large chunk, once all of it is proved; it ends with the last."""
@@ -189,9 +190,9 @@ class RecordStream:
                 record = self.record(at, end)
                 opcode, start, length = record
                 if opcode == Opcode.MESSAGE_INDEX:
-                    self._check_index(record, after_chunk)
+                    size = self._read_index(record, after_chunk)
                     if in_span:
-                        chunks.add_index(self._read(start + INDEX_LEAST, length - INDEX_LEAST))
+                        chunks.add_index(self._read(start + INDEX_LEAST, size))
                     at = start + length
                     continue
             except BagError:

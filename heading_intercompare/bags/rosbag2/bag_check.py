@@ -83,7 +83,7 @@ def _compare(file: BufferedIOBase, stream: RecordStream, part: Part,
     def read(at: int, size: int) -> bytes:
         file.seek(at)
         return file.read(size)
-    runs = ChunkRuns(read, part.end)
+    runs = ChunkRuns(read, part.end, extended=True)
     whole = bool(indexed)
     at = part.stretches()[0].begin
     while at < part.end:
@@ -119,7 +119,7 @@ def _read_chunk_indexes(stream: RecordStream, part: Part) -> dict[int, mcap.Chun
 def _compare_chunk(chunk: Chunk, read: _Read,
                    entry: mcap.ChunkIndex | None) -> Iterator[str]:
     """Yield what is wrong with what is said about an intact chunk."""
-    head = find_chunk_head(read(chunk.start, HEAD_BYTES))
+    head = find_chunk_head(read(chunk.start, HEAD_BYTES), extended=True)
     place = f'the chunk at byte {chunk.start}'
     times = chunk.first_ns, chunk.last_ns
     empty = not chunk.counts
