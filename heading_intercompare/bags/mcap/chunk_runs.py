@@ -37,6 +37,7 @@ from .checksum import crc32
 from .chunks import LARGE_BYTES, unpack
 from .fragments import ChunkHead, find_chunk_head, HEAD_BYTES
 from .message_blocks import (
+    are_timed,
     Block,
     block_of,
     ENTRY_BYTES,
@@ -220,6 +221,7 @@ class ChunkRuns:
             opcode, length, number, count = INDEX_HEAD.unpack_from(ahead, place)
             rest = length - count - INDEX_LEAST
             if (opcode != Opcode.MESSAGE_INDEX or rest < 0 or rest and not self._extended
+                    or at + HEAD.size + length > self._size
                     or count > most or count % ENTRY_BYTES):
                 break
             place += INDEX_HEAD.size
@@ -260,7 +262,8 @@ class ChunkRuns:
             first[filled] = np.minimum.reduceat(log, lows)
             last[filled] = np.maximum.reduceat(log, lows)
             published[filled] = np.minimum.reduceat(block.heads['publish_time'], lows)
-        plain = (first >= 0) & (published >= 0)
+        timed = are_timed(first)
+        plain = timed & (published >= 0)
         others: dict[int, list[bytes]] = {}
         begins = np.append(block.start, len(block.data))[edges[:-1]]
         heads = np.array([r.start - HEAD.size for r in block.others], np.int64)
@@ -278,14 +281,14 @@ class ChunkRuns:
         for i, (part, (lo, hi), begin_ns, end_ns) in enumerate(zip(
                 parts, spans, first.tolist(), last.tolist())):
             head = part.head
-            indexed[i] = indexed[i] and begin_ns >= 0
+            indexed[i] = indexed[i] and bool(timed[i])
             counts: Counts
             if indexed[i]:
                 counts = tuple([(n, len(content) // ENTRY_BYTES) for n, content in part.indexes])
             else:
-                timed = log[lo:hi] >= 0
-                counts = count_messages(block.heads['channel'][lo:hi][timed])
-                untimed += int((~timed).sum())
+                possible = are_timed(log[lo:hi])
+                counts = count_messages(block.heads['channel'][lo:hi][possible])
+                untimed += int((~possible).sum())
             chunks.append(Chunk(
                 start=part.start, end=part.start + HEAD.size + head.length,
                 index_end=part.index_end, first_ns=begin_ns, last_ns=end_ns, size=head.size,

@@ -16,7 +16,9 @@
 
 from __future__ import annotations
 
+from bisect import bisect_right
 from io import BufferedIOBase
+from operator import itemgetter
 import struct
 from typing import Callable, Iterator, NamedTuple
 
@@ -29,7 +31,14 @@ from heading_intercompare.core.records import Integers
 from heading_intercompare.messages.byte_columns import BytesLike
 
 from .checksum import crc32
-from .message_blocks import Block, block_of, HEAD, measure_whole, refuse_definitions
+from .message_blocks import (
+    Block,
+    block_of,
+    HEAD,
+    measure_whole,
+    refuse_definitions,
+    refuse_untimed,
+)
 
 #: First and last log time, size and checksum of the decompressed records, length of the
 #: compression's name.
@@ -333,9 +342,10 @@ class Gathering:
 
     def clear(self) -> None:
         """Begin the next block."""
-        self.size = self.end = self._base = self._offset = 0
+        self.size = self.end = self._base = 0
         self._index: list[bytes] = []
         self._bases: list[int] = []
+        self._starts: list[tuple[int, int]] = []
         self._usable = True
         self._awaited = False
 
@@ -354,8 +364,7 @@ class Gathering:
         elif file.readinto(into) < head.size:
             raise BagError('chunk damaged: it ends early')
         _check(head, into)
-        if not self:
-            self._offset = begun.at - HEAD.size
+        self._starts.append((self.size, begun.at - HEAD.size))
         self._usable = self._usable and not self._awaited
         self._awaited = True
         self._base, self.size, self.end = self.size, self.size + head.size, begun.end
@@ -380,8 +389,22 @@ class Gathering:
         self._bases.append(self._base)
 
     def block(self) -> Block:
-        """Return the messages as a block, valid until the next chunk is taken."""
-        return block_of(self._memory[:self.size], self._offset, self._offsets)
+        """
+        Return the messages as a block, valid until the next chunk is taken.
+
+        Raises
+        ------
+        BagError
+            If the records do not fill the chunks, or a message has an impossible log time.
+
+        """
+        block = block_of(self._memory[:self.size], self._starts[0][1], self._offsets)
+        refuse_untimed(block, self._locate)
+        return block
+
+    def _locate(self, at: int) -> int:
+        """Return where in the file the chunk with a byte of the block begins."""
+        return self._starts[bisect_right(self._starts, at, key=itemgetter(0)) - 1][1]
 
     def _offsets(self) -> Integers | None:
         """Return the message offsets that the indexes name; None unless each chunk has indexes."""

@@ -40,7 +40,7 @@ from heading_intercompare.bags.packed_files import PACKED, plain_name
 from heading_intercompare.natural_order import natural_key
 
 from .attachments import find_records, parse_attachment
-from .message_blocks import Block, HEAD, Record, walk
+from .message_blocks import Block, HEAD, LAST_NS, Record, walk
 from .record_stream import MAGIC, parse_record, RecordStream
 
 _FOOTER = HEAD.size + 20
@@ -241,7 +241,8 @@ class Part:
                 self._chunks.append(read_chunk_index(content))
             else:
                 self._take_definition(record.opcode, content)
-        if statistics is None:
+        if statistics is None or max(statistics.message_start_time,
+                                     statistics.message_end_time) > LAST_NS:
             return False
         self.counts = dict(statistics.channel_message_counts)
         if statistics.message_count:

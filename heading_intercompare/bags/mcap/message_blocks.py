@@ -58,6 +58,10 @@ MESSAGE_HEADS = np.dtype([('opcode', 'u1'), ('length', '<i8'), ('channel', '<u2'
                           ('sequence', '<u4'), ('log_time', '<i8'), ('publish_time', '<i8')])
 
 
+LAST_NS = 2**63 - 1
+"""The latest possible time of a message, in 2262; in `MESSAGE_HEADS` later ones are negative."""
+
+
 class Record(NamedTuple):
     """Opcode of a record, first byte after its head, and length of its content."""
 
@@ -93,6 +97,29 @@ class Block:
     stop: Integers
     heads: np.ndarray
     others: tuple[Record, ...]
+
+
+def are_timed(log_time_ns: Integers) -> np.ndarray:
+    """Tell which log times are possible: none is after `LAST_NS`."""
+    return log_time_ns >= 0
+
+
+def refuse_untimed(block: Block, locate: Callable[[int], int]) -> None:
+    """
+    Raise BagError if a message has an impossible log time.
+
+    Parameters
+    ----------
+    block
+        The messages.
+    locate
+        Returns the byte of the file to name, given the first byte of the record in the block.
+
+    """
+    untimed = np.flatnonzero(~are_timed(block.heads['log_time']))
+    if untimed.size:
+        raise BagError('a message that `recover` leaves out has an impossible log time',
+                       offset=locate(int(block.start[untimed[0]]) - MESSAGE_HEAD.size))
 
 
 def _most_definitions(messages: int) -> int:

@@ -29,7 +29,16 @@ from heading_intercompare.bags.errors import BagError
 from heading_intercompare.messages.byte_columns import BytesLike
 
 from .chunks import begin_chunk, BegunChunk, Gathering, LargeChunk, UNFIT
-from .message_blocks import Block, block_of, ENTRY_BYTES, HEAD, INDEX_LEAST, measure_whole, Record
+from .message_blocks import (
+    Block,
+    block_of,
+    ENTRY_BYTES,
+    HEAD,
+    INDEX_LEAST,
+    measure_whole,
+    Record,
+    refuse_untimed,
+)
 
 MAGIC = b'\x89MCAP0\r\n'
 
@@ -135,8 +144,15 @@ class RecordStream:
         """Return the messages outside chunks from a record on, and where they end."""
         at = record.start - HEAD.size
         data = self._read(at, min(max(_BARE_BYTES, HEAD.size + record.length), end - at))
-        size = measure_whole(data, _BARE)
-        return block_of(data[:size], at), at + size
+        block = block_of(data[:measure_whole(data, _BARE)], at)
+        try:
+            refuse_untimed(block, lambda place: at + place)
+        except BagError as error:
+            # The messages before it are sound; the next call begins with it.
+            if error.offset in (None, at):
+                raise
+            block = block_of(data[:error.offset - at], at)
+        return block, at + len(block.data)
 
     def _read_index(self, record: Record, after_chunk: bool) -> int:
         """Return the bytes of its entries; BagError if it is malformed or follows no chunk."""
@@ -154,6 +170,7 @@ class RecordStream:
         chunk = LargeChunk(self._file, begun)
         chunk.verify()
         for block in chunk.blocks():
+            refuse_untimed(block, lambda place: at)
             yield block, at
         yield block_of(b'', at), begun.end
 

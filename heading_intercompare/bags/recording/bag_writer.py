@@ -29,6 +29,7 @@ import numpy as np
 from heading_intercompare.bags.errors import BagError, utf8
 from heading_intercompare.bags.mcap.chunk_chain import ChunkChain
 from heading_intercompare.bags.mcap.chunk_writer import ChunkWriter, Rows
+from heading_intercompare.bags.mcap.message_blocks import LAST_NS
 from heading_intercompare.bags.rosbag2.bag_yaml import (
     bag_metadata,
     metadata_file,
@@ -55,7 +56,7 @@ def _topic_name(topic: str) -> str:
 
 
 def _check_time(time_ns: int) -> int:
-    if not 0 <= time_ns < 2**63:
+    if not 0 <= time_ns <= LAST_NS:
         raise BagError(f'a bag cannot hold the time {time_ns} ns: must be from 1970 on and below '
                        '2^63 ns')
     return int(time_ns)
