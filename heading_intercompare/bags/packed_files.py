@@ -21,8 +21,12 @@ metadata.yaml is lost. rosbag2 compresses all messages of a bag or none: the fir
 
 from __future__ import annotations
 
+from io import FileIO
 from pathlib import Path
+import resource
 import shutil
+from tempfile import gettempdir, TemporaryFile
+import weakref
 
 import numpy as np
 import zstandard
@@ -93,6 +97,8 @@ _PIECE_BYTES = 2**20
 _MOST_FILE_BYTES, _MOST_TIMES = 2**30, 200
 #: This much of the disk is left free.
 _FREE_BYTES = 2**28
+#: The open files of this process, each by its number.
+_DESCRIPTORS = Path('/proc/self/fd')
 
 
 def plain_name(name: str) -> str:
@@ -100,43 +106,79 @@ def plain_name(name: str) -> str:
     return name.removesuffix(PACKED)
 
 
-def unpack_file(path: Path, folder: Path) -> tuple[Path, str | None]:
+class PlainFile:
     """
-    Unpack a file into a folder, piece by piece; memory stays that of a piece.
+    A file of a bag as it is read: the file itself, or what rosbag2 compressed whole, unpacked.
 
-    Returns
-    -------
-    place : Path
-        The unpacked file.
+    What is unpacked has no name on the disk. So nothing of it is left however the program ends.
+
+    Parameters
+    ----------
+    path
+        The file.
+
+    Attributes
+    ----------
+    source
+        The file on the disk.
+    path
+        The same without the ending of the compression, for messages about what is in it.
+    place
+        Where to read it, in this process and those that it forks, as long as this object lasts.
     problem : str or None
         Why only the beginning could be unpacked; None if all was.
 
     Raises
     ------
     OSError
-        If the file cannot be read, or the folder cannot be written.
+        If the file cannot be read, or the temporary folder cannot be written.
     BagError
         If it unpacks to more than 200 times its size and more than 1 GiB, or to more than the
         disk can hold.
 
     """
-    place = folder / plain_name(path.name)
+
+    def __init__(self, path: Path) -> None:
+        self.source = self.path = self.place = path
+        self.problem: str | None = None
+        if path.name.endswith(PACKED):
+            self.path = path.with_name(plain_name(path.name))
+            file = _make_nameless()
+            weakref.finalize(self, file.close)
+            self.place = _DESCRIPTORS / str(file.fileno())
+            self.problem = _unpack(path, file)
+
+
+def _make_nameless() -> FileIO:
+    """Return a new file without a name; a bag may have more files than a process may open."""
+    file: FileIO = TemporaryFile(buffering=0)
+    may_open, most = resource.getrlimit(resource.RLIMIT_NOFILE)
+    if file.fileno() > may_open // 2:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (most, most))
+    return file
+
+
+def _unpack(path: Path, file: FileIO) -> str | None:
+    """Unpack a file piece by piece; return why only the beginning could be, None if all was."""
     most = max(_MOST_FILE_BYTES, _MOST_TIMES * path.stat().st_size)
     size = 0
-    with path.open('rb') as packed, place.open('wb') as file:
+    with path.open('rb') as packed:
         reader = zstandard.ZstdDecompressor().stream_reader(packed, read_across_frames=True)
         while True:
             try:
                 piece = reader.read(_PIECE_BYTES)
             except zstandard.ZstdError as error:
-                return place, f'{path.name} is damaged: {error}; the data before that is read'
+                return f'is damaged: {error}; the data before that is read'
             if not piece:
-                return place, None if size else (f'{path.name} is empty or cut: nothing of it can '
-                                                 'be unpacked')
+                return None if size else 'is empty or cut: nothing of it can be unpacked'
             size += len(piece)
             if size > most:
                 raise BagError(f'unpacks to more than {most} bytes; no recording does', path)
+            folder = gettempdir()
             if shutil.disk_usage(folder).free < _FREE_BYTES + len(piece):
                 raise BagError(f'does not fit into {folder} when it is unpacked; set TMPDIR to a '
                                'folder on a larger disk', path)
-            file.write(piece)
+            # A file without a buffer may take less than it is given.
+            view = memoryview(piece)
+            while view:
+                view = view[file.write(view):]

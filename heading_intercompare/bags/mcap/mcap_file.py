@@ -36,7 +36,7 @@ from mcap.opcode import Opcode
 import numpy as np
 
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.packed_files import PACKED, plain_name
+from heading_intercompare.bags.packed_files import PACKED, plain_name, PlainFile
 from heading_intercompare.natural_order import natural_key
 
 from .attachments import find_records, parse_attachment
@@ -140,9 +140,7 @@ class Part:
     Parameters
     ----------
     path
-        The file.
-    named
-        Its name in errors, if it was unpacked from another.
+        The file; one that rosbag2 compressed whole is unpacked.
 
     Attributes
     ----------
@@ -170,18 +168,19 @@ class Part:
 
     """
 
-    def __init__(self, path: str | os.PathLike[str], named: Path | None = None) -> None:
-        self._place = Path(path)
-        self.path = named or self._place
-        self.incomplete: str | None = None
+    def __init__(self, path: str | os.PathLike[str]) -> None:
+        self._file = PlainFile(Path(path))
+        self.path = self._file.path
+        cut = self._file.problem
+        self.incomplete = cut and f'{self._file.source.name} {cut}'
         self._forget()
-        with BufferedReader(FileIO(self._place), _BUFFER_BYTES) as file:
+        with BufferedReader(FileIO(self._file.place), _BUFFER_BYTES) as file:
             magic = file.read(len(MAGIC))
             if magic != MAGIC:
-                problem = ('is empty (0 bytes)' if not magic else
+                problem = (cut or 'is empty (0 bytes)' if not magic else
                            'is not an MCAP file' if any(magic) else
                            'starts with zero bytes; it was never written')
-                raise NeverBegun(problem, self.path)
+                raise NeverBegun(problem, self._file.source if cut else self.path)
             stream = RecordStream(file)
             if not self._read_summary(stream):
                 self._forget()
@@ -306,7 +305,8 @@ class Part:
         else:
             problem = (f'was not closed: {problem} at byte {at} of {stream.size}; the data '
                        'before that is read')
-        self.incomplete = problem and f'{self.path.name} {problem}'
+        self.incomplete = '; '.join(filter(None, (
+            self.incomplete, problem and f'{self.path.name} {problem}'))) or None
 
     def _counted(self) -> _Counted:
         return dict(self.counts), self.start_ns, self.end_ns, len(self._chunks)
@@ -398,7 +398,7 @@ class Part:
     @contextmanager
     def open(self) -> Iterator[RecordStream]:
         """Open the file for the time of a `with` block."""
-        with BufferedReader(FileIO(self._place), _BUFFER_BYTES) as file:
+        with BufferedReader(FileIO(self._file.place), _BUFFER_BYTES) as file:
             yield RecordStream(file)
 
     def blocks_of(self, stream: RecordStream, begin: int, end: int | None = None,

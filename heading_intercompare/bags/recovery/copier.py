@@ -23,6 +23,7 @@ are copied too if they are right. The messages of other chunks are gathered and 
 from __future__ import annotations
 
 from collections import Counter
+from functools import partial
 from io import BufferedIOBase
 from typing import Callable, Iterator, Mapping
 
@@ -106,7 +107,7 @@ class Transfer:
 
         """
         numbers = {key: self._add_topic(inventory, *key) for key in sorted(inventory.counts)}
-        with open_with_holes(inventory.path, inventory.holes) as file:
+        with open_with_holes(inventory.file.place, inventory.holes) as file:
             copying = _Copying(file, inventory, self._bag, numbers)
             for piece in inventory.pieces:
                 if piece.kind == Kind.EXTRA:
@@ -174,6 +175,12 @@ def _blame_change(inventory: Inventory) -> BagError:
     return BagError('has changed while it was read', inventory.path)
 
 
+def _read(file: BufferedIOBase, at: int, size: int) -> bytes:
+    """Return bytes of a file, fewer at its end."""
+    file.seek(at)
+    return file.read(size)
+
+
 class _Copying:
     """The copying of one file."""
 
@@ -184,6 +191,8 @@ class _Copying:
         self._bag = bag
         self._numbers = numbers
         self.salvage = Salvage(file, inventory.unproven > 0)
+        # No method of this object, which would keep it, and what it has unpacked, alive.
+        self._read = partial(_read, file)
         self._runs = ChunkRuns(self._read, self.salvage.size)
         self._same: dict[object, bool] = {}
         self._tables: tuple[int, Integers] = (-1, np.empty(0, np.int64))
@@ -194,10 +203,6 @@ class _Copying:
         self._memory = bytearray()
         #: Messages that cannot be decompressed, by channel in the new bag.
         self.refused: Counter[int] = Counter()
-
-    def _read(self, at: int, size: int) -> bytes:
-        self._file.seek(at)
-        return self._file.read(size)
 
     def take(self, piece: Piece, compression: str | None, singly: bool) -> None:
         """Take the next whole chunk."""

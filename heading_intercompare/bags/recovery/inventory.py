@@ -45,6 +45,7 @@ from heading_intercompare.bags.mcap.message_blocks import (
     INDEX_LEAST,
 )
 from heading_intercompare.bags.mcap.record_stream import parse_record
+from heading_intercompare.bags.packed_files import PlainFile
 
 from .large_chunks import Large, read_blocks
 from .scanner import Gap, Salvage, Sound
@@ -237,8 +238,8 @@ class Inventory:
 
     Attributes
     ----------
-    path
-        The file.
+    file
+        The file, unpacked if it was compressed whole.
     size
         Its size in bytes.
     holes
@@ -272,7 +273,7 @@ class Inventory:
 
     """
 
-    path: Path
+    file: PlainFile
     size: int = 0
     holes: list[int] = field(default_factory=list)
     pieces: Pieces = field(default_factory=Pieces)
@@ -288,6 +289,11 @@ class Inventory:
     unproven: int = 0
     large: dict[int, Large] = field(default_factory=dict)
     doubtful: list[tuple[int, int, Chunk]] = field(default_factory=list)
+
+    @property
+    def path(self) -> Path:
+        """Return the name of the file in messages."""
+        return self.file.path
 
     @property
     def closed(self) -> bool:
@@ -355,14 +361,16 @@ def take_inventory(path: Path, progress: Callable[[str], None],
     ------
     OSError
         If the file cannot be read.
+    BagError
+        If it is compressed whole and unpacks to far too much.
 
     """
-    inventory = Inventory(path)
+    inventory = Inventory(PlainFile(path))
     #: For a damaged chunk: messages that its indexes name, and messages of it that can be read.
     named, readable = 0, 0
     #: Whether message indexes here belong to a damaged chunk; None: no chunk precedes them.
     indexing: bool | None = None
-    with open_with_holes(path, inventory.holes) as file:
+    with open_with_holes(inventory.file.place, inventory.holes) as file:
         salvage = Salvage(file, unproven)
         inventory.size = salvage.size
         for item in salvage.scan():

@@ -26,12 +26,10 @@ from contextlib import ExitStack
 from dataclasses import dataclass, field
 import os
 from pathlib import Path
-from tempfile import TemporaryDirectory
-from typing import Callable, Sequence
+from typing import Callable
 
 from heading_intercompare.bags.errors import BagError, decimal
 from heading_intercompare.bags.mcap.chunk_writer import COMPRESSIONS
-from heading_intercompare.bags.packed_files import PACKED, unpack_file
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.bag_files import BagFiles, find_files, METADATA
 from heading_intercompare.bags.rosbag2.bag_yaml import list_parts
@@ -135,6 +133,9 @@ def _sum_up(files: list[Inventory]) -> Recovered:
         total.messages_unproven += inventory.unproven
         damaged = sum(d.chunk for d in inventory.damage)
         total.chunks_lost += damaged
+        if inventory.file.problem:
+            total.note(inventory.file.source, inventory.file.problem)
+            total.messages_known = False
         for damage in inventory.damage[:_NOTES]:
             total.note(inventory.path, f'bytes {damage.start} to {damage.end}: {damage.fault}')
         _count(total, inventory)
@@ -269,29 +270,9 @@ def recover(source: str | os.PathLike[str], target: str | os.PathLike[str],
     listed, problem = _find_files(source)
     if Path(os.path.realpath(source)) in Path(os.path.realpath(target)).parents:
         raise BagError(f'lies inside the bag to recover; write it next to {source}', target)
-    with TemporaryDirectory(prefix='heading_bag_') as unpacked:
-        return _recover(source, target, settings, progress, listed, problem, Path(unpacked),
-                        unproven)
-
-
-def _unpack(paths: Sequence[Path], folder: Path) -> tuple[list[Path], list[tuple[Path, str]]]:
-    """Return files, unpacked if compressed whole; and why some files are not all unpacked."""
-    files, problems = [], []
-    for path in paths:
-        if path.name.endswith(PACKED):
-            path, why = unpack_file(path, folder)
-            problems += [(path, why)] if why else []
-        files.append(path)
-    return files, problems
-
-
-def _recover(source: Path, target: Path, settings: BagSettings | None,
-             progress: Callable[[str], None], listed: BagFiles, problem: str,
-             unpacked: Path, unproven: bool) -> Recovered:
-    paths, cut = _unpack(listed.paths, unpacked)
-    files, others = _take_inventories(paths, progress, unproven)
+    files, others = _take_inventories(listed.paths, progress, unproven)
     total = _sum_up(files)
-    for path, why in cut + others:
+    for path, why in others:
         total.note(path, why)
         total.messages_known = False
     if problem:

@@ -19,11 +19,10 @@ from __future__ import annotations
 from itertools import islice
 import os
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Iterator
 
 from heading_intercompare.bags.mcap.chunk_chain import ChunkChain, ChunkHash, hash_chunks
-from heading_intercompare.bags.packed_files import PACKED, unpack_file
+from heading_intercompare.bags.packed_files import PlainFile
 
 from .bag_files import find_files
 
@@ -55,8 +54,6 @@ def read_chain(path: str | os.PathLike[str], most: int) -> ChunkChain:
 
 def _hash_bag(path: Path) -> Iterator[ChunkHash]:
     """Yield the SHA-256 of each chunk of all files."""
-    with TemporaryDirectory(prefix='heading_bag_') as unpacked:
-        for file in find_files(path).paths:
-            if file.name.endswith(PACKED):
-                file, _ = unpack_file(file, Path(unpacked))
-            yield from hash_chunks(file)
+    for part in find_files(path).paths:
+        file = PlainFile(part)
+        yield from hash_chunks(file.place)

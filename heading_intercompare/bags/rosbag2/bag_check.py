@@ -17,11 +17,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from io import BufferedIOBase, BufferedReader, FileIO
 from itertools import chain
 import os
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Callable, Iterator
 
 from mcap import records as mcap
@@ -37,7 +35,6 @@ from heading_intercompare.bags.mcap.fragments import find_chunk_head, HEAD_BYTES
 from heading_intercompare.bags.mcap.mcap_file import Part
 from heading_intercompare.bags.mcap.message_blocks import Block, HEAD, INDEX_HEAD, Record
 from heading_intercompare.bags.mcap.record_stream import MAGIC, parse_record, RecordStream
-from heading_intercompare.bags.packed_files import PACKED, unpack_file
 from heading_intercompare.core.records import Integers
 
 from .bag_files import find_files
@@ -49,7 +46,7 @@ _MOST_FAULTS = 5
 _Read = Callable[[int, int], bytes]
 
 
-def find_index_faults(file: BufferedIOBase, part: Part) -> Iterator[str]:
+def find_index_faults(stream: RecordStream, part: Part) -> Iterator[str]:
     """
     Yield what is wrong with the indexes of a file, at most a few faults.
 
@@ -58,8 +55,8 @@ def find_index_faults(file: BufferedIOBase, part: Part) -> Iterator[str]:
 
     Parameters
     ----------
-    file : binary file
-        The file, open for reading.
+    stream
+        The records of the file.
     part
         The same file.
 
@@ -69,8 +66,7 @@ def find_index_faults(file: BufferedIOBase, part: Part) -> Iterator[str]:
         If the file cannot be read.
 
     """
-    stream = RecordStream(file)
-    faults = _compare(file, stream, part, _read_chunk_indexes(stream, part))
+    faults = _compare(stream, part, _read_chunk_indexes(stream, part))
     for number, fault in enumerate(faults, 1):
         if number > _MOST_FAULTS:
             yield f'{part.path.name}: there are more such faults'
@@ -78,11 +74,10 @@ def find_index_faults(file: BufferedIOBase, part: Part) -> Iterator[str]:
         yield f'{part.path.name}: {fault}'
 
 
-def _compare(file: BufferedIOBase, stream: RecordStream, part: Part,
+def _compare(stream: RecordStream, part: Part,
              indexed: dict[int, mcap.ChunkIndex]) -> Iterator[str]:
     def read(at: int, size: int) -> bytes:
-        file.seek(at)
-        return file.read(size)
+        return stream.content(Record(0, at, size))
     runs = ChunkRuns(read, part.end, extended=True)
     whole = bool(indexed)
     at = part.stretches()[0].begin
@@ -225,13 +220,9 @@ def check_bag(path: str | os.PathLike[str],
     place = Path(path)
     files = find_files(place)
     check.faults += files.missing
-    with TemporaryDirectory(prefix='heading_bag_') as unpacked:
-        for file in files.paths:
-            check.files += 1
-            if file.name.endswith(PACKED):
-                file, problem = unpack_file(file, Path(unpacked))
-                check.faults += [problem] if problem else []
-            check.faults += _faults(file, check, progress)
+    for file in files.paths:
+        check.files += 1
+        check.faults += _faults(file, check, progress)
     return check
 
 
@@ -250,8 +241,8 @@ def _faults(file: Path, check: BagCheck, progress: Callable[[str], None]) -> Ite
             progress(f'{check.messages:,} messages')
         for _ in chain(part.metadata(), part.attachments()):
             pass
-        with BufferedReader(FileIO(file), _READ_BYTES) as stream:
-            yield from _check_rest(RecordStream(stream), part, check)
+        with part.open() as stream:
+            yield from _check_rest(stream, part, check)
             yield from find_index_faults(stream, part)
     except BagError as error:
         yield f'{file.name}: {_text(error)}'

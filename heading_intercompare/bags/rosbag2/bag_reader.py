@@ -22,10 +22,7 @@ from dataclasses import dataclass
 from itertools import groupby
 import os
 from pathlib import Path
-import shutil
-from tempfile import mkdtemp
 from typing import Callable, Iterable, Iterator, Mapping, NamedTuple, Sequence
-import weakref
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -33,14 +30,7 @@ from numpy.typing import ArrayLike
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.mcap_file import NeverBegun, Part
 from heading_intercompare.bags.mcap.message_blocks import Block
-from heading_intercompare.bags.packed_files import (
-    is_packed,
-    PACKED,
-    plain_name,
-    unpack_file,
-    unpack_payload,
-    unpack_payloads,
-)
+from heading_intercompare.bags.packed_files import is_packed, unpack_payload, unpack_payloads
 from heading_intercompare.bags.parallel.by_minute import Window
 from heading_intercompare.bags.parallel.decode_workers import (
     can_fork,
@@ -147,32 +137,19 @@ class Attachment:
     data: bytes
 
 
-def _open_files(path: Path, oddities: list[str],
-                make_folder: Callable[[], Path]) -> tuple[list[Part], list[str]]:
+def _open_files(path: Path, oddities: list[str]) -> tuple[list[Part], list[str]]:
     """Return the files of a bag in order, and why some files are missing; say what else is odd."""
     files = find_files(path)
     oddities += files.oddities
-    absent = files.missing
-    places = []
-    for file in files.paths:
-        place, named = file, file.with_name(plain_name(file.name))
-        if file.name.endswith(PACKED):
-            place, problem = unpack_file(file, make_folder())
-            absent += [problem] if problem else []
-        if place == file or place.stat().st_size:
-            places.append((place, named))
-    if not path.is_dir():
-        if not places:
-            raise BagError(absent[-1], path)
-        return [Part(*places[0])], absent
     parts, refused = [], []
-    for place, named in places:
+    for file in files.paths:
         try:
-            parts.append(Part(place, named))
+            parts.append(Part(file))
         except NeverBegun as error:
             refused.append(error)
     if len(files.paths) == 1 and refused:
         raise refused[0]
+    absent = files.missing
     absent += [f'{Path(error.path).name} {error.problem}' for error in refused]
     if not parts:
         raise BagError(f'no file of it can be read: {"; ".join(absent)}', path)
@@ -241,7 +218,7 @@ class BagReader:
     def __init__(self, path: str | os.PathLike[str], namespace: str | None = None) -> None:
         self.path = Path(path)
         self.oddities: list[str] = []
-        self._parts, absent = _open_files(self.path, self.oddities, self._make_folder)
+        self._parts, absent = _open_files(self.path, self.oddities)
         reasons = absent + [part.incomplete for part in self._parts if part.incomplete]
         self.incomplete = '; '.join(reasons) or None
         self._metadata: dict[str, dict[str, str]] | None = None
@@ -263,12 +240,6 @@ class BagReader:
                                    '"recover" makes two topics of it', self.path)
                 count = info.count + part.counts.get(number, 0)
                 self.topics[channel.topic] = TopicInfo(info.type_name or kind, count, info.qos)
-
-    def _make_folder(self) -> Path:
-        """Return a new folder that lasts as long as this reader."""
-        folder = mkdtemp(prefix='heading_bag_')
-        weakref.finalize(self, shutil.rmtree, folder, ignore_errors=True)
-        return Path(folder)
 
     @staticmethod
     def _type_of(part: Part, number: int) -> str:

@@ -17,9 +17,13 @@
 from __future__ import annotations
 
 from functools import partial
+import os
 from pathlib import Path
 import re
 import shutil
+import signal
+import subprocess
+import sys
 import tracemalloc
 from types import SimpleNamespace
 from typing import Callable
@@ -191,10 +195,11 @@ def test_a_compressed_file_that_is_cut_before_its_first_block_is_named(two_senso
     first = path / 'trial_0.mcap.zstd'
     first.write_bytes(first.read_bytes()[:12])
     reader = BagReader(path)
-    said = 'trial_0.mcap.zstd is empty or cut: nothing of it can be unpacked'
-    assert said in reader.incomplete and 0 < len(list(reader.messages())) < 3000
+    why = 'is empty or cut: nothing of it can be unpacked'
+    assert f'trial_0.mcap.zstd {why}' in reader.incomplete
+    assert 0 < len(list(reader.messages())) < 3000
     for command in (BagReader, lambda place: recover(place, tmp_path / 'new')):
-        with pytest.raises(BagError, match=said) as caught:
+        with pytest.raises(BagError, match=f'trial_0.mcap.zstd: {why}') as caught:
             command(first)
         assert str(caught.value).startswith(str(first))
 
@@ -247,15 +252,59 @@ def test_a_damaged_compressed_file_is_named(write_bag, tmp_path):
         assert 'trial_0.mcap' in str(error)
 
 
-def test_unpacked_files_last_as_long_as_their_reader(write_bag, monkeypatch, tmp_path):
+def count_open_files() -> int:
+    return len(os.listdir('/proc/self/fd'))
+
+
+def test_unpacked_files_have_no_name_and_last_as_long_as_their_reader(write_bag, monkeypatch,
+                                                                      tmp_path):
     (tmp_path / 'temp').mkdir()
     monkeypatch.setattr('tempfile.tempdir', str(tmp_path / 'temp'))
     path = by_file(write_bag('trial'))
+    files, before = len(mcap_files(path)), count_open_files()
     reader = BagReader(path)
-    assert len(list((tmp_path / 'temp').iterdir())) == 1
-    del reader
-    recover(path, tmp_path / 'new')
     assert list((tmp_path / 'temp').iterdir()) == []
+    assert count_open_files() == before + files
+    assert len(list(reader.messages())) == len(list(reader.messages())) > 0
+    del reader
+    check_bag(path)
+    recover(path, tmp_path / 'new')
+    assert list((tmp_path / 'temp').iterdir()) == [] and count_open_files() == before
+
+
+@pytest.mark.process
+@pytest.mark.parametrize('number', [signal.SIGTERM, signal.SIGHUP, signal.SIGKILL])
+@pytest.mark.parametrize('helpers', [0, 2])
+def test_a_process_that_a_signal_ends_leaves_nothing_unpacked(write_bag, tmp_path, number,
+                                                              helpers):
+    (tmp_path / 'temp').mkdir()
+    script = f"""if True:
+        import os
+        from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+        reader = BagReader({str(by_file(write_bag('trial', chunk_bytes=5000)))!r})
+        next(reader.headings({BOTH!r}, helpers={helpers}))
+        os.kill(os.getpid(), {int(number)})
+    """
+    ended = subprocess.run([sys.executable, '-c', script], check=False,
+                           env={**os.environ, 'TMPDIR': str(tmp_path / 'temp')})
+    assert ended.returncode == -number
+    assert list((tmp_path / 'temp').iterdir()) == []
+
+
+@pytest.mark.process
+def test_a_bag_may_have_more_compressed_files_than_a_process_may_open(two_sensors, tmp_path):
+    path = by_file(one_by_one(tmp_path / 'trial', two_sensors, split_duration_s=2.0,
+                              chunk_bytes=1024))
+    assert len(mcap_files(path)) > 30
+    script = f"""if True:
+        import resource
+        from heading_intercompare.bags.rosbag2.bag_reader import BagReader
+        _, most = resource.getrlimit(resource.RLIMIT_NOFILE)
+        resource.setrlimit(resource.RLIMIT_NOFILE, (20, most))
+        print(len([*BagReader({str(path)!r}).messages()]))
+    """
+    ended = subprocess.run([sys.executable, '-c', script], check=True, capture_output=True)
+    assert int(ended.stdout) == len([*BagReader(path).messages()])
 
 
 def test_a_file_that_unpacks_to_far_too_much_is_refused(tmp_path, monkeypatch):
