@@ -39,7 +39,11 @@ from heading_intercompare.bags.rosbag2.bag_files import find_files
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.motion_topics import read_bag_motion, read_fixes
 from heading_intercompare.bags.rosbag2.provenance import read_notes
-from heading_intercompare.bags.rosbag2.quality_topics import read_quality
+from heading_intercompare.bags.rosbag2.quality_topics import (
+    find_quality_topic,
+    has_claims,
+    read_quality,
+)
 from heading_intercompare.bags.rosbag2.readable import Readable
 from heading_intercompare.bags.rosbag2.trial_parts import is_joined
 from heading_intercompare.core.count_words import count_words
@@ -310,8 +314,7 @@ def _judge_recording(readers: Sequence[Readable], path: str, name: str, settings
     n, whole = 0, _count_headings(readers, conventions)
     comparison.take_motion(Motion.concatenate(
         [read_motion(reader, settings, problems) for reader in readers]))
-    for sensor, quality in read_quality_of(readers, settings, comparison, problems).items():
-        comparison.take_quality(sensor, quality)
+    read_quality_of(readers, settings, comparison, problems)
     joined = [is_joined(*two, conventions) for two in zip(readers, readers[1:])]
     for reader, before, goes_on, is_continued in zip(
             readers, [None, *readers], [False, *joined], [*joined, False]):
@@ -353,6 +356,9 @@ class TakesReadings(Protocol):
     def lose(self, name: str, key: LedgerKey, losses: Losses) -> None:
         """Take readings of a sensor that never came; `key` is that of a TS."""
 
+    def take_quality(self, name: str, quality: Quality) -> None:
+        """Take what a sensor says of its readings, before these."""
+
 
 def read_sensors_of(reader: Readable, settings: Settings, taker: TakesReadings,
                     remarks: list[str], helpers: int = 0, *, goes_on: bool = False,
@@ -367,7 +373,7 @@ def read_sensors_of(reader: Readable, settings: Settings, taker: TakesReadings,
     settings
         Topics, conventions, antennas.
     taker
-        Gets the losses; it takes the readings before it asks for the next ones.
+        Gets the losses, and what is claimed; it takes the readings before it asks for more.
     remarks
         Gets what to know of two antennas.
     helpers
@@ -382,7 +388,11 @@ def read_sensors_of(reader: Readable, settings: Settings, taker: TakesReadings,
                        taker.lose, goes_on=goes_on)
     baseline = (None if settings.antennas.fore_topic is None
                 else _read_antennas(reader, settings, remarks))
-    for chunk in _join_chunks(reader.headings(conventions, helpers, losses.take)):
+    claimed = {sensor.heading_topic: partial(taker.take_quality, sensor.name)
+               for sensor in taker.sensors if sensor.heading_topic in conventions
+               and _claims_come_along(reader, sensor.heading_topic, conventions)
+               and has_claims(reader, sensor.heading_topic)}
+    for chunk in _join_chunks(reader.headings(conventions, helpers, losses.take, claimed)):
         headings = {sensor.name: chunk.get(sensor.heading_topic, Headings.empty())
                     for sensor in taker.sensors}
         if baseline is not None and taker.reference is not None:
@@ -494,12 +504,25 @@ def read_motion(reader: Readable, settings: Settings, problems: list[str]) -> Mo
 
 
 def read_quality_of(readers: Sequence[Readable], settings: Settings, taker: TakesReadings,
-                    problems: list[str]) -> dict[str, Quality]:
-    """Return what each sensor says of its readings in recordings, and add what is unreadable."""
+                    problems: list[str]) -> None:
+    """
+    Hand over what each sensor says of its readings in recordings; add what is unreadable.
+
+    What comes along with the readings is left out; `read_sensors_of` hands it over.
+    """
     conventions = _list_conventions(taker, settings)
-    return {sensor.name: Quality.concatenate(
-        [read_quality(reader, sensor.heading_topic, problems) for reader in readers])
-            for sensor in taker.sensors if sensor.heading_topic in conventions}
+    for sensor in taker.sensors:
+        topic = sensor.heading_topic
+        if topic in conventions:
+            taker.take_quality(sensor.name, Quality.concatenate(
+                [read_quality(reader, topic, problems) for reader in readers
+                 if not _claims_come_along(reader, topic, conventions)]))
+
+
+def _claims_come_along(reader: Readable, topic: str, conventions: Mapping[str, str]) -> bool:
+    """Tell whether the claims of a topic are told with its readings, of topics that are there."""
+    return (None not in map(reader.find, conventions) and reader.tells_claims(conventions)
+            and find_quality_topic(reader, topic) is None)
 
 
 def _count_headings(readers: Sequence[Readable], topics: Iterable[str]) -> int:

@@ -91,6 +91,7 @@ class _Taker:
     newest_ns: int | None = None
     chunks: dict[str, list[Headings]] = field(default_factory=dict)
     losses: list[tuple[str, str, Losses]] = field(default_factory=list)
+    quality: dict[str, list[Quality]] = field(default_factory=dict)
 
     @property
     def reference(self) -> Sensor | None:
@@ -104,6 +105,10 @@ class _Taker:
 
     def lose(self, name: str, key: LedgerKey, losses: Losses) -> None:
         self.losses.append((name, key.value.partition('_')[2], losses))
+
+    def take_quality(self, name: str, quality: Quality) -> None:
+        if len(quality):
+            self.quality.setdefault(name, []).append(quality)
 
 
 def import_recording(path: str, settings: Settings, driver: DriverSettings,
@@ -139,7 +144,7 @@ def import_recording(path: str, settings: Settings, driver: DriverSettings,
     taker = _Taker(sensors)
     problems: list[str] = []
     motion = read_motion(reader, settings, problems)
-    quality = read_quality_of([reader], settings, taker, problems)
+    read_quality_of([reader], settings, taker, problems)
     marks = list(read_marks(reader))
     n = 0
     for headings in read_sensors_of(reader, settings, taker, problems):
@@ -150,8 +155,9 @@ def import_recording(path: str, settings: Settings, driver: DriverSettings,
     form = find_format(path, options)
     return ImportedRecording(
         {sensor.name: Headings.concatenate(taker.chunks.get(sensor.name, []))
-         for sensor in sensors}, taker.losses, motion, quality, marks, read_notes(reader),
-        problems,
+         for sensor in sensors}, taker.losses, motion,
+        {sensor.name: Quality.join(taker.quality.get(sensor.name, [])) for sensor in sensors},
+        marks, read_notes(reader), problems,
         {'path': path, 'sha256': sha256(path, options),
          'format': 'rosbag2, MCAP' if form is None else form.name,
          'stamp_format': driver.stamp_format, **describe_reading_options(driver),

@@ -22,7 +22,7 @@ from __future__ import annotations
 
 from array import array
 from dataclasses import dataclass
-from typing import Any, Iterable, TYPE_CHECKING, TypeVar
+from typing import Any, Iterable, Sequence, TYPE_CHECKING, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -328,6 +328,12 @@ class Quality(_Columns):
     def of(cls, stamp_ns: ArrayLike, stated_deg: ArrayLike, flag: ArrayLike) -> 'Quality':
         """Build a chunk from these columns; stamps and flags must be integers."""
         return cls(integer_stamps(stamp_ns), _reals(stated_deg), integer_stamps(flag))
+
+    @classmethod
+    def join(cls, chunks: Sequence['Quality']) -> 'Quality':
+        """Return chunks joined; of what several say, only the rows that `match` needs."""
+        rows = cls.concatenate(chunks)
+        return rows if len(chunks) == 1 else rows.without_repeats()
 
     def without_repeats(self) -> 'Quality':
         """

@@ -254,12 +254,12 @@ def decode_field(place: FieldPlace, data: BytesLike, start: Integers,
         If a message is too short or does not start as CDR; the offset is its place in `data`.
 
     """
-    return decode_stamped(place.type_name, data, start, stop, partial(_decode, place),
+    return decode_stamped(place.type_name, data, start, stop, partial(decode_values, place),
                           is_stamped=place.is_stamped)
 
 
-def _decode(place: FieldPlace, data: BytesLike, start: Integers, size: Integers,
-            header: np.ndarray) -> FieldColumn:
+def decode_values(place: FieldPlace, data: BytesLike, start: Integers, size: Integers,
+                  header: np.ndarray) -> FieldColumn:
     """Return the field in messages of one byte order."""
     if place.is_stamped:
         (sign, end), stamp_ns = end_of_strings(header), read_stamps(header)

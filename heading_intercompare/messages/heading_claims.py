@@ -27,8 +27,8 @@ import numpy as np
 
 from heading_intercompare.core.records import Integers, Quality, Reals, UNKNOWN_QUALITY
 
-from .byte_columns import BytesLike
-from .field_columns import decode_field, FieldPlace, find_field
+from .byte_columns import BytesLike, decode_stamped
+from .field_columns import decode_values, FieldPlace, find_field
 from .heading_messages import AZIMUTH_TYPES, IMU
 from .schemas import definitions_of
 
@@ -81,31 +81,45 @@ def find_claims(type_name: str, part: str) -> DecodeClaims | None:
         return None
     fields = [find_field(type_name, definitions_of(type_name), name)
               for name in names[1:] if name]
-    return partial(_decode_azimuth if type_name in AZIMUTH_TYPES else _decode_covariance, fields)
+    return partial(_decode, fields,
+                   _state_azimuth if type_name in AZIMUTH_TYPES else _state_covariance)
 
 
-def _decode_covariance(fields: list[FieldPlace], data: BytesLike, start: Integers,
-                       stop: Integers) -> Quality:
+def _decode(fields: list[FieldPlace], state: Callable[..., Reals], data: BytesLike,
+            start: Integers, stop: Integers) -> Quality:
+    """Return a row of each message, from the fields beside its heading."""
+    def decode_one(data: BytesLike, start: Integers, size: Integers,
+                   header: np.ndarray) -> Quality:
+        columns = [decode_values(field, data, start, size, header) for field in fields]
+        # Most neighbours claim the same, and need no second calculation.
+        is_new = np.ones(len(header), bool)
+        for column in columns:
+            is_new[1:] &= column.values[1:] == column.values[:-1]
+        is_new[1:] = ~is_new[1:]
+        first = np.flatnonzero(is_new)
+        stated_deg = state(*(column.values[first] for column in columns))
+        return Quality(columns[0].stamp_ns,
+                       np.repeat(stated_deg, np.diff(first, append=len(header))),
+                       np.full(len(header), UNKNOWN_QUALITY))
+    return decode_stamped(fields[0].type_name, data, start, stop, decode_one)
+
+
+def _state_covariance(variance: Reals, *first: Reals) -> Reals:
     """Return the claims in square radians, none where an Imu says that it has no orientation."""
-    variance, *first = (decode_field(field, data, start, stop) for field in fields)
-    is_known = [column.values != _NO_ORIENTATION for column in first]
-    return _as_rows(variance.stamp_ns, np.where(np.all(is_known, axis=0), variance.values, np.nan),
-                    is_degrees=np.zeros(len(variance), bool))
+    is_known = np.all([values != _NO_ORIENTATION for values in first], axis=0)
+    return _state(np.where(is_known, variance, np.nan), is_degrees=np.zeros(len(variance), bool))
 
 
-def _decode_azimuth(fields: list[FieldPlace], data: BytesLike, start: Integers,
-                    stop: Integers) -> Quality:
+def _state_azimuth(variance: Reals, unit: Reals) -> Reals:
     """Return the claims in squares of the unit that each message names."""
-    variance, unit = (decode_field(field, data, start, stop) for field in fields)
-    return _as_rows(variance.stamp_ns, variance.values, is_degrees=unit.values == _IN_DEGREES)
+    return _state(variance, is_degrees=unit == _IN_DEGREES)
 
 
-def _as_rows(stamp_ns: Integers, variance: Reals, *, is_degrees: np.ndarray) -> Quality:
+def _state(variance: Reals, *, is_degrees: np.ndarray) -> Reals:
     stated: Reals = np.sqrt(np.where(variance > 0.0, variance, np.nan))
     stated_deg = np.where(is_degrees, stated, np.degrees(stated))
     is_claim = (stated_deg >= _SMALLEST_DEG) & (stated_deg <= _LARGEST_DEG)
-    return Quality(stamp_ns, _round(np.where(is_claim, stated_deg, np.nan)),
-                   np.full(len(stamp_ns), UNKNOWN_QUALITY))
+    return _round(np.where(is_claim, stated_deg, np.nan))
 
 
 def _round(stated_deg: Reals) -> Reals:

@@ -46,7 +46,7 @@ from rosbags.typesys import (
 from heading_intercompare.bags.packed_files import unpack_payload
 from heading_intercompare.bags.rosbag2.bag_reader import BagMessage, Payloads, TopicInfo
 from heading_intercompare.bags.rosbag2.topic_names import clean_namespace, find_topic, list_topics
-from heading_intercompare.core.records import Headings, Losses
+from heading_intercompare.core.records import Headings, Losses, Quality
 from heading_intercompare.messages.byte_columns import join_messages
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.fields import Definitions, Field, leaves, SEQUENCE, short_name
@@ -219,6 +219,7 @@ class RosbagRecording:
 
     def headings(self, conventions: Mapping[str, str], helpers: int = 0,
                  lost: Callable[[str, str, Losses], None] | None = None,
+                 claimed: Mapping[str, Callable[[Quality], None]] | None = None,
                  ) -> Iterator[dict[str, Headings]]:
         """Return an iterator over the headings of some topics; see `BagReader.headings`."""
         keys = list_keys(self.resolve, conventions, self._unit_of)
@@ -316,6 +317,10 @@ class RosbagRecording:
                 except _UNREADABLE:
                     data = b''
                 yield connection.topic, time_ns, data
+
+    def tells_claims(self, conventions: Mapping[str, str]) -> bool:
+        """Tell that claims are not told beside the headings."""
+        return False
 
     def keeps_numbers(self) -> bool:
         """Tell that the numbers of the publishers are not kept."""

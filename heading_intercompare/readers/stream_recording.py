@@ -28,7 +28,7 @@ from heading_intercompare.bags.rosbag2.bag_reader import BagMessage, Payloads, T
 from heading_intercompare.bags.rosbag2.topic_names import find_topic
 from heading_intercompare.core.angles import wrap360
 from heading_intercompare.core.motion.moved_rows import MovedRow
-from heading_intercompare.core.records import ColumnBuffer, Headings, Losses, Motion
+from heading_intercompare.core.records import ColumnBuffer, Headings, Losses, Motion, Quality
 from heading_intercompare.core.units.angle_units import AngleWatch, read_angles
 from heading_intercompare.drivers.settings import DEFAULT_DRIVER, DriverSettings
 
@@ -361,10 +361,15 @@ class StreamRecording:
 
     def headings(self, conventions: Mapping[str, str], helpers: int = 0,
                  lost: Callable[[str, str, Losses], None] | None = None,
+                 claimed: Mapping[str, Callable[[Quality], None]] | None = None,
                  ) -> Iterator[dict[str, Headings]]:
         """Return an iterator over the headings of some streams; conventions do not matter."""
         chosen = {asked: self.streams[self.resolve(asked)] for asked in conventions}
         return iter([chosen])
+
+    def tells_claims(self, conventions: Mapping[str, str]) -> bool:
+        """Tell that claims are not told beside the headings."""
+        return False
 
     def keeps_numbers(self) -> bool:
         """Tell that there are no numbers of publishers."""

@@ -21,7 +21,7 @@ from typing import Callable, Iterable, Iterator, Mapping, Sequence
 
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader, TopicNumbers
-from heading_intercompare.core.records import Headings, Losses
+from heading_intercompare.core.records import Headings, Losses, Quality
 from heading_intercompare.messages.errors import MessageError
 from heading_intercompare.messages.fields import Definitions, definitions_in
 from heading_intercompare.messages.heading_messages import HEADING_TYPES
@@ -67,14 +67,22 @@ class TopicBag(BagReader):
 
     def headings(self, conventions: Mapping[str, str], helpers: int = 0,
                  lost: Callable[[str, str, Losses], None] | None = None,
+                 claimed: Mapping[str, Callable[[Quality], None]] | None = None,
                  ) -> Iterator[dict[str, Headings]]:
         """Return an iterator over the headings of some topics; see `BagReader.headings`."""
-        keys = list_keys(self.resolve, conventions, self._unit_of)
-        if not any(key.place.part or self.topics[key.name].type_name not in HEADING_TYPES
-                   for key in keys.values()):
-            return super().headings(conventions, helpers, lost)
+        if self.tells_claims(conventions):
+            return super().headings(conventions, helpers, lost, claimed)
+        keys = self._list_keys(conventions)
         decoders = {key: self._make_decoder(key) for key in keys.values()}
         return self._read_messages(keys, decoders, lost)
+
+    def _list_keys(self, conventions: Mapping[str, str]) -> dict[str, TopicKey]:
+        return list_keys(self.resolve, conventions, self._unit_of)
+
+    def tells_claims(self, conventions: Mapping[str, str]) -> bool:
+        """Tell whether the messages are not read one by one."""
+        return not any(key.place.part or self.topics[key.name].type_name not in HEADING_TYPES
+                       for key in self._list_keys(conventions).values())
 
     def _make_decoder(self, key: TopicKey) -> TopicDecoder:
         """Return what decodes a topic; BagError if its messages have no such headings."""

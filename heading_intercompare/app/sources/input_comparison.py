@@ -82,7 +82,7 @@ class InputComparison:
         self._spans = {sensor.name: StreamSpan() for sensor in self.comparison.sensors}
         self._losses: list[tuple[str, LedgerKey, Losses]] = []
         self._motion: list[Motion] = []
-        self._quality: dict[str, Quality] = {}
+        self._quality: dict[str, list[Quality]] = {}
 
     @property
     def sensors(self) -> tuple[Sensor, ...]:
@@ -112,10 +112,10 @@ class InputComparison:
             sketch.take_motion(motion)
 
     def take_quality(self, name: str, quality: Quality) -> None:
-        """Take what a sensor says of its readings, once and before the first readings."""
+        """Take what a sensor says of its readings, before these."""
         if len(quality):
             self.comparison.take_quality(name, quality)
-            self._quality[name] = quality
+            self._quality.setdefault(name, []).append(quality)
 
     def mark(self, kind: str, stamp_ns: int) -> None:
         """Start or stop a run after the pair with this stamp."""
@@ -166,8 +166,8 @@ class InputComparison:
 
     def _quality_of(self, names: Names) -> dict[str, Quality]:
         """Return what two sensors say of their readings, as ``'ts'`` and ``'rs'``."""
-        return {stream: self._quality[name] for stream, name in zip(('ts', 'rs'), names)
-                if name in self._quality}
+        return {stream: Quality.join(self._quality[name])
+                for stream, name in zip(('ts', 'rs'), names) if name in self._quality}
 
     def describe(self, results: Mapping[Names, list[RunResult]], entries: Sequence[Input],
                  entries_of_pair: Callable[[Sensor, Sensor], Sequence[Input]],

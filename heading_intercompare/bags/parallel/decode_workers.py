@@ -37,7 +37,7 @@ from warnings import catch_warnings, simplefilter
 import numpy as np
 
 from heading_intercompare.bags.mcap.mcap_file import Stretch
-from heading_intercompare.core.records import Headings
+from heading_intercompare.core.records import Headings, Quality
 
 from .decoding import Decoded, Decoder, Found
 
@@ -54,10 +54,11 @@ _FEWEST = 12
 #: All processes together decode at most this many bytes of records at once.
 _MOST_BYTES = 2**27
 
+_Claims = tuple[tuple[int, Quality], ...]
 _COLUMNS = ('<i8', '<i2', '<u4', '<i8', '<f8')
-#: For each block, the number of messages, the number of headings of each kind, and what is
-#: unreadable of each kind.
-_Layout = list[tuple[int, list[int], list[tuple[int, str]]]]
+#: For each block, the number of messages, the number of headings of each kind, and of each kind
+#: what is unreadable and what is claimed.
+_Layout = list[tuple[int, list[int], list[tuple[tuple[int, str], _Claims]]]]
 
 
 class Task(NamedTuple):
@@ -87,7 +88,8 @@ def _size(layout: _Layout) -> int:
 def _put(blocks: Sequence[Decoded], memory: memoryview) -> _Layout | None:
     """Write decoded blocks into memory and return their layout; None if they do not fit."""
     layout = [(block.messages, [len(readings.place) for readings in block.found],
-               [readings.unreadable for readings in block.found]) for block in blocks]
+               [(readings.unreadable, readings.claims) for readings in block.found])
+              for block in blocks]
     if _size(layout) > len(memory):
         return None
     all_readings = [readings for block in blocks for readings in block.found]
@@ -103,13 +105,13 @@ def _take(layout: _Layout, memory: bytes) -> list[Decoded]:
     """Read decoded blocks back from memory."""
     columns = _places(layout)
     blocks = []
-    for count, _, unreadable in layout:
+    for count, _, beside in layout:
         by_kind = []
-        for lacking in unreadable:
+        for unreadable, claims in beside:
             log_time_ns, place, sequence, stamp_ns, heading_deg = (
                 np.frombuffer(memory, *column) for column in next(columns))
             by_kind.append(Found(log_time_ns, place, sequence, Headings(stamp_ns, heading_deg),
-                                 lacking))
+                                 unreadable, claims))
         blocks.append(Decoded(count, by_kind))
     return blocks
 

@@ -18,7 +18,7 @@ from __future__ import annotations
 
 from contextlib import ExitStack
 from functools import partial
-from typing import Iterable, Iterator, Mapping, NamedTuple, Sequence
+from typing import Callable, Iterable, Iterator, Mapping, NamedTuple, Sequence
 
 import numpy as np
 
@@ -27,8 +27,9 @@ from heading_intercompare.bags.mcap.mcap_file import Part, Stretch
 from heading_intercompare.bags.mcap.message_blocks import Block
 from heading_intercompare.bags.mcap.record_stream import RecordStream
 from heading_intercompare.bags.packed_files import is_packed, unpack_payloads
-from heading_intercompare.core.records import Headings, Integers
-from heading_intercompare.messages.byte_columns import decode_readable
+from heading_intercompare.core.records import Headings, Integers, Quality
+from heading_intercompare.messages.byte_columns import BytesLike, decode_readable
+from heading_intercompare.messages.heading_claims import find_claims
 from heading_intercompare.messages.heading_messages import decode_headings
 from heading_intercompare.messages.schemas import layout_problem
 
@@ -38,11 +39,16 @@ _MOST_MESSAGES = 2**20
 
 
 class Kind(NamedTuple):
-    """Topics decoded alike: their type and convention, and the index of each by name."""
+    """
+    Topics decoded alike: their type and convention, and the index of each by name.
+
+    `claiming` are the indexes of those whose claims are read too.
+    """
 
     type_name: str
     convention: str
     places: Mapping[str, int]
+    claiming: Sequence[int] = ()
 
 
 class Found(NamedTuple):
@@ -50,6 +56,7 @@ class Found(NamedTuple):
     Headings of a kind in file order: log time in ns, index of the topic, number, reading.
 
     `unreadable` is the number of messages that cannot be read, and what is wrong with one.
+    `claims` is what messages claim of their readings, each with the index of its topic.
     """
 
     log_time_ns: Integers
@@ -57,6 +64,7 @@ class Found(NamedTuple):
     sequence: np.ndarray
     headings: Headings
     unreadable: tuple[int, str] = (0, '')
+    claims: tuple[tuple[int, Quality], ...] = ()
 
     @classmethod
     def concatenate(cls, parts: Sequence['Found']) -> 'Found':
@@ -67,7 +75,8 @@ class Found(NamedTuple):
                                         for column in list(zip(*parts))[:3])
         return cls(log_time_ns, place, sequence,
                    Headings.concatenate([part.headings for part in parts]),
-                   add_unreadable(part.unreadable for part in parts))
+                   add_unreadable(part.unreadable for part in parts),
+                   tuple(claims for part in parts for claims in part.claims))
 
     def take(self, rows: Integers) -> 'Found':
         """Return some of the headings."""
@@ -147,30 +156,49 @@ def _find_headings(block: Block, kind: Kind, place_of: np.ndarray,
         place = place[which]
     heads = block.heads[which]
     log_time_ns = heads['log_time'].copy()
-    headings, unreadable = _decode(block, kind, which, log_time_ns, strange)
-    return order_by_time(Found(log_time_ns, place, heads['sequence'].copy(), headings, unreadable))
+    data, start, stop = block.data, block.start[which], block.stop[which]
+    if is_packed(data, start):
+        data, start, stop = unpack_payloads(data, start, stop)
+    is_strange = np.isin(heads['channel'], [*strange]) if strange else None
+    headings, unreadable = _decode(
+        partial(decode_headings, kind.type_name, kind.convention, data), start, stop,
+        log_time_ns, is_strange, next(iter(strange.values()), ''))
+    return order_by_time(Found(
+        log_time_ns, place, heads['sequence'].copy(), headings, unreadable,
+        tuple(_find_claims(kind, place, data, start, stop, is_strange))))
 
 
-def _decode(block: Block, kind: Kind, which: slice | Integers, log_time_ns: Integers,
-            strange: Mapping[int, str]) -> tuple[Headings, tuple[int, str]]:
+def _find_claims(kind: Kind, place: np.ndarray, data: BytesLike, start: Integers, stop: Integers,
+                 is_strange: np.ndarray | None) -> Iterator[tuple[int, Quality]]:
+    """Yield what the readable messages of each topic claim of their headings."""
+    decode = find_claims(kind.type_name, '') if kind.claiming else None
+    if decode is None:
+        return
+    for topic in kind.claiming:
+        is_mine = place == topic if is_strange is None else (place == topic) & ~is_strange
+        mine = slice(None) if is_mine.all() else np.flatnonzero(is_mine)
+        rows, _, _ = decode_readable(partial(decode, data), start[mine], stop[mine])
+        if len(rows):
+            yield topic, rows.without_repeats()
+
+
+def _decode(decode: Callable[[Integers, Integers], Headings], start: Integers, stop: Integers,
+            log_time_ns: Integers, is_strange: np.ndarray | None,
+            why_strange: str) -> tuple[Headings, tuple[int, str]]:
     """
     Return the readings in some messages of a block; count the unreadable messages, and say why.
 
     An unreadable message is an invalid reading at its log time, which is all that is known of it.
     """
-    data, start, stop = block.data, block.start[which], block.stop[which]
-    if is_packed(data, start):
-        data, start, stop = unpack_payloads(data, start, stop)
-    decode = partial(decode_headings, kind.type_name, kind.convention, data)
-    if not strange:
+    if is_strange is None:
         headings, readable, problem = decode_readable(decode, start, stop)
         if not problem:
             return headings, (0, '')
     else:
-        readable = ~np.isin(block.heads['channel'][which], [*strange])
+        readable = ~is_strange
         headings, within, problem = decode_readable(decode, start[readable], stop[readable])
         if not readable.all():
-            problem = problem or next(iter(strange.values()))
+            problem = problem or why_strange
         readable[readable] = within
     stamp_ns, heading_deg = log_time_ns.copy(), np.full(len(log_time_ns), np.nan)
     stamp_ns[readable], heading_deg[readable] = headings.stamp_ns, headings.heading_deg

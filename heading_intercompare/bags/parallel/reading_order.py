@@ -220,5 +220,6 @@ def _release(waiting: Sequence[Sequence[Found]],
         early = readings.log_time_ns < limit_ns
         rows = np.flatnonzero(early)
         released.append(readings.take(rows[np.argsort(readings.log_time_ns[rows], kind='stable')]))
-        pending.append(readings.take(np.flatnonzero(~early))._replace(unreadable=(0, '')))
+        pending.append(readings.take(np.flatnonzero(~early))._replace(unreadable=(0, ''),
+                                                                         claims=()))
     return released, [pending] if any(len(readings.place) for readings in pending) else []

@@ -22,7 +22,7 @@ from dataclasses import dataclass
 from itertools import groupby
 import os
 from pathlib import Path
-from typing import Callable, Iterable, Iterator, Mapping, NamedTuple, Sequence
+from typing import Callable, Collection, Iterable, Iterator, Mapping, NamedTuple, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -54,7 +54,7 @@ from heading_intercompare.bags.parallel.reading_order import (
     read_by_time,
     rises_by_time,
 )
-from heading_intercompare.core.records import Headings, Integers, Losses
+from heading_intercompare.core.records import Headings, Integers, Losses, Quality
 from heading_intercompare.messages.byte_columns import BytesLike
 from heading_intercompare.messages.fields import full_name
 from heading_intercompare.messages.heading_messages import HEADING_TYPES
@@ -275,6 +275,7 @@ class BagReader:
 
     def headings(self, conventions: Mapping[str, str], helpers: int = 0,
                  lost: Callable[[str, str, Losses], None] | None = None,
+                 claimed: Mapping[str, Callable[[Quality], None]] | None = None,
                  ) -> Iterator[dict[str, Headings]]:
         """
         Return an iterator over the headings of some topics.
@@ -292,6 +293,10 @@ class BagReader:
             numbers of its publisher or before the first one, before the chunk with the reading
             after them is yielded or later. Never called for a bag of a program that does not keep
             these numbers.
+        claimed
+            By requested topic, called with what its messages claim of their headings, before the
+            chunk with these is yielded or earlier; where neighbours claim the same, the first and
+            the last suffice.
 
         Returns
         -------
@@ -315,7 +320,7 @@ class BagReader:
             if convention not in ('enu', 'ned'):
                 raise BagError(f"convention of topic {topic} = {convention!r}: use 'enu' or "
                                "'ned'", self.path)
-        return self._headings(conventions, helpers, lost)
+        return self._headings(conventions, helpers, lost, claimed or {})
 
     def check_heading(self, topic: str, types: Sequence[str] = HEADING_TYPES) -> None:
         """Raise BagError unless a topic of the bag has one of some types, with its layout."""
@@ -332,6 +337,7 @@ class BagReader:
 
     def _headings(self, conventions: Mapping[str, str], helpers: int,
                   lost: Callable[[str, str, Losses], None] | None,
+                  claimed: Mapping[str, Callable[[Quality], None]],
                   ) -> Iterator[dict[str, Headings]]:
         topics = {asked: (self.resolve(asked), convention)
                   for asked, convention in conventions.items()}
@@ -340,10 +346,15 @@ class BagReader:
         numbers = None
         if lost is not None and self.keeps_numbers():
             numbers = self.begin_numbers(once)
-        minutes = self._minutes(once, helpers, numbers)
+        minutes = self._minutes(self._kinds(once, [topics[asked] for asked in claimed]),
+                                len(once), helpers, numbers)
         # Without helpers, decode ahead in a prefetch thread.
-        for minute, gaps in minutes if helpers else run_ahead(minutes):
+        for minute, gaps, claims in minutes if helpers else run_ahead(minutes):
             by_topic = dict(zip(once, minute))
+            for place, rows in claims:
+                for asked in claimed:
+                    if topics[asked] == once[place]:
+                        claimed[asked](rows)
             if lost is not None:
                 for place, lost_as, losses in gaps:
                     for asked in (asked for asked, topic in topics.items()
@@ -363,6 +374,10 @@ class BagReader:
         """Count what is missing from the last numbers of an earlier part, which was read."""
         self._earlier = before._numberings
 
+    def tells_claims(self, conventions: Mapping[str, str]) -> bool:
+        """Tell whether `headings` of these topics tells their claims, if it is asked to."""
+        return bool(conventions)
+
     def keeps_numbers(self) -> bool:
         """Tell whether the numbers of the messages are those of their publishers."""
         return self._has_record(*_NUMBERED_BY)
@@ -378,33 +393,38 @@ class BagReader:
             # The reading of the messages says what is damaged.
             return False
 
-    def _minutes(self, topics: Sequence[tuple[str, str]], helpers: int,
+    def _minutes(self, kinds: Sequence[Kind], count: int, helpers: int,
                  numbers: Sequence[TopicNumbers] | None,
-                 ) -> Iterator[tuple[list[Headings], list[tuple[int, str, Losses]]]]:
-        """Yield the headings minute by minute, with the gaps found among their numbers."""
-        window = Window(len(topics))
+                 ) -> Iterator[tuple[list[Headings], list[tuple[int, str, Losses]],
+                                     list[tuple[int, Quality]]]]:
+        """Yield the headings of topics by the minute, the gaps in their numbers, their claims."""
+        window = Window(count)
         gaps: list[tuple[int, str, Losses]] = []
+        claims: list[tuple[int, Quality]] = []
         unreadable = 0, ''
-        for block in self._decode(self._kinds(topics), helpers):
+        for block in self._decode(kinds, helpers):
             unreadable = add_unreadable(
                 [unreadable, *(readings.unreadable for readings in block.found)])
             if numbers is not None:
                 gaps += _find_gaps(block.found, numbers)
+            claims += (rows for readings in block.found for rows in readings.claims)
             for minute in window.add(block.found):
-                yield minute, gaps
-                gaps = []
+                yield minute, gaps, claims
+                gaps, claims = [], []
         for minute in window.rest():
-            yield minute, gaps
+            yield minute, gaps, claims
         if unreadable[0]:
             self.oddities.append(f'{unreadable[0]} messages cannot be read and count as invalid '
                                  f'readings; the first: {unreadable[1]}')
 
-    def _kinds(self, topics: Sequence[tuple[str, str]]) -> list[Kind]:
+    def _kinds(self, topics: Sequence[tuple[str, str]],
+               claiming: Collection[tuple[str, str]] = ()) -> list[Kind]:
         """Return what to decode as one: topics of one type and convention."""
         places: dict[tuple[str, str], dict[str, int]] = {}
         for place, (topic, convention) in enumerate(topics):
             places.setdefault((self.topics[topic].type_name, convention), {})[topic] = place
-        return [Kind(*alike, of) for alike, of in places.items()]
+        return [Kind(*alike, of, [place for place in of.values() if topics[place] in claiming])
+                for alike, of in places.items()]
 
     def _decode(self, kinds: Sequence[Kind], helpers: int) -> Iterator[Decoded]:
         """Yield the decoded blocks of all files, in the order in which their stamps rise."""

@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from functools import partial
+from typing import Iterator
 
 import numpy as np
 
@@ -70,8 +71,10 @@ def read_quality(bag: Readable, heading_topic: str, problems: list[str]) -> Qual
     topic = find_quality_topic(bag, heading_topic)
     if topic is None:
         name = bag.find(heading_topic)
-        return Quality.empty() if name is None else _read_claims(
-            bag, locate_in(name, heading_topic))
+        if name is None or not has_claims(bag, heading_topic):
+            return Quality.empty()
+        return Quality.concatenate([rows.without_repeats() for rows in _decode_claims(
+            bag, locate_in(name, heading_topic))]).without_repeats()
     chunks, unreadable = [], 0
     for message in bag.messages([topic]):
         try:
@@ -84,12 +87,23 @@ def read_quality(bag: Readable, heading_topic: str, problems: list[str]) -> Qual
     return Quality.concatenate(chunks)
 
 
-def _read_claims(bag: Readable, place: HeadingPlace) -> Quality:
-    """Return what the covariances of headings claim; empty if they claim nothing."""
+def has_claims(bag: Readable, heading_topic: str) -> bool:
+    """Tell whether the covariance of headings is a claim, by the first messages of a topic."""
+    n = 0
+    for rows in _decode_claims(bag, locate_in(bag.resolve(heading_topic), heading_topic)):
+        if np.isfinite(rows.stated_deg).any():
+            return True
+        n += len(rows)
+        if n >= _SILENT:
+            break
+    return False
+
+
+def _decode_claims(bag: Readable, place: HeadingPlace) -> Iterator[Quality]:
+    """Yield what the covariances of headings claim, a row of each readable message."""
     decode = find_claims(bag.topics[place.topic].type_name, place.part)
     if decode is None or isinstance(bag, BagReader) and bag.is_ours():
-        return Quality.empty()
-    chunks, n, says_something = [], 0, False
+        return
     for messages in bag.payloads(place.topic):
         rows, readable, _ = decode_readable(partial(decode, messages.data), messages.start,
                                             messages.stop)
@@ -97,9 +111,4 @@ def _read_claims(bag: Readable, place: HeadingPlace) -> Quality:
             time_ns = (messages.log_time_ns if place.clock == LOG_TIME
                        else messages.publish_time_ns)
             rows = Quality(time_ns[readable], rows.stated_deg, rows.flag)
-        chunks.append(rows.without_repeats())
-        n, says_something = n + len(rows), says_something or bool(
-            np.isfinite(rows.stated_deg).any())
-        if n >= _SILENT and not says_something:
-            break
-    return Quality.concatenate(chunks).without_repeats() if says_something else Quality.empty()
+        yield rows

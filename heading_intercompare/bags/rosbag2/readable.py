@@ -28,7 +28,7 @@ from typing import (
     TypeVar,
 )
 
-from heading_intercompare.core.records import Headings, Losses
+from heading_intercompare.core.records import Headings, Losses, Quality
 
 if TYPE_CHECKING:
     # Live nodes read no bag, and need nothing that reads one.
@@ -64,8 +64,12 @@ class Readable(Protocol):
 
     def headings(self, conventions: Mapping[str, str], helpers: int = 0,
                  lost: Callable[[str, str, Losses], None] | None = None,
+                 claimed: Mapping[str, Callable[[Quality], None]] | None = None,
                  ) -> Iterator[dict[str, Headings]]:
         """Return an iterator over the headings of some topics."""
+
+    def tells_claims(self, conventions: Mapping[str, str]) -> bool:
+        """Tell whether `headings` of these topics tells their claims, if it is asked to."""
 
     def keeps_numbers(self) -> bool:
         """Tell whether the numbers of the messages are those of their publishers."""

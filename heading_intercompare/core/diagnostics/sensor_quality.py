@@ -108,26 +108,45 @@ def check_quality(quality: Mapping[str, Quality], stamp_ns: Integers, *,
     """
     sensors, is_reduced = {}, np.zeros(stamp_ns.shape, bool)
     for sensor, rows in quality.items():
-        flag, stated_deg = rows.match(stamp_ns + (late_ns if sensor == 'ts' else 0))
+        shift_ns = late_ns if sensor == 'ts' else 0
+        first = _cut_at_rows(rows.stamp_ns - shift_ns, stamp_ns)
+        flag, stated_deg = rows.match(stamp_ns[first] + shift_ns)
         if flag.any() or np.isfinite(stated_deg).any():
-            sensors[sensor] = _sum_up(flag, stated_deg)
-            is_reduced |= flag > NORMAL_QUALITY
+            n = np.diff(first, append=stamp_ns.size)
+            sensors[sensor] = _sum_up(flag, stated_deg, n)
+            is_reduced |= np.repeat(flag > NORMAL_QUALITY, n)
     if not sensors:
         return None
     return QualityCheck(ts=sensors.get('ts'), rs=sensors.get('rs')), is_reduced
 
 
-def _sum_up(flag: Integers, stated_deg: Reals) -> SensorQuality:
-    """Return the figures of a sensor."""
-    claims = stated_deg[np.isfinite(stated_deg)]
-    n_reduced = int(np.count_nonzero(flag > NORMAL_QUALITY))
-    counts = np.bincount(flag, minlength=len(QUALITY_FLAGS)).tolist()
+def _cut_at_rows(rows_ns: Integers, stamp_ns: Integers) -> Integers:
+    """Return the first pair of each stretch of pairs of which rows with these stamps say one."""
+    edges = [np.searchsorted(stamp_ns, rows_ns, side) for side in ('left', 'right')]
+    first: Integers = np.unique(np.concatenate([[0], *edges]))
+    return first[first < stamp_ns.size]
+
+
+def _sum_up(flag: Integers, stated_deg: Reals, n: Integers) -> SensorQuality:
+    """Return the figures of a sensor from what it says of stretches of n pairs each."""
+    has_claim, is_reduced = np.isfinite(stated_deg), flag > NORMAL_QUALITY
+    claims = stated_deg[has_claim]
+    n_reduced = int(n[is_reduced].sum())
     return SensorQuality(
-        n=int(np.count_nonzero((flag != UNKNOWN_QUALITY) | np.isfinite(stated_deg))),
-        n_reduced=n_reduced, reduced_share=n_reduced / flag.size,
-        flags={words: n for words, n in zip(QUALITY_FLAGS, counts) if n},
-        stated_median_deg=float(np.median(claims)) if claims.size else None,
+        n=int(n[(flag != UNKNOWN_QUALITY) | has_claim].sum()),
+        n_reduced=n_reduced, reduced_share=n_reduced / int(n.sum()),
+        flags={words: int(n[flag == number].sum()) for number, words in enumerate(QUALITY_FLAGS)
+               if (flag == number).any()},
+        stated_median_deg=_median(claims, n[has_claim]) if claims.size else None,
         stated_largest_deg=float(claims.max()) if claims.size else None)
+
+
+def _median(values: Reals, n: Integers) -> float:
+    """Return the median of values that stand for n each."""
+    order = np.argsort(values)
+    until = np.cumsum(n[order])
+    middle = np.array([until[-1] - 1, until[-1]]) // 2
+    return float(values[order][np.searchsorted(until, middle, 'right')].mean())
 
 
 def leaves_enough(is_reduced: NDArray[np.bool_]) -> bool:

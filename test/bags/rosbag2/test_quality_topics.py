@@ -23,7 +23,7 @@ from heading_intercompare.bags.mcap.chunk_writer import Rows
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.bags.rosbag2.provenance import RECORD
-from heading_intercompare.bags.rosbag2.quality_topics import read_quality
+from heading_intercompare.bags.rosbag2.quality_topics import has_claims, read_quality
 from heading_intercompare.core.records import Headings, Quality
 from heading_intercompare.messages.heading_messages import encode_imu, IMU
 from heading_intercompare.messages.quality_messages import encode_quality
@@ -98,3 +98,41 @@ def test_a_silent_sensor_is_not_read_to_its_end(tmp_path, monkeypatch):
             yield messages
     monkeypatch.setattr(BagReader, 'payloads', count)
     assert read(path) == Quality.empty() and 1000 <= sum(n) < N
+
+
+def come_along(path, **options):
+    """Return the headings of a bag, and the claims told with them."""
+    chunks, told = [], []
+
+    def take(rows):
+        told.append((len(chunks), rows))
+    for chunk in BagReader(path).headings({TOPIC: 'enu'}, claimed={TOPIC: take}, **options):
+        chunks.append(chunk[TOPIC])
+    return chunks, told
+
+
+@pytest.mark.parametrize('helpers', [0, 1])
+def test_claims_come_along_with_their_headings_as_read_on_their_own(tmp_path, helpers):
+    at = np.arange(N)
+    path = write(tmp_path / 'bag', np.select([at < 700, at < 900], [0.5, 0.0], 0.7))
+    chunks, told = come_along(path, helpers=helpers)
+    joined = Quality.join([rows for _, rows in told])
+    assert joined == read(path) and len(joined) == 6
+    for number, chunk in enumerate(chunks):
+        so_far = Quality.concatenate(rows for n, rows in told if n <= number)
+        assert so_far.match(chunk.stamp_ns)[1].tolist() == pytest.approx(
+            joined.match(chunk.stamp_ns)[1].tolist(), nan_ok=True)
+    assert sum(map(len, chunks)) == N
+
+
+def test_a_claim_shows_in_the_first_messages(tmp_path, monkeypatch):
+    n = []
+    payloads = BagReader.payloads
+
+    def count(self, topic):
+        for messages in payloads(self, topic):
+            n.append(len(messages.start))
+            yield messages
+    path = write(tmp_path / 'bag', 0.5)
+    monkeypatch.setattr(BagReader, 'payloads', count)
+    assert has_claims(BagReader(path), TOPIC) and sum(n) < N
