@@ -28,6 +28,7 @@ DECIMAL_STEPS = (100, 50, 25, 20, 10, 5, 4, 2, 1)
 
 _UNIT_DEG, _OFF, _CHANGED_DEG = 0.01, 0.01, 1e-6
 _WHOLE = 100
+_STEP_OF = np.gcd(np.arange(_WHOLE), _WHOLE).astype(np.uint8)
 _LEAST_CHANGES, _MOST_FINER = 3, 0.01
 
 
@@ -56,8 +57,11 @@ class StepCount:
         at = np.flatnonzero(change > _CHANGED_DEG)
         units = change[at] / _UNIT_DEG
         whole = np.rint(units)
-        step = np.where(np.abs(units - whole) <= _OFF, np.gcd(whole.astype(np.int64), _WHOLE), 0)
-        return {key: headings.stamp_ns[at[step == key]] for key in np.unique(step).tolist()}
+        step = np.where(np.abs(units - whole) <= _OFF,
+                        _STEP_OF[whole.astype(np.int64) % _WHOLE], np.uint8(0))
+        stamp_ns = headings.stamp_ns if at.size == len(headings) else headings.stamp_ns[at]
+        return {key: stamp_ns[step == key]
+                for key in np.flatnonzero(np.bincount(step)).tolist()}
 
 
 def find_decimal_step(changes: Mapping[int, int]) -> float | None:

@@ -132,6 +132,8 @@ class HoldFilter:
         return self._decide(self._waiting, self._repeats, end=True)
 
     def _decide(self, headings: Headings, repeats: np.ndarray, end: bool) -> Unfolded:
+        if not (self._held or repeats.any() or self._search.shows_hold):
+            return self._keep_all(headings)
         row = self._row + np.arange(len(headings))
         state = self._search.judge(row, headings.stamp_ns)
         waits = state.is_open & repeats & ~state.is_held
@@ -146,10 +148,7 @@ class HoldFilter:
         self._value_row = int(value_row[-1])
         is_held = self._begin_at_repeats(state.is_held, state.until_row > 0, repeats)
         if not self._held and not is_held.any():
-            self._kept_ns = int(headings.stamp_ns[-1])
-            turned = headings.stamp_ns[:1] if self._kept_held else _NONE
-            self._kept_held = False
-            return Unfolded(headings, turned_ns=turned)
+            return self._leave_hold(headings)
         over = row - value_row - state.longest
         again = (over >= 0) & (np.floor(over / state.usual) > np.floor((over - 1) / state.usual))
         stays = ~is_held | ~repeats | again
@@ -162,6 +161,21 @@ class HoldFilter:
             self._kept_held = bool(held[-1])
         return Unfolded(Headings(stamp_ns, headings.heading_deg[stays]),
                         headings.stamp_ns[~stays], stamp_ns[held], turned)
+
+    def _keep_all(self, headings: Headings) -> Unfolded:
+        """Decide readings of which none repeats a value, while no hold is known."""
+        self._waiting, self._repeats = headings[:0], np.empty(0, bool)
+        self._row += len(headings)
+        self._search.forget(self._row)
+        self._value_row = self._row - 1
+        self._early = False
+        return self._leave_hold(headings)
+
+    def _leave_hold(self, headings: Headings) -> Unfolded:
+        self._kept_ns = int(headings.stamp_ns[-1])
+        turned = headings.stamp_ns[:1] if self._kept_held else _NONE
+        self._kept_held = False
+        return Unfolded(headings, turned_ns=turned)
 
     def _begin_at_repeats(self, is_held: np.ndarray, is_early: np.ndarray,
                           repeats: np.ndarray) -> np.ndarray:

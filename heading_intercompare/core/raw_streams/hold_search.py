@@ -206,6 +206,13 @@ class HoldSearch:
             repeats[0] = False
         return repeats
 
+    @property
+    def shows_hold(self) -> bool:
+        """Whether a hold may cover readings that repeat no value."""
+        times = self._times
+        return bool(self._first_period != 1 or times.lasts.any() or times.passes.any()
+                    or (self._changes.period > 1).any())
+
     def judge(self, row: Integers, stamp_ns: Integers) -> Held:
         """Return what is known of consecutive readings, n >= 1, by number and stamp."""
         n = len(row)
@@ -286,7 +293,9 @@ class HoldSearch:
         """Test the windows that end with the times from `first_new` on."""
         now = self._times
         ends = np.arange(max(first_new, _WINDOW - 1), len(now.end_ns))
-        if not len(ends):
+        singles = now.end_singles[ends] - now.first_singles[ends - _WINDOW + 1]
+        if not len(ends) or singles.min() > _MOST_SINGLES:
+            # No window may pass, so none lasts.
             return
         lo = int(ends[0]) - _WINDOW + 1
         length, size = now.end_row[lo:] - now.first_row[lo:], now.size[lo:]
@@ -296,7 +305,6 @@ class HoldSearch:
             sums = np.concatenate(([0], np.cumsum(column)))
             return sums[_WINDOW:] - sums[:-_WINDOW]
 
-        singles = now.end_singles[ends] - now.first_singles[ends - _WINDOW + 1]
         total = windows(length)
         apart = windows(now.is_apart[lo:].astype(np.int64)) - now.is_apart[lo:][:len(ends)]
         span_ns = now.end_ns[ends] - now.first_ns[ends - _WINDOW + 1]
@@ -393,13 +401,15 @@ class HoldSearch:
         """Find the constant period for the changes from `first_new` on."""
         now = self._changes
         ends = np.arange(max(first_new, _PERIODS), len(now.row))
+        # A distance of one reading is no multiple of any period.
+        ends = ends[now.singles[ends] - now.singles[ends - _PERIODS] <= _ODD]
         if len(ends):
-            lo = int(ends[0]) - _PERIODS
-            distances = np.diff(now.row[lo:])
+            lo, first_end = int(ends[0]) - _PERIODS, int(ends[0])
+            distances = np.diff(now.row[lo:int(ends[-1]) + 1])
             odd = (distances[:, None] % _PRIMES != 0).astype(np.int64)
             sums = np.concatenate((np.zeros((1, len(_PRIMES)), np.int64), np.cumsum(odd, axis=0)))
             least = (sums[_PERIODS:] - sums[:-_PERIODS]).min(axis=1)
-            for end in ends[least <= _ODD].tolist():
+            for end in ends[least[ends - first_end] <= _ODD].tolist():
                 now.period[end] = self._find_period(end)
         if not self._first_period:
             self._decide_first()

@@ -75,6 +75,8 @@ class _Stream:
 
     def take_step(self, rows: np.ndarray) -> None:
         """Take changes into the greatest common divisor of all, units of 1e-4 deg."""
+        if self.units == 1:
+            return
         heading = self.headings.heading_deg
         change = np.abs(wrap180(heading[rows] - heading[rows - 1])) / _UNIT_DEG
         units = np.rint(change)
@@ -207,10 +209,10 @@ class SequenceMatch:
             delay_ns = delay_ns[np.sort(order[:_BEST_DELAYS])]
         comparable, differs = share(at, delay_ns)
         best = int(np.argmin(_differing_share(comparable, differs)))
-        if np.count_nonzero(comparable[best]) < min(_LEAST_CHANGES, len(at)):
+        if np.count_nonzero(comparable[:, best]) < min(_LEAST_CHANGES, len(at)):
             return Matched()
         stamp_ns = of.stamp_ns[at]
-        return Matched(stamp_ns[comparable[best]], stamp_ns[differs[best]])
+        return Matched(stamp_ns[comparable[:, best]], stamp_ns[differs[:, best]])
 
 
 def _is_steady_turn(of: Headings, at: np.ndarray, step_deg: float) -> bool:
@@ -219,6 +221,10 @@ def _is_steady_turn(of: Headings, at: np.ndarray, step_deg: float) -> bool:
         return False
     heading = unwrap_deg(of.heading_deg[at])
     t = (of.stamp_ns[at] - of.stamp_ns[at[0]]) / 1e9
+    chord = heading - heading[0] - (heading[-1] - heading[0]) / t[-1] * t
+    # What is left of any line spans at least the distance of a reading from a chord.
+    if np.abs(chord).max() > 1.01 * _STEADY_STEPS * step_deg:
+        return False
     slope, start = np.polyfit(t, heading, 1)
     off = np.ptp(heading - slope * t - start)
     return bool(off <= _STEADY_STEPS * step_deg < 0.1 * abs(slope) * t[-1])
@@ -226,50 +232,60 @@ def _is_steady_turn(of: Headings, at: np.ndarray, step_deg: float) -> bool:
 
 def _find_apart(of: Headings, rows: np.ndarray, partner: Headings, delay_ns: Reals,
                 step_ns: float) -> Reals:
-    """Return the headings around changes minus the partner's; nan if it has none near enough."""
+    """
+    Return the headings before and after changes minus the partner's, by change and delay.
+
+    They are nan if the partner has no reading near enough. Delays vary last, so that they are
+    searched in order.
+    """
     at = np.stack((rows - 1, rows))
     origin_ns = int(of.stamp_ns[0])
-    delayed_ns = (of.stamp_ns[at] - origin_ns)[None] + delay_ns[:, None, None]
+    delayed_ns = (of.stamp_ns[at] - origin_ns)[..., None] + delay_ns
+    # Only the partner's readings within the delays are searched.
+    lo, hi = np.searchsorted(partner.stamp_ns, (
+        int(of.stamp_ns[at.min()] + delay_ns.min() - step_ns),
+        int(of.stamp_ns[at.max()] + delay_ns.max() + step_ns) + 1)).tolist()
+    partner = partner[max(lo - 1, 0):hi + 1]
     stamps = (partner.stamp_ns - origin_ns).astype(np.float64)
-    right = np.clip(np.searchsorted(stamps, delayed_ns), 1, max(1, len(stamps) - 1))
     if len(stamps) < 2:
         return np.full(delayed_ns.shape, np.nan)
-    is_right = stamps[right] - delayed_ns < delayed_ns - stamps[right - 1]
-    nearest = np.where(is_right, right, right - 1)
-    apart = wrap180(of.heading_deg[at][None] - partner.heading_deg[nearest])
-    is_near = np.abs(stamps[nearest] - delayed_ns) <= 0.5001 * step_ns
-    return np.where(is_near, apart, np.nan)
+    # Midway between two readings the earlier one is the nearest.
+    nearest = np.searchsorted(0.5 * (stamps[1:] + stamps[:-1]), delayed_ns)
+    apart = wrap180(of.heading_deg[at][..., None] - partner.heading_deg[nearest])
+    apart[np.abs(stamps[nearest] - delayed_ns) > 0.5001 * step_ns] = np.nan
+    return apart
 
 
 def _find_differing(apart_deg: Reals, width_deg: float,
                     fine_deg: float) -> tuple[np.ndarray, np.ndarray]:
     """Return which changes can be compared at each delay, and which of them differ."""
     has_partner = ~np.isnan(apart_deg)
-    ordered = np.sort(apart_deg.reshape(len(apart_deg), -1), axis=1)
-    n = np.count_nonzero(has_partner, axis=(1, 2))
+    ordered = np.sort(apart_deg.reshape(-1, apart_deg.shape[2]), axis=0)
+    n = np.count_nonzero(has_partner.reshape(ordered.shape), axis=0)
 
     def quantile(share: float) -> Reals:
         at = np.maximum(0, np.rint(share * (n - 1))).astype(np.int64)
-        return np.where(n > 0, ordered[np.arange(len(ordered)), at], 0.0)
+        return np.where(n > 0, ordered[at, np.arange(len(at))], 0.0)
 
-    constants = [np.zeros(len(ordered)), quantile(0.5)]
+    constants = [np.zeros(n.shape), quantile(0.5)]
     if fine_deg:
         # On a quiet ship the coarser sensor has two values, and the readings lie at both edges.
         around = quantile(0.5), 0.5 * (quantile(_EDGE) + quantile(1.0 - _EDGE))
         constants += [center + j * fine_deg for center in around
                       for j in range(-_CONSTANTS, _CONSTANTS + 1)]
-    least = np.ones((len(apart_deg), apart_deg.shape[2]), bool)
+    least = np.ones(apart_deg.shape[1:], bool)
     for number, constant in enumerate(constants):
-        off = np.abs(apart_deg - constant[:, None, None]) > width_deg
-        differs: np.ndarray = np.any(off & has_partner, axis=1)
-        better = np.count_nonzero(differs, axis=1) < np.count_nonzero(least, axis=1)
-        least = differs if not number else np.where(better[:, None], differs, least)
-    comparable: np.ndarray = np.any(has_partner, axis=1)
+        # Without a partner it is nan, and not off.
+        off = np.abs(apart_deg - constant) > width_deg
+        differs: np.ndarray = off[0] | off[1]
+        better = np.count_nonzero(differs, axis=0) < np.count_nonzero(least, axis=0)
+        least = differs if not number else np.where(better, differs, least)
+    comparable: np.ndarray = has_partner[0] | has_partner[1]
     return comparable, least
 
 
 def _differing_share(comparable: np.ndarray, differs: np.ndarray) -> np.ndarray:
     """Return the share of changes that differ at each delay; 1 with too few to compare."""
-    n = np.count_nonzero(comparable, axis=1)
+    n = np.count_nonzero(comparable, axis=0)
     enough = n >= max(1, int(n.max(initial=0)) // 2)
-    return np.where(enough, np.count_nonzero(differs, axis=1) / np.maximum(n, 1), 1.0)
+    return np.where(enough, np.count_nonzero(differs, axis=0) / np.maximum(n, 1), 1.0)
