@@ -41,6 +41,10 @@ if 'ROS_LOG_DIR' not in os.environ:
     _logs = tempfile.TemporaryDirectory(
         prefix='heading_intercompare_log_', ignore_cleanup_errors=True)
     os.environ['ROS_LOG_DIR'] = _logs.name
+# Each session simulates the designs of its charts itself.
+_cache = tempfile.TemporaryDirectory(
+    prefix='heading_intercompare_cache_', ignore_cleanup_errors=True)
+os.environ['XDG_CACHE_HOME'] = _cache.name
 
 ROOT = Path(__file__).resolve().parent.parent
 

@@ -66,7 +66,7 @@ ALLOWED = {
                        {'numpy', 'rosbags', 'apsw', 'pyarrow'}),
     'report': Allowed({'core', 'replaced_file'},
                       {'numpy', 'jinja2', 'matplotlib', 'segno', 'weasyprint'}),
-    'logbook': Allowed({'core'}, {'numpy'}),
+    'logbook': Allowed({'core', 'replaced_file'}, {'numpy'}),
     'web': Allowed({'core', 'messages'}, {'numpy', 'nicegui', 'fastapi', 'uvicorn'}),
     'nodes': Allowed({'core', 'drivers', 'ahrs', 'messages', 'bags', 'journal', 'report',
                       'logbook', 'web', 'replaced_file'},

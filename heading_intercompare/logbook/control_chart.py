@@ -25,12 +25,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 import math
+from pathlib import Path
 from typing import Any, Callable
 
 import numpy as np
 
 from heading_intercompare.core import lazy_scipy as scipy
 from heading_intercompare.core.records import Reals
+
+from .design_file import find_place, read_design, write_design
 
 LEAST_BASELINE = 8
 """Least number of runs in a baseline."""
@@ -42,6 +45,8 @@ _MOST = 3.0
 #: The sums look for a shift of twice this many standard deviations.
 _SLACK = 0.5
 _MOST_CORRELATION = 0.8
+#: Equal figures without an uncertainty leave no scale: any other figure differs.
+_TINY = float(np.finfo(float).tiny)
 #: A chart learns of standardized values up to this, and the mean square of such normal values.
 _MOST_LEARNED, _MEAN_SQUARE = 2.0, 0.920540
 #: Limits are found at this many runs that are spread over those watched.
@@ -169,14 +174,13 @@ def estimate_correlation(z: Reals) -> float:
     return min(max(r + bias + error, 0.0), _MOST_CORRELATION)
 
 
-def _learn(center: Any, variance: Any, z: Any, sigma: Any, n: int) -> tuple[Any, Any]:
+def _learn(center: Any, variance: Any, y: Any, sigma: Any, n: int) -> tuple[Any, Any]:
     """
     Return center and variance after a run, the n-th one.
 
-    c + sigma y / n and v (1 + (y² / 0.9205 - 1) / n) with y = z, but within ± 2: running means,
-    and a wild run counts little.
+    c + sigma y / n and v (1 + (y² / 0.9205 - 1) / n) with y its standardized value, but within
+    ± 2: running means, and a wild run counts little.
     """
-    y = np.clip(z, -_MOST_LEARNED, _MOST_LEARNED)
     return (center + sigma * y / n,
             variance * (1.0 + (y * y / _MEAN_SQUARE - 1.0) / n))
 
@@ -214,7 +218,7 @@ class _Sum:
             self._since, self._above = at + 1, []
 
 
-def _round_to_two_digits(n: int, towards: Callable[[float], int]) -> int:
+def round_to_two_digits(n: int, towards: Callable[[float], int]) -> int:
     """Return a number of runs with two digits that count, so that a design serves many charts."""
     unit: int = 10 ** max(0, len(str(n)) - 2)
     return towards(n / unit) * unit
@@ -251,13 +255,23 @@ def design_chart(baseline: int, ahead: int, correlation: float, runs_between: fl
       (1 - 1/N)^n. So a chart of n runs shows a lasting change that is none with the probability
       1 - (1 - 1/N)^n, like n runs at the rate of one in N.
 
-    The seed is fixed, so the same runs always give the same chart.
+    The seed is fixed, so the same runs always give the same chart. A design that was simulated
+    before is read from the disk.
 
     References
     ----------
     Page 1954 for the sums; the prediction interval for a single future value.
 
     """
+    place = find_place(Path(__file__).read_bytes(), (baseline, ahead, correlation, runs_between))
+    if (numbers := read_design(place)) is not None:
+        return Design(*numbers)
+    design = _simulate(baseline, ahead, correlation, runs_between)
+    write_design(place, design.step, design.factors, design.threshold)
+    return design
+
+
+def _simulate(baseline: int, ahead: int, correlation: float, runs_between: float) -> Design:
     chance = 1.0 - (1.0 - 1.0 / runs_between) ** ahead
     paths = min(_MOST_PATHS, max(_LEAST_PATHS, int(_ABOVE / chance)))
     rng = np.random.default_rng(_SEED)
@@ -280,7 +294,8 @@ def design_chart(baseline: int, ahead: int, correlation: float, runs_between: fl
         up = np.maximum(0.0, up + z - _SLACK)
         down = np.maximum(0.0, down - z - _SLACK)
         largest = np.maximum(largest, np.maximum(up, down))
-        center, variance = _learn(center, variance, standardized, sigma, baseline + i + 1)
+        learned = np.clip(standardized, -_MOST_LEARNED, _MOST_LEARNED)
+        center, variance = _learn(center, variance, learned, sigma, baseline + i + 1)
         sigma = np.sqrt(variance)
     return Design(step, tuple(factors), float(np.quantile(largest, 1.0 - chance)))
 
@@ -332,40 +347,40 @@ def make_chart(x: Reals, u: Reals, *, baseline: int = 20, runs_between: float = 
     ahead = len(x) - baseline
     if ahead < 1:
         raise ValueError(f'{len(x)} runs: a chart needs more than its baseline of {baseline}')
-    center, scale = (float(v) for v in _estimate(x[:baseline]))
+    center, scatter = (float(v) for v in _estimate(x[:baseline]))
     own2 = float(np.median(u[:baseline] ** 2))
-    variance = scale ** 2
-
-    def sigma_of(variance: float, u: Reals) -> Reals:
-        # Equal figures without an uncertainty leave no scale: any other figure differs.
-        return np.maximum(np.sqrt(max(0.0, variance - own2) + u ** 2), np.finfo(float).tiny)
-
-    sigma = sigma_of(variance, u)
+    between2, variance = max(0.0, scatter ** 2 - own2), scatter ** 2
+    sigma = np.maximum(np.sqrt(between2 + u ** 2), _TINY)
     correlation = estimate_correlation((x[:baseline] - center) / sigma[:baseline])
     # Rounded to the safe side, so that one design serves many charts.
     design = design_chart(
-        _round_to_two_digits(baseline, math.floor), _round_to_two_digits(ahead, math.ceil),
+        round_to_two_digits(baseline, math.floor), round_to_two_digits(ahead, math.ceil),
         math.ceil(20.0 * correlation) / 20.0, runs_between)
-    centers = np.full(len(x), center)
-    variances = np.full(len(x), variance)
+    centers, variances = [center] * baseline, [variance] * baseline
     sums = (_Sum(design.threshold, baseline), _Sum(design.threshold, baseline))
-    for at in range(baseline, len(x)):
-        centers[at], variances[at] = center, variance
-        sigma[at] = sigma_of(variance, u[at])
-        z = float((x[at] - center) / sigma[at])
+    # Floats of Python: a loop with numbers of numpy takes ten times as long.
+    for at, (figure, u2) in enumerate(zip(x[baseline:].tolist(), (u[baseline:] ** 2).tolist()),
+                                      baseline):
+        centers.append(center)
+        variances.append(variance)
+        scale = max(math.sqrt(max(0.0, variance - own2) + u2), _TINY)
+        z = (figure - center) / scale
+        sigma[at] = scale
         sums[0].add(at, z)
         sums[1].add(at, -z)
         since = min((c.since for s in sums if (c := s.open_change)), default=None)
         if since is None:
-            center, variance = _learn(center, variance, z, sigma[at], at + 1)
+            center, variance = _learn(
+                center, variance, min(max(z, -_MOST_LEARNED), _MOST_LEARNED), scale, at + 1)
         else:
             center, variance = centers[since], variances[since]
     width = design.factors_of(len(x), baseline) * sigma
-    outside = np.abs(x - centers) > width
+    middles = np.array(centers)
+    outside = np.abs(x - middles) > width
     outside[:baseline] = False
     changes = [*sums[0].changes, *sums[1].changes, *(c for s in sums if (c := s.open_change))]
     return Chart(center=float(np.median(x[:baseline])),
-                 between=math.sqrt(max(0.0, scale ** 2 - own2)), correlation=correlation,
-                 low=centers - width, high=centers + width, outside=outside,
+                 between=math.sqrt(between2), correlation=correlation,
+                 low=middles - width, high=middles + width, outside=outside,
                  changes=tuple(sorted(changes, key=lambda change: change.noticed)),
                  baseline=baseline)

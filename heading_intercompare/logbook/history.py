@@ -28,7 +28,7 @@ from heading_intercompare.core.records import Reals
 from heading_intercompare.core.utc_text import utc
 from heading_intercompare.core.validity.condition import VOID
 
-from .control_chart import Chart, make_chart
+from .control_chart import Chart, make_chart, round_to_two_digits
 from .run_row import RunKey, RunRow
 
 _NAMES = {'mean': 'mean', 'sd': 'standard deviation'}
@@ -220,7 +220,8 @@ def tell_histories(rows: Iterable[RunRow], *, baseline: int = 20,
     Notes
     -----
     With n runs watched in all charts together, one in N with (1 - 1/N)^n = 0.95. So the length in
-    control grows with the number of ships and of their runs.
+    control grows with the number of ships and of their runs. n is rounded up to two digits, so
+    that a new run seldom asks for other charts.
 
     The worst first: those that differ now, then those whose newest run is non-compliant, outside
     its limits or not charted, then the others; within these those that end last.
@@ -238,7 +239,8 @@ def tell_histories(rows: Iterable[RunRow], *, baseline: int = 20,
     if runs_between is None:
         watched = sum(2 * max(0, sum(map(is_charted, group)) - baseline)
                       for group in in_order.values())
-        runs_between = max(LEAST_RUNS_BETWEEN, _find_runs_between(watched))
+        runs_between = max(LEAST_RUNS_BETWEEN, _find_runs_between(
+            round_to_two_digits(watched, math.ceil)))
     histories = [_tell(ship, settings, group, baseline, runs_between)
                  for (ship, settings), group in in_order.items()]
     return sorted(histories, key=lambda history: (

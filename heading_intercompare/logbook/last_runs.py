@@ -107,11 +107,6 @@ def judge_last_runs(books: Sequence[Logbook], asked: int, ship: str | None = Non
         asked=asked, ship=usable[0].ship, left_out=tuple(left_out), logbooks=_list_heads(books)))
 
 
-def is_of_ship(row: RunRow, ship: str | None) -> bool:
-    """Tell whether a run is of a ship, with all its sensors, or of SHIP/SENSOR; None is any."""
-    return ship is None or f'{row.ship}/'.startswith(f'{ship}/')
-
-
 def _list_heads(books: Sequence[Logbook]) -> dict[str, str | None]:
     """Return the newest hash of each logbook by its name, which has no path."""
     heads: dict[str, str | None] = {}
@@ -130,8 +125,8 @@ def _read_rows(books: Sequence[Logbook], ship: str | None) -> dict[RunKey, _RowO
     """Return the rows of one sensor, each with its logbook; one with a record counts."""
     rows: dict[RunKey, _RowOfBook] = {}
     for book in books:
-        for row in book.read():
-            if is_of_ship(row, ship) and (row.key not in rows or row.record_sha256 is not None):
+        for row in book.read(ship=ship):
+            if row.key not in rows or row.record_sha256 is not None:
                 rows[row.key] = row, book
     names = sorted({row.ship for row, _ in rows.values()})
     if len(names) > 1:

@@ -26,6 +26,7 @@ from __future__ import annotations
 from contextlib import closing, contextmanager
 from dataclasses import replace
 import json
+from operator import itemgetter
 import os
 from pathlib import Path
 import sqlite3
@@ -50,6 +51,8 @@ _WITH_CHAIN = 3
 _APPLICATION = 0x48494C42
 
 _KEY = ('ship', 'start_ns', 'end_ns', 'settings_sha256')
+#: Rows that become objects together.
+_ROWS_TOGETHER = 1000
 _TYPES = {str: 'TEXT', int: 'INTEGER', float: 'REAL'}
 
 
@@ -66,6 +69,7 @@ _HINTS = get_type_hints(RunRow)
 #: Columns of several figures, which hold JSON.
 _LISTS = {name: hint for name, hint in _HINTS.items()
           if any(get_origin(kind) is tuple for kind in get_args(hint))}
+_MATRICES = {name for name, hint in _LISTS.items() if 'tuple[tuple' in str(hint)}
 
 
 def _declare_column(name: str) -> str:
@@ -102,25 +106,61 @@ _SELECT_RECORD = ('SELECT record FROM records WHERE run_id = (SELECT id FROM run
                   f'{" AND ".join(f"{name} = ?" for name in _KEY)})')
 
 
+def is_of_ship(name: str, ship: str | None) -> bool:
+    """Tell whether a run of this name is of a ship, or of SHIP/SENSOR; None is any."""
+    return ship is None or f'{name}/'.startswith(f'{ship}/')
+
+
 def to_cells(row: RunRow) -> list[Any]:
     """Return the cells of a row in the order of its columns; several figures are JSON."""
     return [json.dumps(value, allow_nan=False) if isinstance(value, tuple) else value
             for value in (getattr(row, name) for name in _COLUMNS)]
 
 
-def _to_row(cells: dict[str, Any]) -> RunRow:
-    """Return the row of cells by their column; a column that is missing is unknown."""
-    lists = {}
-    for name in _LISTS.keys() & cells.keys():
+def _choose(names: Sequence[str], rows: Sequence[tuple[Any, ...]], since_ns: int | None,
+            ship: str | None) -> list[tuple[Any, ...]]:
+    """Return the cells of the rows of a ship since a stamp, in the order of time."""
+    at_start, at_end, at_ship = map(names.index, ('start_ns', 'end_ns', 'ship'))
+    return sorted((row for row in rows if (since_ns is None or row[at_end] >= since_ns)
+                   and is_of_ship(row[at_ship], ship)), key=itemgetter(at_start, at_end, at_ship))
+
+
+def _to_rows(names: Sequence[str], rows: Sequence[tuple[Any, ...]]) -> list[RunRow]:
+    """Return the rows of cells; a column that is missing is unknown."""
+    run_rows = []
+    for start in range(0, len(rows), _ROWS_TOGETHER):
+        cells_of = dict(zip(names, zip(*rows[start:start + _ROWS_TOGETHER])))
+        for name in _LISTS.keys() & cells_of.keys():
+            cells_of[name] = tuple(_read_lists(name, cells_of['id'], cells_of[name]))
+        unknown = (None,) * len(cells_of['id'])
+        for row_id, *cells in zip(*(cells_of.get(name, unknown) for name in ('id', *_COLUMNS))):
+            row = RunRow(*cells)
+            if contradiction := find_contradiction(row):
+                raise LogbookError(f'row {row_id}, {contradiction}: the row was changed')
+            run_rows.append(row)
+    return run_rows
+
+
+def _read_lists(name: str, ids: Sequence[int], cells: Sequence[Any]) -> Iterator[Any]:
+    """Yield the figures in the cells of a column of lists."""
+    for row_id, cell in zip(ids, cells):
         try:
-            lists[name] = read_plain(_LISTS[name], json.loads(cells[name] or 'null'), name)
+            figures = json.loads(cell or 'null')
+            yield (_to_floats(figures, name in _MATRICES)
+                   or read_plain(_LISTS[name], figures, name))
         except (json.JSONDecodeError, TypeError, VerdictError):
-            raise LogbookError(f'row {cells["id"]}, column {name} ({cells[name]!r:.40}): must be '
+            raise LogbookError(f'row {row_id}, column {name} ({cell!r:.40}): must be '
                                'a JSON list of numbers') from None
-    row = RunRow(**{name: lists.get(name, cell) for name, cell in cells.items() if name != 'id'})
-    if contradiction := find_contradiction(row):
-        raise LogbookError(f'row {cells["id"]}, {contradiction}: the row was changed')
-    return row
+
+
+def _to_floats(figures: Any, of_matrix: bool) -> tuple[Any, ...] | None:
+    """Return a list of floats, or of rows of floats, as tuples; None for all else."""
+    if type(figures) is not list:
+        return None
+    if of_matrix:
+        rows = [_to_floats(row, False) for row in figures]
+        return None if None in rows else tuple(rows)
+    return tuple(figures) if {*map(type, figures)} == {float} else None
 
 
 def _read_cells(connection: sqlite3.Connection, question: str,
@@ -208,7 +248,7 @@ class Logbook:
         since_ns
             Only runs that end at or after this stamp.
         ship
-            Only runs of this ship.
+            Only runs of this ship, with all its sensors, or of SHIP/SENSOR.
 
         Raises
         ------
@@ -221,27 +261,27 @@ class Logbook:
         """
         return self._read(since_ns, ship)[0]
 
-    def read_with_head(self) -> tuple[list[RunRow], ChainHead | None]:
+    def read_with_head(self, ship: str | None = None) -> tuple[list[RunRow], ChainHead | None]:
         """
-        Return all rows, as `read` does, and the newest entry of the chain that they have.
+        Return the rows of a ship, as `read` does, and the newest entry of the chain of all rows.
 
         Both are of one transaction. A logbook of before version 3 has no chain, so no entry.
         """
-        return self._read(None, None)
+        return self._read(None, ship)
 
     def _read(self, since_ns: int | None,
               ship: str | None) -> tuple[list[RunRow], ChainHead | None]:
         with self._open(write=False) as connection:
-            rows = _read_cells(connection, f'{_SELECT} ORDER BY start_ns, end_ns, ship, id')
+            answer = connection.execute(f'{_SELECT} ORDER BY id')
+            names = [column[0] for column in answer.description]
+            rows = answer.fetchall()
             chained = _has_chain(connection)
-            changed = find_break(connection, rows) if chained else None
+            changed = find_break(connection, names, rows) if chained else None
             head = read_head(connection) if chained else None
         try:
             if changed:
                 raise LogbookError(f'{changed}; what the program wrote is no longer known')
-            return [_to_row(cells) for cells in rows
-                    if (since_ns is None or cells['end_ns'] >= since_ns)
-                    and ship in (None, cells['ship'])], head
+            return _to_rows(names, _choose(names, rows, since_ns, ship)), head
         except LogbookError as error:
             raise LogbookError(f'{self.path}: {error}') from None
 

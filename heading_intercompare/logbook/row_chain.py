@@ -25,13 +25,15 @@ from __future__ import annotations
 import hashlib
 import json
 import sqlite3
-from typing import Any, Iterable, Mapping, NamedTuple
+from typing import Any, Iterable, Iterator, Mapping, NamedTuple, Sequence
 
 _CREATE = ('CREATE TABLE chain (entry INTEGER PRIMARY KEY, run_id INTEGER NOT NULL, '
            'row_sha256 TEXT NOT NULL, sha256 TEXT NOT NULL)',
            'CREATE INDEX chain_of_run ON chain (run_id)')
 
 _START = '0' * 64
+#: Rows that are hashed together, few enough for the cache of a processor.
+_ROWS_TOGETHER = 1000
 
 
 class ChainHead(NamedTuple):
@@ -79,7 +81,8 @@ def append_rows(connection: sqlite3.Connection, rows: Iterable[Mapping[str, Any]
                            (entry, run_id, row_sha256, sha256))
 
 
-def find_break(connection: sqlite3.Connection, rows: Iterable[Mapping[str, Any]]) -> str | None:
+def find_break(connection: sqlite3.Connection, names: Sequence[str],
+               rows: Sequence[tuple[Any, ...]]) -> str | None:
     """
     Return what does not fit the chain, in words; None if all does.
 
@@ -87,8 +90,10 @@ def find_break(connection: sqlite3.Connection, rows: Iterable[Mapping[str, Any]]
     ----------
     connection
         The logbook.
+    names
+        The columns of its rows.
     rows
-        The cells of all its rows, by their column.
+        The cells of all its rows.
 
     """
     newest: dict[int, str] = {}
@@ -99,10 +104,51 @@ def find_break(connection: sqlite3.Connection, rows: Iterable[Mapping[str, Any]]
         if entry != number or linked != sha256:
             return f'entry {entry} of its chain does not follow from the one before'
         newest[run_id] = row_sha256
-    for cells in rows:
-        expected = newest.pop(cells['id'], None)
+    at_id = names.index('id')
+    for row, row_sha256 in zip(rows, _hash_rows(names, rows)):
+        expected = newest.pop(row[at_id], None)
         if expected is None:
-            return f'row {cells["id"]} was put in by another program'
-        if expected != hash_row(cells):
-            return f'row {cells["id"]} was changed after it was written'
+            return f'row {row[at_id]} was put in by another program'
+        if expected != row_sha256 and expected != _hash_any(dict(zip(names, row))):
+            return f'row {row[at_id]} was changed after it was written'
     return f'row {min(newest)} was taken out' if newest else None
+
+
+def _hash_any(cells: Mapping[str, Any]) -> str | None:
+    """Return the hash of a row; None if a cell holds bytes, which no row has."""
+    try:
+        return hash_row(cells)
+    except TypeError:
+        return None
+
+
+def _hash_rows(names: Sequence[str], rows: Sequence[tuple[Any, ...]]) -> Iterator[str]:
+    """
+    Yield the hash of each row as `hash_row` does, but in a third of its time.
+
+    The text is made a column at a time. Where JSON writes a cell in another way, such as an
+    infinite figure, the hash is one that no row has.
+    """
+    for start in range(0, len(rows), _ROWS_TOGETHER):
+        template = ''
+        columns: list[Iterable[Any]] = []
+        for name, column in sorted(zip(names, zip(*rows[start:start + _ROWS_TOGETHER]))):
+            if name != 'id' and column.count(None) < len(column):
+                form, cells = _write_column(name, column)
+                template += form
+                columns.append(cells)
+        for row in zip(*columns):
+            text = (template % row).removeprefix(', ')
+            yield hashlib.sha256(f'{{{text}}}'.encode('utf-8', 'replace')).hexdigest()
+
+
+def _write_column(name: str, column: Sequence[Any]) -> tuple[str, Iterable[Any]]:
+    """Return how a column stands in the text of its rows: a form of `%`, and its cells for it."""
+    key, kinds = f', {json.dumps(name)}: ', {*map(type, column)}
+    form = key.replace('%', '%%')
+    if kinds == {str}:
+        text_of = {cell: json.dumps(cell) for cell in {*column}}
+        return f'{form}%s', map(text_of.__getitem__, column)
+    if kinds <= {str, int, float, type(None)} and not kinds <= {int, float}:
+        return '%s', ('' if cell is None else key + json.dumps(cell) for cell in column)
+    return f'{form}%r', column

@@ -16,12 +16,14 @@
 
 from __future__ import annotations
 
+import json
 import math
 
 from hypothesis import given, strategies as st
 import numpy as np
 import pytest
 
+from heading_intercompare.logbook import control_chart
 from heading_intercompare.logbook.control_chart import (
     Change,
     design_chart,
@@ -248,3 +250,35 @@ def test_equal_figures_without_uncertainty_differ_as_soon_as_one_does():
 def test_too_few_runs_are_refused(n, baseline, why):
     with pytest.raises(ValueError, match=why):
         make_chart(np.zeros(n), np.zeros(n), baseline=baseline)
+
+
+def test_a_design_is_simulated_once_and_read_to_the_bit(tmp_path, monkeypatch):
+    monkeypatch.setenv('XDG_CACHE_HOME', str(tmp_path))
+    arguments = 8, 3, 0.35, N
+    simulated = design_chart.__wrapped__(*arguments)
+    place, = tmp_path.glob('heading_intercompare/charts/*.json')
+    monkeypatch.setattr(control_chart, '_simulate', None)
+    assert design_chart.__wrapped__(*arguments) == simulated
+    numbers = json.loads(place.read_text())
+    place.write_text(json.dumps([*numbers[:2], 9.0]))
+    assert design_chart.__wrapped__(*arguments).threshold == 9.0
+
+
+@pytest.mark.parametrize('text', ['', '[1]', '[1, 2, 3]', 'null', '[1, ["x"], 3]', '\udcff'])
+def test_a_damaged_design_is_simulated(text, tmp_path, monkeypatch):
+    monkeypatch.setenv('XDG_CACHE_HOME', str(tmp_path))
+    simulated = design_chart.__wrapped__(8, 3, 0.35, N)
+    place, = tmp_path.glob('heading_intercompare/charts/*.json')
+    place.write_bytes(text.encode('utf-8', 'surrogateescape'))
+    assert design_chart.__wrapped__(8, 3, 0.35, N) == simulated
+    assert json.loads(place.read_text())[2] == simulated.threshold
+
+
+@pytest.mark.parametrize('folder', ['not/absolute', 'file/below'])
+def test_charts_need_no_folder_for_their_designs(folder, tmp_path, monkeypatch):
+    (tmp_path / 'file').touch()
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv('XDG_CACHE_HOME', folder if folder.startswith('not') else
+                       str(tmp_path / folder))
+    assert design_chart.__wrapped__(8, 3, 0.35, N).threshold > 0.0
+    assert [*tmp_path.iterdir()] == [tmp_path / 'file']

@@ -17,6 +17,7 @@
 from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
+import math
 import os
 from pathlib import Path
 import signal
@@ -73,6 +74,10 @@ def test_rows_are_chosen_by_time_and_ship(book):
     book.write([make_row(0), make_row(1), make_row(1, ship='MV Other')])
     assert book.read(since_ns=T0_NS + DAY_NS) == [make_row(1), make_row(1, ship='MV Other')]
     assert book.read(ship='MV Other') == [make_row(1, ship='MV Other')]
+    assert book.read(ship='MV') == []
+    book.write([make_row(2, ship='MV Other/gyro')])
+    assert [row.ship for row in book.read(ship='MV Other')] == ['MV Other', 'MV Other/gyro']
+    assert [row.ship for row in book.read(ship='MV Other/gyro')] == ['MV Other/gyro']
 
 
 def test_the_file_names_its_version_and_a_newer_one_is_refused(book):
@@ -174,6 +179,28 @@ def test_a_row_that_another_program_changed_is_named(book, command, words):
     for read in (book.read, lambda: book.read(ship='no ship')):
         with pytest.raises(LogbookError, match=words):
             read()
+
+
+@pytest.mark.parametrize('column, cell', [
+    ('headline', "x'434f4d504c49414e54'"), ('mean_deg', '0.1'),
+    ('n', '86400.5'), ('bag', "'%s'"), ('bag', "'\", \"conditions\": \"'"), ('sd_deg', '9e999'),
+    ('skew_s', '0.0'), ('empty_arc_deg', "x'00'")])
+@pytest.mark.parametrize('many', [1, 2500])
+def test_a_cell_of_any_kind_that_was_changed_is_named(book, column, cell, many):
+    """Rows are hashed a thousand at a time: a text, a sign or a kind of cell is no other one."""
+    book.write([make_row(day, mean_deg=0.0, **ADDED) for day in range(many)])
+    forge(book, f'UPDATE runs SET {column} = {cell} WHERE id = {many}')
+    with pytest.raises(LogbookError, match=f'row {many} was changed after it was written'):
+        book.read()
+
+
+def test_rows_of_all_kinds_of_cells_fit_the_chain_together(book):
+    rows = [make_row(0, bag='100 % "of" ä\\'), make_row(1, **ADDED), make_row(2, skew_s=math.inf),
+            make_row(3, skew_s=-0.0, mean_deg=None), make_row(4, skew_s=1e300, bag='')]
+    book.write(rows)
+    assert book.read() == rows
+    forge(book, 'ALTER TABLE runs ADD COLUMN "later %s" TEXT')
+    assert book.read() == rows
 
 
 def test_the_next_run_does_not_take_the_place_of_a_row_that_was_taken_out(book):

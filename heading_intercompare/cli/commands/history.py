@@ -37,7 +37,7 @@ from heading_intercompare.core.verdict.verdict_document import Software
 from heading_intercompare.logbook.control_chart import LEAST_BASELINE
 from heading_intercompare.logbook.correction import list_corrections
 from heading_intercompare.logbook.history import History, Point, tell_histories
-from heading_intercompare.logbook.last_runs import is_of_ship, judge_last_runs
+from heading_intercompare.logbook.last_runs import judge_last_runs
 from heading_intercompare.logbook.logbook_file import Logbook, merge_logbooks, to_cells
 from heading_intercompare.logbook.row_chain import ChainHead
 from heading_intercompare.logbook.run_row import RunRow
@@ -101,10 +101,10 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.certify is not None:
         return _certify(arguments, books)
     since_ns, service_ns = _read_time(arguments, 'since'), _read_time(arguments, 'service')
-    contents = [book.read_with_head() for book in books]
+    contents = [book.read_with_head(arguments.ship) for book in books]
     histories = tell_histories(
-        (row for rows, _ in contents for row in rows if is_of_ship(row, arguments.ship)),
-        baseline=arguments.baseline or _BASELINE, runs_between=arguments.one_in)
+        (row for rows, _ in contents for row in rows), baseline=arguments.baseline or _BASELINE,
+        runs_between=arguments.one_in)
     changes = [() if service_ns is None else compare_service(
         [point.row for point in history.points], service_ns) for history in histories]
     heads = {book.path: head for book, (_, head) in zip(books, contents)}

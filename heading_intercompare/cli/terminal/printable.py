@@ -41,8 +41,9 @@ def escape(text: str) -> str:
 
 def escape_lines(text: str) -> str:
     """Return a text with everything escaped that does not print, except line ends and tabs."""
-    return ''.join(letter if letter.isprintable() or letter in '\n\t' or _is_space(letter)
-                   else _code(letter) for letter in text)
+    return '\n'.join(line if line.isprintable() else ''.join(
+        letter if letter.isprintable() or letter == '\t' or _is_space(letter) else _code(letter)
+        for letter in line) for line in text.split('\n'))
 
 
 def safe_name(name: str, number: int) -> str:
