@@ -77,7 +77,8 @@ try:
     # It may be there, and refuse the numpy of Ubuntu 24.04.
     import pyarrow  # noqa: F401
 except ImportError:
-    collect_ignore_glob.append('heading_intercompare/readers/parquet.py')
+    collect_ignore_glob += [f'heading_intercompare/{name}.py'
+                            for name in ('readers/parquet', 'app/history_parquet')]
 if 'ephem' in MISSING:
     collect_ignore_glob.append('heading_intercompare/app/observations/sun.py')
 if find_spec('nicegui') is None:

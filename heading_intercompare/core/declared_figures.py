@@ -125,7 +125,7 @@ def list_figures(kind: Any) -> Mapping[str, Figure]:
         key, hint = declared.name, hints[declared.name]
         block: Figure = declared.metadata[_FIGURE]
         unit = declared.metadata[_UNIT]
-        figures[key] = replace(block, unit=_find_unit(key, hint) if unit is None else unit)
+        figures[key] = replace(block, unit=find_unit(key, hint) if unit is None else unit)
         for part in get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,):
             if isinstance(part, type) and is_dataclass(part):
                 figures |= {f'{key}.{name}': replace(
@@ -143,7 +143,8 @@ def find_figure(record: Any, key: str) -> Any:
     return record
 
 
-def _find_unit(key: str, hint: Any) -> str:
+def find_unit(key: str, hint: Any) -> str:
+    """Return the unit that the end of a key and the type of its value say; see `Figure`."""
     for end, unit in _UNITS.items():
         if key.endswith(end):
             return unit

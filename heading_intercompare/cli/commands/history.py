@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 import argparse
-import csv
 import json
 import os
 from pathlib import Path
@@ -25,6 +24,12 @@ import sys
 from typing import Any, Mapping, Sequence
 
 from heading_intercompare.app.correction_files import SUFFIXES, write_corrections
+from heading_intercompare.app.history_table import (
+    check_table,
+    SUFFIXES as TABLE_SUFFIXES,
+    write_csv,
+    write_table,
+)
 from heading_intercompare.app.run_table import parse_stamp
 from heading_intercompare.cli.terminal.console import say, say_lines, tell, VERDICT_MARKS
 from heading_intercompare.core.count_words import count_words
@@ -38,11 +43,11 @@ from heading_intercompare.logbook.control_chart import LEAST_BASELINE
 from heading_intercompare.logbook.correction import list_corrections
 from heading_intercompare.logbook.history import History, Point, tell_histories
 from heading_intercompare.logbook.last_runs import judge_last_runs
-from heading_intercompare.logbook.logbook_file import Logbook, merge_logbooks, to_cells
+from heading_intercompare.logbook.logbook_file import Logbook, merge_logbooks
 from heading_intercompare.logbook.row_chain import ChainHead
 from heading_intercompare.logbook.run_row import RunRow
 from heading_intercompare.logbook.service_change import compare_service, ServiceChange
-from heading_intercompare.replaced_file import replace_file, ReplacedFile
+from heading_intercompare.replaced_file import replace_file
 from heading_intercompare.report import check_form
 
 from .analyze import add_delivery_arguments, check_delivery, check_signing, deliver
@@ -53,7 +58,6 @@ _BASELINE = 20
 _OF_HISTORY = 'since', 'baseline', 'one_in', 'service', 'csv', 'html', 'correction', 'merge_into'
 _OF_CERTIFY = 'reports', 'annexes_apart', 'runs_csv', 'verbose', 'sign', 'signers'
 _NAMES = {'reports': 'output'}
-_LIMITS = ('mean_low_deg', 'mean_high_deg', 'sd_low_deg', 'sd_high_deg')
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -86,7 +90,8 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
                         'a sensor together, by the rule sensor; choose N beforehand')
     parser.set_defaults(card=None)
     add_delivery_arguments(parser.add_argument_group(
-        'with --certify, which writes its verdict to --json'))
+        'with --certify, which writes its verdict to --json; without it, -o F.csv or -o F.parquet '
+        'writes a row per run'))
 
 
 def run(arguments: argparse.Namespace) -> int:
@@ -109,11 +114,11 @@ def run(arguments: argparse.Namespace) -> int:
         [point.row for point in history.points], service_ns) for history in histories]
     heads = {book.path: head for book, (_, head) in zip(books, contents)}
     document = '' if arguments.json is None else _render(histories, changes, heads, since_ns)
-    _write_files(histories, document, arguments, since_ns)
+    _write_files(histories, document, arguments, heads, since_ns)
     if arguments.json == '-':
         sys.stdout.write(document)
     elif arguments.csv == '-':
-        _write_csv(histories, sys.stdout, since_ns)
+        write_csv(histories, sys.stdout, since_ns)
     else:
         lines = (_summarize(histories, changes) if len(histories) > 1 and arguments.ship is None
                  else _list(histories, changes, since_ns))
@@ -132,18 +137,22 @@ def _certify(arguments: argparse.Namespace, books: Sequence[Logbook]) -> int:
 
 
 def _write_files(histories: Sequence[History], document: str, arguments: argparse.Namespace,
-                 since_ns: int | None) -> None:
+                 heads: Mapping[str, ChainHead | None], since_ns: int | None) -> None:
     if arguments.json not in (None, '-'):
         replace_file(arguments.json, document)
-    if arguments.csv not in (None, '-'):
-        with ReplacedFile(arguments.csv, 'w', encoding='utf-8', newline='') as file:
-            _write_csv(histories, file, since_ns)
+    for path in _list_tables(arguments):
+        write_table(histories, path, since_ns, heads)
     if arguments.html is not None:
         from heading_intercompare.app.history_page import write_page
 
         write_page(histories, arguments.html, since_ns)
     if arguments.correction is not None:
         _write_corrections(histories, arguments.correction, since_ns)
+
+
+def _list_tables(arguments: argparse.Namespace) -> list[str]:
+    """Return the files of tables of runs; without --certify, -o names tables."""
+    return [*arguments.reports, *([arguments.csv] if arguments.csv not in (None, '-') else [])]
 
 
 def _write_corrections(histories: Sequence[History], path: str, since_ns: int | None) -> None:
@@ -159,6 +168,9 @@ def _write_corrections(histories: Sequence[History], path: str, since_ns: int | 
 
 def _check_options(arguments: argparse.Namespace) -> None:
     _check_certify(arguments)
+    if arguments.certify is None:
+        for path in _list_tables(arguments):
+            check_table(path)
     if arguments.baseline is not None and arguments.baseline < LEAST_BASELINE:
         raise ValueError(f'--baseline {arguments.baseline}: must be at least {LEAST_BASELINE}')
     if arguments.one_in is not None and not 2.0 <= arguments.one_in <= 1e6:
@@ -166,8 +178,10 @@ def _check_options(arguments: argparse.Namespace) -> None:
     if arguments.json == arguments.csv == '-':
         raise ValueError('--json - and --csv -: only one can be on standard output')
     logbooks = {Path(os.path.realpath(path)) for path in arguments.logbooks}
-    for option in ('json', 'csv', 'html', 'correction'):
-        path = getattr(arguments, option)
+    paths = [(option, getattr(arguments, option))
+             for option in ('json', 'csv', 'html', 'correction')]
+    paths += [('output', path) for path in arguments.reports]
+    for option, path in paths:
         if path is not None and path != '-' and Path(os.path.realpath(path)) in logbooks:
             raise ValueError(f'--{option} {path}: that is a LOGBOOK; name another file')
     if arguments.correction is not None and not arguments.correction.endswith(SUFFIXES):
@@ -188,7 +202,10 @@ def _check_certify(arguments: argparse.Namespace) -> None:
     options, why = ((_OF_HISTORY, 'is not for --certify') if n is not None
                     else (_OF_CERTIFY, 'is for --certify N'))
     for option in options:
-        if value := getattr(arguments, option):
+        value = getattr(arguments, option)
+        if n is None and option == 'reports':
+            value = [path for path in value if not path.endswith(TABLE_SUFFIXES)]
+        if value:
             shown = value[0] if isinstance(value, list) else '' if value is True else value
             raise ValueError(f'--{_NAMES.get(option, option).replace("_", "-")} {shown}'.rstrip()
                              + f': {why}; leave it out')
@@ -267,13 +284,3 @@ def _render(histories: Sequence[History], changes: Sequence[Sequence[ServiceChan
                        'chains': {path: head and head._asdict() for path, head in heads.items()},
                        'histories': plain},
                       indent=1, ensure_ascii=False, allow_nan=False) + '\n'
-
-
-def _write_csv(histories: Sequence[History], file: Any, since_ns: int | None) -> None:
-    """Write a row per run with its limits."""
-    table = csv.writer(file, lineterminator='\n')
-    table.writerow([*RunRow.columns(), *_LIMITS, 'outside'])
-    for history in histories:
-        for point in history.list_since(since_ns):
-            table.writerow([*to_cells(point.row), *(getattr(point, name) for name in _LIMITS),
-                            ' '.join(point.outside)])

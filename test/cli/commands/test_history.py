@@ -19,6 +19,7 @@ from __future__ import annotations
 import csv
 from dataclasses import replace
 import json
+import os
 from pathlib import Path
 import re
 import sqlite3
@@ -27,6 +28,7 @@ from command_line import refusal
 import numpy as np
 import pytest
 
+from heading_intercompare.app import history_table
 from heading_intercompare.cli import main
 from heading_intercompare.logbook.logbook_file import Logbook
 from heading_intercompare.logbook.run_row import RunRow
@@ -198,6 +200,57 @@ def test_a_csv_holds_several_figures_of_a_run_as_json(tmp_path, capsys):
     assert cells['installation_offset_deg'] == ''
 
 
+def test_parquet_holds_every_cell_with_its_type_and_unit(books, tmp_path, capsys):
+    pq = pytest.importorskip('pyarrow.parquet', reason='pyarrow is not installed')
+    row, = rows_of('MV A', 1, 9)
+    covariance = tuple(tuple(1e-4 * (i == j) for j in range(5)) for i in range(5))
+    row = replace(row, bag='/bags/ä', deviation_coefficients_deg=(0.1, 0.2, 1 / 3, 0.0, -1.0),
+                  start_ns=row.start_ns + 1, deviation_covariance_deg2=covariance, sd_deg=None)
+    Logbook(books[0]).write([row])
+    for name in ('runs.parquet', 'runs.csv'):
+        assert main(['history', *books, '-o', str(tmp_path / name)]) == 0
+    capsys.readouterr()
+    table = pq.read_table(tmp_path / 'runs.parquet')
+    with open(tmp_path / 'runs.csv', newline='', encoding='utf-8') as file:
+        lines = [*csv.DictReader(file)]
+    assert table.column_names == [*lines[0]] and table.num_rows == len(lines) == 76
+    for name in table.column_names:
+        kind, column = str(table.schema.field(name).type), table[name]
+        cells = (column.cast('int64') if 'timestamp' in kind else column).to_pylist()
+        assert [('' if cell is None else cell if kind == 'string' else json.dumps(cell))
+                for cell in cells] == [line[name] for line in lines], name
+    fields = {name: table.schema.field(name) for name in table.column_names}
+    assert {name: str(fields[name].type) for name in (
+        'start_ns', 'n', 'sd_deg', 'outcome', 'deviation_coefficients_deg', 'sd_low_deg')} == {
+            'start_ns': 'timestamp[ns, tz=UTC]', 'n': 'int64', 'sd_deg': 'double',
+            'outcome': 'string', 'deviation_coefficients_deg': 'list<element: double>',
+            'sd_low_deg': 'double'}
+    assert fields['sd_deg'].metadata == {b'unit': b'deg', b'description': b'standard deviation'}
+    assert fields['deviation_covariance_deg2'].metadata[b'unit'] == 'deg²'.encode()
+    assert fields['sd_deg'].nullable and not fields['n'].nullable
+    chains = json.loads(table.schema.metadata[b'chains'])
+    assert chains == {book: Logbook(book).read_head()._asdict() for book in books}
+
+
+def test_a_table_needs_its_library_and_follows_since(books, tmp_path, capsys, monkeypatch):
+    tables = [str(tmp_path / name) for name in ('one.csv', 'two.csv')]
+    assert main(['history', books[0], '--since', '2024-11-10', '-o', tables[0],
+                 '--csv', tables[1]]) == 0
+    one, two = (Path(path).read_text('utf-8') for path in tables)
+    assert one == two and len(one.splitlines()) == 4
+    monkeypatch.setattr(history_table, 'find_spec', lambda name: None)
+    assert 'writing Parquet needs pyarrow: install heading_intercompare[parquet]' in refusal(
+        capsys, 'history', books[0], '-o', tmp_path / 'runs.parquet')
+    assert not (tmp_path / 'runs.parquet').exists()
+
+
+def test_parquet_of_no_run_has_its_columns(books, tmp_path):
+    pq = pytest.importorskip('pyarrow.parquet', reason='pyarrow is not installed')
+    path = tmp_path / 'runs.parquet'
+    assert main(['history', books[0], '--ship', 'none', '-o', str(path)]) == 0
+    assert pq.read_table(path).num_rows == 0 and 'mean_deg' in pq.read_schema(path).names
+
+
 def test_a_page_shows_both_charts(books, tmp_path, capsys):
     pytest.importorskip('matplotlib')
     pytest.importorskip('jinja2')
@@ -294,7 +347,10 @@ def test_a_wrong_option_is_refused_in_one_line(books, capsys, options, why):
 
 
 def test_a_logbook_is_not_overwritten_by_a_table(books, capsys):
-    assert 'that is a LOGBOOK' in refusal(capsys, 'history', books[0], '--csv', books[0])
+    link = f'{books[0]}.csv'
+    os.symlink(books[0], link)
+    for option, path in ('--csv', books[0]), ('-o', link):
+        assert 'that is a LOGBOOK' in refusal(capsys, 'history', books[0], option, path)
     assert len(Logbook(books[0]).read()) == 40
 
 
