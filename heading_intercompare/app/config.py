@@ -17,7 +17,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from pathlib import Path
 import re
 from types import MappingProxyType, NoneType
 from typing import Any, Mapping, Sequence
@@ -32,6 +31,7 @@ from heading_intercompare.core.declared_settings import (
 from heading_intercompare.core.sensor_table import read_sensors
 from heading_intercompare.core.sensors.pair_settings import settings_of_pair
 from heading_intercompare.core.settings import Secrets, Settings
+from heading_intercompare.special_files import read_once
 from heading_intercompare.yaml_file import load_settings, parse_yaml, YamlError
 
 SHARED = '/**'
@@ -87,7 +87,7 @@ def load_config(path: str | None) -> Config:
     """
     if path is None:
         return Config()
-    document = parse_yaml(Path(path).read_bytes(), path)
+    document = parse_yaml(read_once(path), path)
     if document is None:
         return Config(path)
     if not isinstance(document, dict):

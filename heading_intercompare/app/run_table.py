@@ -18,6 +18,7 @@ from __future__ import annotations
 
 import csv
 from datetime import datetime, timezone
+from io import TextIOWrapper
 import os
 from pathlib import Path
 from typing import Iterable, Mapping, Sequence
@@ -25,6 +26,7 @@ from typing import Iterable, Mapping, Sequence
 from heading_intercompare.bags.csv.csv_rows import split_rows, StrayQuote
 from heading_intercompare.core.time_rules.exclusions import read_exclusions
 from heading_intercompare.core.verdict.verdict_document import RunVerdict
+from heading_intercompare.special_files import open_once
 
 #: Start and stop in nanoseconds, and the source.
 Run = tuple[int, int, str]
@@ -42,7 +44,7 @@ def read_run_table(path: str) -> list[Run]:
 
     """
     # Spreadsheets put a byte order mark before the header.
-    with open(path, newline='', encoding='utf-8-sig') as file:
+    with TextIOWrapper(open_once(path), newline='', encoding='utf-8-sig') as file:
         rows = csv.DictReader(file)
         try:
             names = [name.strip() for name in rows.fieldnames or ()]
@@ -117,7 +119,7 @@ def read_exclusion_table(path: str) -> str:
         If the file cannot be read, or a row is wrong; the message names the file.
 
     """
-    with open(path, newline='', encoding='utf-8-sig') as file:
+    with TextIOWrapper(open_once(path), newline='', encoding='utf-8-sig') as file:
         try:
             rows = [row for row in split_rows(file, 3, skipinitialspace=True) if any(row)]
         except StrayQuote as error:

@@ -22,6 +22,7 @@ from typing import NamedTuple
 
 from heading_intercompare.ahrs.settings import Scenario
 from heading_intercompare.core.declared_settings import SettingsError
+from heading_intercompare.special_files import read_once
 from heading_intercompare.yaml_file import parse_yaml
 
 
@@ -93,7 +94,7 @@ def read_scenario(path_or_name: str, seed: int | None = None) -> ScenarioFile:
 
     """
     path = _find(path_or_name)
-    data = path.read_bytes()
+    data = read_once(path)
     mapping = parse_yaml(data, path)
     if not isinstance(mapping, dict):
         raise SettingsError(f'{path}: is not a scenario: must hold names and values such as '

@@ -33,6 +33,7 @@ import zstandard
 
 from heading_intercompare.core.records import Integers
 from heading_intercompare.messages.byte_columns import BytesLike
+from heading_intercompare.special_files import refuse_special
 
 from .errors import BagError
 
@@ -131,7 +132,7 @@ class PlainFile:
     Raises
     ------
     OSError
-        If the file cannot be read, or the temporary folder cannot be written.
+        If it is no file or cannot be read, or the temporary folder cannot be written.
     BagError
         If it unpacks to more than 200 times its size and more than 1 GiB, or to more than the
         disk can hold.
@@ -139,6 +140,7 @@ class PlainFile:
     """
 
     def __init__(self, path: Path) -> None:
+        refuse_special(path)
         self.source = self.path = self.place = path
         self.problem: str | None = None
         if path.name.endswith(PACKED):

@@ -26,6 +26,7 @@ import numpy as np
 from heading_intercompare.core.typed_reader import VerdictError
 from heading_intercompare.core.verdict.verdict_document import Verdict
 from heading_intercompare.replaced_file import replace_file
+from heading_intercompare.special_files import read_once
 
 from .contents.identification import verdict_id
 
@@ -161,6 +162,6 @@ def read_any(path: str | Path) -> Verdict | SensorsVerdict:
 
 def _read(path: str | Path, parse_text: Callable[[bytes], _Kind]) -> _Kind:
     try:
-        return parse_text(Path(path).read_bytes())
+        return parse_text(read_once(path))
     except VerdictError as error:
         raise type(error)(f'{path}: {error}') from error

@@ -23,6 +23,7 @@ import re
 import subprocess
 
 from heading_intercompare.replaced_file import replace_file
+from heading_intercompare.special_files import refuse_special
 
 NAMESPACE = 'heading_intercompare'
 """What the keys sign here; a signature for another purpose, such as a commit, is none."""
@@ -97,6 +98,7 @@ def find_key(key: str | None, option: str = '--key') -> str:
 def find_signers(signers: str | None) -> str | None:
     """Return the list of signers: that of ``--signers``, or the usual one if it is there."""
     if signers is not None:
+        refuse_special(os.path.expanduser(signers))
         with open(os.path.expanduser(signers), 'rb') as file:
             return file.name
     usual = os.path.expanduser('~/.ssh/allowed_signers')

@@ -30,6 +30,7 @@ from typing import Any, Iterable, Iterator
 import numpy as np
 
 from heading_intercompare.bags.errors import BagError
+from heading_intercompare.special_files import open_once
 
 from .plain_rows import Bytes, find_plain_rows, PlainRows
 
@@ -56,7 +57,7 @@ class _Lines:
     """
 
     def __init__(self, path: str) -> None:
-        self._file = open(path, 'rb')
+        self._file = open_once(path)
         head = self._file.peek(2)
         self._text = None
         if head[:2] in _UTF16 or b'\r' in head and b'\n' not in head:

@@ -29,6 +29,7 @@ import zlib
 
 from heading_intercompare.drivers.settings import DriverError
 from heading_intercompare.natural_order import natural_key
+from heading_intercompare.special_files import refuse_special
 
 _BLOCK = 1 << 20
 _LONGEST_LINE = 1 << 16
@@ -117,6 +118,7 @@ class LogFiles:
                          os.path.join(folder, name), self.path).split(os.sep))]
         else:
             os.stat(self.path)
+            refuse_special(self.path)
             return [self.path]
         self.dangling = sorted((path for path in paths if not os.path.exists(path)),
                                key=natural_key)
