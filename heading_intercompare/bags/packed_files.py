@@ -15,14 +15,16 @@
 """
 Messages and files that rosbag2 compressed, one by one or whole.
 
-Each is a frame of zstd. No message in CDR begins like one, so the bytes tell, also where
-metadata.yaml is lost. rosbag2 compresses all messages of a bag or none: the first one tells.
+Each is one frame of zstd, or several, of which readers skip some. No message in CDR begins like
+one, so the bytes tell, also where metadata.yaml is lost. rosbag2 compresses all messages of a bag
+or none: the first one tells.
 """
 
 from __future__ import annotations
 
 from io import FileIO
 from pathlib import Path
+import re
 import resource
 import shutil
 from tempfile import gettempdir, TemporaryFile
@@ -37,7 +39,12 @@ from heading_intercompare.special_files import refuse_special
 
 from .errors import BagError
 
-_MAGIC = b'\x28\xb5\x2f\xfd'
+#: How a frame of zstd begins, and one that readers skip.
+_PLAIN = b'\x28\xb5\x2f\xfd'
+_FRAME = re.compile(re.escape(_PLAIN) + rb'|[\x50-\x5f]\x2a\x4d\x18')
+_FRAME_BYTES = 4
+#: Compressed bytes at once of a message in several frames: they unpack to some megabytes at most.
+_PACKED_BYTES = 2**8
 
 MOST_MESSAGE_BYTES = 2**27
 """A message that claims to be larger when unpacked is left as it is."""
@@ -48,12 +55,16 @@ _MOST_SMALL = 2**16
 
 def is_packed(data: BytesLike, start: Integers) -> bool:
     """Tell whether the messages at these offsets of some data are compressed one by one."""
-    return bool(len(start)) and bytes(data[start[0]:start[0] + len(_MAGIC)]) == _MAGIC
+    return bool(len(start)) and _FRAME.match(
+        bytes(data[start[0]:start[0] + _FRAME_BYTES])) is not None
 
 
 def unpack_payload(data: bytes, most: int = MOST_MESSAGE_BYTES) -> bytes | None:
-    """Return a message decompressed; None if it is not a frame of zstd, or too large."""
+    """Return a message decompressed; None if it is not of frames of zstd, or too large."""
     try:
+        # Such bytes within a frame are rare, and lead to the same message.
+        if _FRAME.search(data, 1) or not data.startswith(_PLAIN):
+            return _unpack_frames(data, most)
         size = zstandard.frame_content_size(data)
         if size > most:
             return None
@@ -61,6 +72,25 @@ def unpack_payload(data: bytes, most: int = MOST_MESSAGE_BYTES) -> bytes | None:
                                                        else size)
     except (zstandard.ZstdError, MemoryError):
         return None
+
+
+def _unpack_frames(data: bytes, most: int) -> bytes | None:
+    """Return the content of frames of zstd; None if there is none, one is cut, or too large."""
+    content, rest = bytearray(), data
+    if not _FRAME.match(data):
+        return None
+    while _FRAME.match(rest):
+        frame = zstandard.ZstdDecompressor().decompressobj()
+        for at in range(0, len(rest), _PACKED_BYTES):
+            content += frame.decompress(rest[at:at + _PACKED_BYTES])
+            if len(content) > most:
+                return None
+            if frame.eof:
+                break
+        else:
+            return None
+        rest = frame.unused_data + rest[at + _PACKED_BYTES:]
+    return bytes(content)
 
 
 def unpack_payloads(data: BytesLike, start: Integers,

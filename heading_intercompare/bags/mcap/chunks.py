@@ -17,10 +17,11 @@
 from __future__ import annotations
 
 from bisect import bisect_right
+from contextlib import suppress
 from io import BufferedIOBase
 from operator import itemgetter
 import struct
-from typing import Callable, Iterator, NamedTuple
+from typing import Callable, Iterable, Iterator, NamedTuple
 
 import lz4.frame
 import numpy as np
@@ -98,23 +99,74 @@ def _decompress(head: _Head, data: memoryview, zstd: zstandard.ZstdDecompressor)
     """Return the decompressed records; BagError unless they have the size in the head."""
     try:
         if head.compression == 'zstd':
-            # Use no more memory than the head says, whatever the frame claims.
-            if zstandard.frame_content_size(data) not in (head.size, -1):
-                raise BagError('chunk damaged: its compressed data has another size than its '
-                               'head says')
-            records = zstd.decompress(data, max_output_size=head.size)
+            records = _decompress_zstd(data, head.size, zstd)
         elif head.compression == 'lz4':
-            # With a bound it allocates memory once; one byte more shows the end of the frame.
-            frame = lz4.frame.LZ4FrameDecompressor()
-            records = frame.decompress(data, max_length=head.size + 1)
-            if not frame.eof:
-                raise BagError('chunk damaged: its compressed data does not end where it should')
+            records = _decompress_lz4(data, head.size)
         else:
             raise BagError(f'chunk compressed with {head.compression!r}; known are zstd and lz4')
     except (zstandard.ZstdError, RuntimeError, MemoryError) as error:
         raise BagError(f'chunk damaged: {error}') from None
     if len(records) != head.size:
         raise BagError('chunk damaged: it decompresses to another size than its head says')
+    return records
+
+
+def _decompress_zstd(data: memoryview, size: int, zstd: zstandard.ZstdDecompressor) -> bytes:
+    """Return the content of frames of zstd that hold `size` bytes, or fewer than that."""
+    claim = zstandard.frame_content_size(data)
+    if claim > size:
+        raise BagError('chunk damaged: its compressed data has another size than its head says')
+    if claim in (size, -1):
+        # Use no more memory than the head says, whatever the frame claims.
+        records = zstd.decompress(data, max_output_size=size)
+        if len(records) == size:
+            return records
+    return b''.join(read_zstd_frames(data, size, _PIECE_BYTES))
+
+
+def read_zstd_frames(source: BytesLike | _Span, size: int, most: int) -> Iterator[bytes]:
+    """
+    Yield the content of frames of zstd in pieces of at most `most` bytes.
+
+    It ends after `size` bytes, or one more if there are more. What follows the frames is ignored.
+    """
+    # The source need only have `read`, but the types ask for a whole IO.
+    with zstandard.ZstdDecompressor().stream_reader(
+            source, read_across_frames=True) as frames:  # type: ignore[arg-type]
+        while size and (piece := frames.read(min(size, most))):
+            size -= len(piece)
+            yield piece
+        with suppress(zstandard.ZstdError):
+            if not size and (piece := frames.read(1)):
+                yield piece
+
+
+def read_lz4_frames(packed: Iterable[BytesLike], size: int, most: int) -> Iterator[bytes]:
+    """Yield the content of frames of lz4, which come in pieces, as `read_zstd_frames` does."""
+    frame = lz4.frame.LZ4FrameDecompressor()
+    for rest in packed:
+        while len(rest) or not (frame.eof or frame.needs_input):
+            if frame.eof:
+                frame = lz4.frame.LZ4FrameDecompressor()
+            if piece := frame.decompress(rest, most):
+                size -= len(piece)
+                yield piece
+            if size < 0 or frame.eof and not size:
+                return
+            rest = frame.unused_data or b''
+
+
+def _decompress_lz4(data: memoryview, size: int) -> bytes:
+    """Return the content of frames of lz4 that hold `size` bytes; BagError if one is cut."""
+    records = b''
+    rest: BytesLike = data
+    while len(rest):
+        # With a bound it allocates memory once; one byte more shows the end of the frame.
+        frame = lz4.frame.LZ4FrameDecompressor()
+        records += frame.decompress(rest, max_length=size + 1 - len(records))
+        if not frame.eof:
+            raise BagError('chunk damaged: its compressed data does not end where it should')
+        rest = frame.unused_data or b'' if len(records) < size else b''
     return records
 
 
@@ -289,18 +341,10 @@ class LargeChunk:
         if not self._head.compression:
             yield from self._packed()
         elif self._head.compression == 'lz4':
-            frame = lz4.frame.LZ4FrameDecompressor()
-            for packed in self._packed():
-                while not frame.eof and (piece := frame.decompress(packed, _PIECE_BYTES)):
-                    yield piece
-                    packed = b''
+            yield from read_lz4_frames(self._packed(), self._head.size, _PIECE_BYTES)
         elif self._head.compression == 'zstd':
             source = _Span(self._file, self._start, self._start + self._head.length)
-            decompressor = zstandard.ZstdDecompressor()
-            # It only calls `read`, but its types ask for a whole IO.
-            with decompressor.stream_reader(source) as reader:  # type: ignore[arg-type]
-                while piece := reader.read(_PIECE_BYTES):
-                    yield piece
+            yield from read_zstd_frames(source, self._head.size, _PIECE_BYTES)
         else:
             raise BagError(f'chunk compressed with {self._head.compression!r}; known are zstd and '
                            'lz4')

@@ -19,7 +19,6 @@ from __future__ import annotations
 import struct
 from typing import NamedTuple
 
-import lz4.frame
 from mcap.opcode import Opcode
 import numpy as np
 import zstandard
@@ -27,7 +26,7 @@ import zstandard
 from heading_intercompare.core.records import Integers
 from heading_intercompare.messages.byte_columns import BytesLike
 
-from .chunks import CHUNK_HEAD
+from .chunks import CHUNK_HEAD, read_lz4_frames, read_zstd_frames
 from .message_blocks import HEAD, INVALID_OPCODE, MESSAGE_HEAD
 from .record_stream import MAGIC
 
@@ -104,24 +103,16 @@ def decompress_begun(content: bytes) -> bytearray:
     _, _, size, _, letters = CHUNK_HEAD.unpack_from(content)
     start = CHUNK_HEAD.size + letters
     compression, data = content[CHUNK_HEAD.size:start], content[start + 8:]
+    if not compression:
+        return bytearray(data[:size])
     records = bytearray()
     try:
-        if compression == b'zstd':
-            with zstandard.ZstdDecompressor().stream_reader(data) as reader:
-                while len(records) < size and (piece := reader.read(_PIECE_BYTES)):
-                    records += piece
-                    if len(records) == len(piece) and not _is_plausible(records, size):
-                        break
-        elif compression == b'lz4':
-            frame = lz4.frame.LZ4FrameDecompressor()
-            while len(records) < size and not frame.eof and (
-                    piece := frame.decompress(data, max_length=_PIECE_BYTES)):
-                data = b''
-                records += piece
-                if len(records) == len(piece) and not _is_plausible(records, size):
-                    break
-        elif not compression:
-            records += data
+        for piece in (read_zstd_frames(data, size, _PIECE_BYTES) if compression == b'zstd' else
+                      read_lz4_frames([data], size, _PIECE_BYTES) if compression == b'lz4' else
+                      ()):
+            records += piece
+            if len(records) == len(piece) and not _is_plausible(records, size):
+                break
     except (zstandard.ZstdError, RuntimeError, MemoryError, EOFError):
         pass
     del records[size:]

@@ -26,7 +26,14 @@ import pytest
 import zstandard
 
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.mcap.chunks import begin_chunk, CHUNK_HEAD, Gathering, unpack
+from heading_intercompare.bags.mcap.chunks import (
+    begin_chunk,
+    CHUNK_HEAD,
+    Gathering,
+    LargeChunk,
+    unpack,
+)
+from heading_intercompare.bags.mcap.fragments import decompress_begun
 from heading_intercompare.bags.mcap.message_blocks import MESSAGE_HEAD
 
 PACK = {'': bytes, 'lz4': lz4.frame.compress, 'zstd': zstandard.ZstdCompressor().compress}
@@ -129,3 +136,61 @@ def test_an_index_tells_where_messages_of_unequal_length_are(compression, monkey
     # The walk would find them too, but not be needed.
     monkeypatch.setattr('heading_intercompare.bags.mcap.message_blocks.walk', None)
     assert gathering.block().heads['sequence'].tolist() == expected
+
+
+def skippable(compressed: bytes) -> bytes:
+    """Return a frame that readers of zstd and lz4 skip, with any bytes in it."""
+    return b'\x5a\x2a\x4d\x18' + len(compressed).to_bytes(4, 'little') + compressed
+
+
+def zstd_without_size(data: bytes) -> bytes:
+    return zstandard.ZstdCompressor(write_content_size=False).compress(data)
+
+
+FRAMES = {
+    'two': lambda pack, data: pack(data[:100]) + pack(data[100:]),
+    'an empty one first': lambda pack, data: pack(b'') + pack(data),
+    'a skippable one first': lambda pack, data: skippable(b'ab') + pack(data),
+    'a skippable one between': lambda pack, data: (pack(data[:100]) + skippable(pack(data))
+                                                   + pack(data[100:])),
+    'a skippable one last': lambda pack, data: pack(data) + skippable(b''),
+    'bytes after them': lambda pack, data: pack(data[:100]) + pack(data[100:]) + b'rubbish',
+}
+
+
+@pytest.mark.parametrize('join', FRAMES.values(), ids=FRAMES)
+@pytest.mark.parametrize(('compression', 'pack'), [
+    ('zstd', PACK['zstd']), ('zstd', zstd_without_size), ('lz4', PACK['lz4'])],
+    ids=['zstd', 'zstd without sizes', 'lz4'])
+def test_a_chunk_may_have_several_frames(join, compression, pack, monkeypatch):
+    content = chunk(DATA, compression, packed=join(pack, DATA))
+    assert bytes(unpack(content, zstandard.ZstdDecompressor())) == DATA
+    gathering = Gathering()
+    take(gathering, content)
+    assert bytes(gathering.block().data) == DATA
+    assert bytes(decompress_begun(content)) == DATA
+    monkeypatch.setattr('heading_intercompare.bags.mcap.chunks._PACKED_BYTES', 7)
+    large = LargeChunk(BytesIO(content), begin_chunk(BytesIO(content), len(content)))
+    large.verify()
+    assert b''.join(bytes(block.data) for block in large.blocks()) == DATA
+
+
+@pytest.mark.parametrize('size', [len(DATA) - 1, len(DATA) - 101, len(DATA) + 1])
+@pytest.mark.parametrize('compression', ['zstd', 'lz4'])
+def test_frames_of_another_total_size_are_damage(compression, size):
+    pack = PACK[compression]
+    content = chunk(DATA[:size], compression, packed=pack(DATA[:100]) + pack(DATA[100:]),
+                    size=size)
+    large = LargeChunk(BytesIO(content), begin_chunk(BytesIO(content), len(content)))
+    for refuse in (lambda: unpack(content, zstandard.ZstdDecompressor()),
+                   lambda: take(Gathering(), content), large.verify):
+        with pytest.raises(BagError, match='chunk damaged'):
+            refuse()
+
+
+@pytest.mark.parametrize('compression', ['zstd', 'lz4'])
+def test_a_cut_second_frame_is_damage(compression):
+    pack = PACK[compression]
+    content = chunk(DATA, compression, packed=pack(DATA[:100]) + pack(DATA[100:])[:-9])
+    with pytest.raises(BagError, match='chunk damaged'):
+        unpack(content, zstandard.ZstdDecompressor())

@@ -326,3 +326,48 @@ def test_a_message_that_claims_too_much_stays_packed():
     data = zstandard.ZstdCompressor().compress(bytes(10_000))
     assert unpack_payload(data) == bytes(10_000) and unpack_payload(data, 9_999) is None
     assert unpack_payload(data[:-3]) is None and unpack_payload(b'\0\1\0\0') is None
+
+
+def skippable(content: bytes) -> bytes:
+    """Return a frame of zstd that readers skip."""
+    return b'\x50\x2a\x4d\x18' + len(content).to_bytes(4, 'little') + content
+
+
+PACK = zstandard.ZstdCompressor().compress
+FRAMES = {
+    'two': lambda data: PACK(data[:9]) + PACK(data[9:]),
+    'two without sizes': lambda data: b''.join(
+        zstandard.ZstdCompressor(write_content_size=False).compress(part)
+        for part in (data[:9], data[9:])),
+    'a skippable one first': lambda data: skippable(PACK(b'other')) + PACK(data),
+    'a skippable one between': lambda data: PACK(data[:9]) + skippable(b'x') + PACK(data[9:]),
+    'a skippable one last': lambda data: PACK(data) + skippable(b''),
+}
+
+
+@pytest.mark.parametrize('join', FRAMES.values(), ids=FRAMES)
+@pytest.mark.parametrize('by', ['message', 'file'])
+def test_frames_of_zstd_are_joined(by, join, two_sensors, write_bag, tmp_path):
+    """Each frame is a valid stream, and so are several: programs for many cores write them."""
+    plain = write_bag('plain', chunk_bytes=20_000)
+    if by == 'message':
+        bag = one_by_one(tmp_path / 'packed', two_sensors, join)
+    else:
+        bag = tmp_path / 'packed.mcap.zstd'
+        bag.write_bytes(join((plain / 'plain_0.mcap').read_bytes()))
+    for packed_column, column in zip(columns(bag), columns(plain)):
+        np.testing.assert_array_equal(packed_column, column)
+    assert check_bag(bag).faults == []
+
+
+@pytest.mark.parametrize('data', [
+    b'', b'rubbish', PACK(b'ab')[:-1], PACK(b'ab') + PACK(b'cd')[:-1],
+    skippable(b'ab')[:-1], PACK(b'ab') + PACK(bytes(100_000))])
+def test_cut_and_too_large_frames_are_no_message(data):
+    """The last one claims more than is allowed in its second frame only."""
+    assert unpack_payload(data, 50_000) is None
+
+
+def test_bytes_after_a_frame_change_no_message():
+    assert unpack_payload(PACK(b'ab') + b'rubbish') == b'ab'
+    assert unpack_payload(PACK(b'ab') + PACK(b'cd') + b'rubbish') == b'abcd'
