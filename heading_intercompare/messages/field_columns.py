@@ -261,15 +261,30 @@ def decode_field(place: FieldPlace, data: BytesLike, start: Integers,
 def decode_values(place: FieldPlace, data: BytesLike, start: Integers, size: Integers,
                   header: np.ndarray) -> FieldColumn:
     """Return the field in messages of one byte order."""
-    if place.is_stamped:
-        (sign, end), stamp_ns = end_of_strings(header), read_stamps(header)
-    else:
-        sign, end, stamp_ns = find_byte_order(header), 0, np.zeros(len(header), np.int64)
+    stamp_ns = read_stamps(header) if place.is_stamped else np.zeros(len(header), np.int64)
+    walk = _walk_to(place, data, start, size, header)
+    values = walk.take_texts() if place.code == 's' else walk.take_values(place.code)
+    return FieldColumn(stamp_ns, values)
+
+
+def find_offset(place: FieldPlace, data: BytesLike, start: Integers, stop: Integers) -> int:
+    """Return where a number lies in the first of some messages, counted from its first byte."""
+    def decode_one(data: BytesLike, start: Integers, size: Integers,
+                   header: np.ndarray) -> FieldColumn:
+        walk = _walk_to(place, data, start, size, header)
+        return FieldColumn(start, walk.take_offsets(place.code) - start)
+    return int(decode_stamped(place.type_name, data, start[:1], stop[:1], decode_one,
+                              is_stamped=place.is_stamped).values[0])
+
+
+def _walk_to(place: FieldPlace, data: BytesLike, start: Integers, size: Integers,
+             header: np.ndarray) -> _Walk:
+    """Return the place of a field in messages of one byte order."""
+    sign, end = end_of_strings(header) if place.is_stamped else (find_byte_order(header), 0)
     walk = _Walk(place.type_name, data, start, size, sign, end)
     for step in place.steps:
         walk.go_past(step)
-    values = walk.take_texts() if place.code == 's' else walk.take_values(place.code)
-    return FieldColumn(stamp_ns, values)
+    return walk
 
 
 class _Walk:
@@ -280,7 +295,7 @@ class _Walk:
         self._type_name, self._data, self._start, self._size = type_name, data, start, size
         self._sign, self._at = sign, end
 
-    def _take(self, code: str, count: int = 1) -> Integers:
+    def take_offsets(self, code: str, count: int = 1) -> Integers:
         """Go past values of one size; return the offset of the first in the data."""
         width = struct.calcsize(f'<{code}')
         at = align(self._at, width)
@@ -290,8 +305,8 @@ class _Walk:
         return offsets
 
     def _take_length(self) -> Integers:
-        lengths: Integers = gather(self._data, f'{self._sign}u4', self._take('I')).astype(np.int64)
-        return lengths
+        lengths = gather(self._data, f'{self._sign}u4', self.take_offsets('I'))
+        return lengths.astype(np.int64)
 
     def go_past(self, step: _Step) -> None:
         """Go past a value, a text or a list."""
@@ -304,7 +319,7 @@ class _Walk:
             self._at = np.where(lengths > 0, align(self._at, step.width), self._at)
             self._at = self._at_end_of(lengths * step.width)
         else:
-            self._take(step.code, step.n)
+            self.take_offsets(step.code, step.n)
 
     def _go_past_elements(self, lengths: Integers, element: Sequence[_Step]) -> None:
         """Go past the texts or messages of a list, whose number differs."""
@@ -332,7 +347,7 @@ class _Walk:
 
     def take_values(self, code: str) -> np.ndarray:
         """Return the value in each message as a float."""
-        return gather(self._data, f'{self._sign}{code}', self._take(code)).astype(float)
+        return gather(self._data, f'{self._sign}{code}', self.take_offsets(code)).astype(float)
 
     def take_texts(self) -> np.ndarray:
         """Return the text in each message as bytes."""

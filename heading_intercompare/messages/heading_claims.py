@@ -20,15 +20,17 @@ Drivers that know none leave zeros there, or a number that no angle has.
 
 from __future__ import annotations
 
-from functools import partial
-from typing import Callable, NamedTuple
+from functools import lru_cache
+import struct
+from typing import Callable, NamedTuple, Sequence
 
 import numpy as np
 
 from heading_intercompare.core.records import Integers, Quality, Reals, UNKNOWN_QUALITY
 
 from .byte_columns import BytesLike, decode_stamped
-from .field_columns import decode_values, FieldPlace, find_field
+from .errors import MessageError
+from .field_columns import decode_values, FieldPlace, find_field, find_offset
 from .heading_messages import AZIMUTH_TYPES, IMU
 from .schemas import definitions_of
 
@@ -54,10 +56,57 @@ _FIELDS = {
     **dict.fromkeys(AZIMUTH_TYPES, _Beside('azimuth', 'variance', 'unit')),
 }
 
-DecodeClaims = Callable[[BytesLike, Integers, Integers], Quality]
+#: Bytes of a header that tell the byte order, and the length of the name of the frame.
+_ORDER_AT, _LENGTH_AT = 0, 12
+_FEW = 3
 
 
-def find_claims(type_name: str, part: str) -> DecodeClaims | None:
+class Claims(NamedTuple):
+    """
+    What reads the claims of messages.
+
+    Attributes
+    ----------
+    fields
+        The variance, and what says how to read it.
+    state
+        Returns the standard deviations that values of these fields claim.
+
+    """
+
+    fields: Sequence[FieldPlace]
+    state: Callable[..., Reals]
+
+    def __call__(self, data: BytesLike, start: Integers, stop: Integers) -> Quality:
+        """Return a row of each message, as `decode_headings` does; nan without a claim."""
+        def decode_one(data: BytesLike, start: Integers, size: Integers,
+                       header: np.ndarray) -> Quality:
+            columns = [decode_values(field, data, start, size, header) for field in self.fields]
+            return Quality(columns[0].stamp_ns, self.state(*(column.values for column in columns)),
+                           np.full(len(header), UNKNOWN_QUALITY))
+        return decode_stamped(self.fields[0].type_name, data, start, stop, decode_one)
+
+    def are_alike(self, data: BytesLike, start: Integers, stop: Integers) -> bool:
+        """Tell whether all messages of a length, evenly spread, have one claim; most have."""
+        if len(start) < _FEW:
+            return False
+        step = int(start[1] - start[0])
+        if (np.diff(start) != step).any() or (stop - start != stop[0] - start[0]).any():
+            return False
+        try:
+            places = [(find_offset(field, data, start, stop), struct.calcsize(f'<{field.code}'))
+                      for field in self.fields]
+        except MessageError:
+            return False
+        for at, width in ((_ORDER_AT, 4), (_LENGTH_AT, 4), *places):
+            column = np.ndarray(len(start), f'u{width}', data, int(start[0]) + at, (step,))
+            if (column != column[0]).any():
+                return False
+        return True
+
+
+@lru_cache
+def find_claims(type_name: str, part: str) -> Claims | None:
     """
     Return what reads the claims in messages of a type.
 
@@ -70,10 +119,9 @@ def find_claims(type_name: str, part: str) -> DecodeClaims | None:
 
     Returns
     -------
-    decode : callable or None
-        As `decode_headings`, with a row of each message: the standard deviation to three figures,
-        nan where the message claims none that an angle can have. None if the type has no variance
-        beside this field.
+    Claims or None
+        The standard deviations have three figures, nan where a message claims none that an angle
+        can have. None if the type has no variance beside this field.
 
     """
     names = _FIELDS.get(type_name)
@@ -81,27 +129,8 @@ def find_claims(type_name: str, part: str) -> DecodeClaims | None:
         return None
     fields = [find_field(type_name, definitions_of(type_name), name)
               for name in names[1:] if name]
-    return partial(_decode, fields,
-                   _state_azimuth if type_name in AZIMUTH_TYPES else _state_covariance)
-
-
-def _decode(fields: list[FieldPlace], state: Callable[..., Reals], data: BytesLike,
-            start: Integers, stop: Integers) -> Quality:
-    """Return a row of each message, from the fields beside its heading."""
-    def decode_one(data: BytesLike, start: Integers, size: Integers,
-                   header: np.ndarray) -> Quality:
-        columns = [decode_values(field, data, start, size, header) for field in fields]
-        # Most neighbours claim the same, and need no second calculation.
-        is_new = np.ones(len(header), bool)
-        for column in columns:
-            is_new[1:] &= column.values[1:] == column.values[:-1]
-        is_new[1:] = ~is_new[1:]
-        first = np.flatnonzero(is_new)
-        stated_deg = state(*(column.values[first] for column in columns))
-        return Quality(columns[0].stamp_ns,
-                       np.repeat(stated_deg, np.diff(first, append=len(header))),
-                       np.full(len(header), UNKNOWN_QUALITY))
-    return decode_stamped(fields[0].type_name, data, start, stop, decode_one)
+    return Claims(fields,
+                  _state_azimuth if type_name in AZIMUTH_TYPES else _state_covariance)
 
 
 def _state_covariance(variance: Reals, *first: Reals) -> Reals:

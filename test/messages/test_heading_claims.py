@@ -106,3 +106,20 @@ def test_a_claim_has_three_figures(sigma_deg, claim_deg):
 def test_a_message_that_is_too_short_is_refused():
     with pytest.raises(MessageError, match='too short'):
         claims(IMU, imu(0.01)[:60])
+
+
+LONG_NAME = {**HEADER, 'frame_id': 'gyrocompass'}
+
+
+@pytest.mark.parametrize('middle, is_alike', [
+    (imu(0.01), True), (imu(0.02), False), (imu(0.01, first=-1.0), False),
+    (encode(IMU, {'header': LONG_NAME, 'orientation_covariance': [0.0, *[7.0] * 7, 0.01]}), False),
+    (b'\0\0' + imu(0.01)[2:], False)])
+def test_claims_are_alike_if_no_message_differs_in_what_tells_its_claim(middle, is_alike):
+    """Where they are, the claims of the first and of the last say all."""
+    messages = join_messages([imu(0.01), middle, imu(0.01), imu(0.01)])
+    assert find_claims(IMU, '').are_alike(*messages) is is_alike
+
+
+def test_too_short_messages_are_not_alike():
+    assert not find_claims(IMU, '').are_alike(*join_messages([imu(0.01)[:60]] * 4))

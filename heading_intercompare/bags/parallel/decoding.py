@@ -171,13 +171,15 @@ def _find_headings(block: Block, kind: Kind, place_of: np.ndarray,
 def _find_claims(kind: Kind, place: np.ndarray, data: BytesLike, start: Integers, stop: Integers,
                  is_strange: np.ndarray | None) -> Iterator[tuple[int, Quality]]:
     """Yield what the readable messages of each topic claim of their headings."""
-    decode = find_claims(kind.type_name, '') if kind.claiming else None
-    if decode is None:
+    claims = find_claims(kind.type_name, '') if kind.claiming else None
+    if claims is None:
         return
     for topic in kind.claiming:
         is_mine = place == topic if is_strange is None else (place == topic) & ~is_strange
-        mine = slice(None) if is_mine.all() else np.flatnonzero(is_mine)
-        rows, _, _ = decode_readable(partial(decode, data), start[mine], stop[mine])
+        mine = np.flatnonzero(is_mine)
+        if claims.are_alike(data, start[mine], stop[mine]):
+            mine = mine[[0, -1]]
+        rows, _, _ = decode_readable(partial(claims.__call__, data), start[mine], stop[mine])
         if len(rows):
             yield topic, rows.without_repeats()
 

@@ -101,12 +101,12 @@ def has_claims(bag: Readable, heading_topic: str) -> bool:
 
 def _decode_claims(bag: Readable, place: HeadingPlace) -> Iterator[Quality]:
     """Yield what the covariances of headings claim, a row of each readable message."""
-    decode = find_claims(bag.topics[place.topic].type_name, place.part)
-    if decode is None or isinstance(bag, BagReader) and bag.is_ours():
+    claims = find_claims(bag.topics[place.topic].type_name, place.part)
+    if claims is None or isinstance(bag, BagReader) and bag.is_ours():
         return
     for messages in bag.payloads(place.topic):
-        rows, readable, _ = decode_readable(partial(decode, messages.data), messages.start,
-                                            messages.stop)
+        rows, readable, _ = decode_readable(partial(claims.__call__, messages.data),
+                                            messages.start, messages.stop)
         if place.clock:
             time_ns = (messages.log_time_ns if place.clock == LOG_TIME
                        else messages.publish_time_ns)
