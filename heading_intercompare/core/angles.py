@@ -21,6 +21,8 @@ recorded quaternion gives the live heading to the bit.
 
 from __future__ import annotations
 
+from typing import Iterator
+
 import numpy as np
 from numpy.typing import ArrayLike
 
@@ -154,17 +156,34 @@ def unwrap_deg(heading_deg: ArrayLike) -> np.ndarray:
 
     """
     heading = np.asarray(heading_deg, dtype=np.float64)
-    unwrapped: Reals = heading.copy()
+    unwrapped: Reals = np.empty(heading.shape)
+    lo = 0
+    for piece in unwrap_pieces(heading):
+        unwrapped[lo:lo + piece.size] = piece
+        lo += piece.size
+    return unwrapped
+
+
+def unwrap_pieces(heading_deg: Reals) -> Iterator[Reals]:
+    """
+    Yield what `unwrap_deg` returns, some ten thousand headings at a time.
+
+    Examples
+    --------
+    >>> [piece.tolist() for piece in unwrap_pieces(np.array([350.0, 10.0]))]
+    [[350.0, 370.0]]
+
+    """
     turned_deg = 0.0
-    for lo in range(0, heading.size - 1, _PIECE):
-        steps = np.diff(heading[lo:lo + _PIECE + 1])
+    for lo in range(0, heading_deg.size, _PIECE):
+        piece = heading_deg[lo:lo + _PIECE]
+        steps = np.diff(piece, prepend=heading_deg[max(lo - 1, 0)])
         turns_deg: Reals | float = turned_deg
         if not _are_within(steps, -180.0, 180.0):
             # Whole turns are exact, so nothing adds up.
             turns_deg = turned_deg + np.cumsum(360.0 * np.rint((wrap180(steps) - steps) / 360.0))
             turned_deg = float(turns_deg[-1])
-        unwrapped[lo + 1:lo + 1 + steps.size] += turns_deg
-    return unwrapped
+        yield piece + turns_deg
 
 
 def circular_mean(angle_deg: ArrayLike) -> tuple[float, float]:

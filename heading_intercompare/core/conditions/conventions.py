@@ -24,6 +24,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from heading_intercompare.core.angles import circular_mean, wrap180
+from heading_intercompare.core.records import Reals
 from heading_intercompare.core.statistics.blocking import (
     block_means,
     block_size,
@@ -153,19 +154,16 @@ def _compare_turns(ts: np.ndarray, rs: np.ndarray, width: int, most: int,
     if n < 2:
         return Direction(), 0.0
     ts_changes = d_ts[most:most + n]
-    power = float(ts_changes @ ts_changes)
-    rs_changes = {k: d_rs[most + k:most + k + n] for k in range(-most, most + 1)}
-    products = {k: float(ts_changes @ d) for k, d in rs_changes.items()}
-    powers = {k: float(d @ d) for k, d in rs_changes.items()}
-    up = min(products, key=lambda k: powers[k] - 2.0 * products[k])
-    down = min(products, key=lambda k: powers[k] + 2.0 * products[k])
-    apart = max(0.0, power + powers[up] - 2.0 * products[up])
-    together = max(0.0, power + powers[down] + 2.0 * products[down])
+    power = float(_sum_products(ts_changes, ts_changes)[0][0])
+    products, powers = _sum_products(ts_changes, d_rs)
+    up, down = (int(np.argmin(powers + sign * 2.0 * products)) for sign in (-1.0, 1.0))
+    apart = max(0.0, power + float(powers[up] - 2.0 * products[up]))
+    together = max(0.0, power + float(powers[down] + 2.0 * products[down]))
     if together + apart <= 0.0:
         return Direction(), 0.0
     ratio = together / apart if apart > 0.0 else math.inf
     # The remainder of a yaw of five seconds at the true skew.
-    floor = uneven * (power + powers[0])
+    floor = uneven * (power + float(powers[most]))
     surer = (together + floor) / (apart + floor)
     clear = max(surer, 1.0 / surer)
     turned = float(np.ptp(mean_rs))
@@ -174,12 +172,26 @@ def _compare_turns(ts: np.ndarray, rs: np.ndarray, width: int, most: int,
     shows = turned >= _TURNED_DEG or (
         windows >= _MANY_WINDOWS and turned >= _ABOVE_NOISE * noise and clear > _CLEAR)
     if not shows and windows >= 4 * _MANY_WINDOWS and n >= _LEAST_SAMPLES and clear > _CLEAR:
-        terms = ts_changes * (rs_changes[up] + rs_changes[down])
+        terms = ts_changes * (d_rs[up:up + n] + d_rs[down:down + n])
         shows = abs(float(terms.sum())) > _SURE * math.sqrt(float(sum_covariance(terms)[0]))
     if not shows:
         return Direction(), 0.0
     word = 'not_testable' if clear <= _CLEAR else 'with' if ratio > 1.0 else 'against'
     return Direction(word, turned, ratio if math.isfinite(ratio) else None), clear
+
+
+def _sum_products(ts_changes: Reals, rs_changes: Reals) -> tuple[Reals, Reals]:
+    """Return the sums of products with RS changes that begin later and later, and of squares."""
+    lags = rs_changes.size - ts_changes.size + 1
+    products, powers = np.zeros(lags), np.zeros(lags)
+    for lo in range(0, ts_changes.size, _PIECE):
+        # The cache holds a piece for all lags.
+        ts_piece = ts_changes[lo:lo + _PIECE]
+        for lag in range(lags):
+            rs_piece = rs_changes[lo + lag:lo + lag + ts_piece.size]
+            products[lag] += ts_piece @ rs_piece
+            powers[lag] += rs_piece @ rs_piece
+    return products, powers
 
 
 def _mean_changes(heading: np.ndarray, width: int) -> tuple[np.ndarray, np.ndarray]:

@@ -34,6 +34,8 @@ LEAST_SPREADS = 8.0
 """... and by more than this multiple of their usual spread."""
 
 _BLOCKS = 1 << 13
+#: Differences looked at at once.
+_PIECE = 1 << 15
 _MAD_TO_SIGMA = 1.4826
 _MOST_SHARE = 0.5
 #: Shorter returns to the usual difference do not end a stretch, seconds.
@@ -98,11 +100,14 @@ def find_partings(stamp_ns: ArrayLike, x_deg: ArrayLike, sigma_deg: float) -> li
     thin = x[::max(1, x.size // _BLOCKS)]
     usual_deg = float(np.median(thin))
     spread_deg = _MAD_TO_SIGMA * float(np.median(np.abs(thin - usual_deg)))
-    far = np.abs(x - usual_deg) > max(LEAST_NORMS * sigma_deg, LEAST_SPREADS * spread_deg)
-    if not far.any() or far.mean() > _MOST_SHARE:
+    limit_deg = max(LEAST_NORMS * sigma_deg, LEAST_SPREADS * spread_deg)
+    far = np.concatenate([
+        lo + np.flatnonzero(np.abs(x[lo:lo + _PIECE] - usual_deg) > limit_deg)
+        for lo in range(0, x.size, _PIECE)])
+    if not far.size or far.size / x.size > _MOST_SHARE:
         return []
     return [Parting(int(stamps[lo]), int(stamps[hi]), float(np.median(x[lo:hi + 1])) - usual_deg)
-            for lo, hi in _join(np.flatnonzero(far), stamps)]
+            for lo, hi in _join(far, stamps)]
 
 
 def _join(far: Integers, stamps: Integers) -> list[tuple[int, int]]:
@@ -121,6 +126,8 @@ def _join(far: Integers, stamps: Integers) -> list[tuple[int, int]]:
 def cut_spans(stamp_ns: Integers, values: Reals,
               spans_ns: Sequence[tuple[int, int]]) -> tuple[Integers, Reals]:
     """Return the samples outside some closed spans of time, stamps in increasing order."""
+    if not spans_ns:
+        return stamp_ns, values
     outside = np.ones(stamp_ns.shape, bool)
     for start_ns, end_ns in spans_ns:
         outside[slice(*np.searchsorted(stamp_ns, (start_ns, end_ns + 1)))] = False

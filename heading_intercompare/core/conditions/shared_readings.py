@@ -29,7 +29,7 @@ import zlib
 import numpy as np
 
 from heading_intercompare.core import lazy_scipy as scipy
-from heading_intercompare.core.angles import unwrap_deg
+from heading_intercompare.core.angles import unwrap_pieces
 from heading_intercompare.core.records import Integers, Reals
 
 #: Differences are averaged over four grains of half a second, or of a multiple by a power of two.
@@ -96,16 +96,25 @@ class Fingerprint:
         if len(stamp_ns) < 2 * _BLOCK:
             return None
         since_s = (stamp_ns - stamp_ns[0]) / 1e9
-        step_s = float(np.quantile(np.diff(since_s), 0.6))
-        grain_s = _GRAIN_S
-        while since_s[-1] / grain_s >= _MOST_GRAINS:
+        grain_s, span_s = _GRAIN_S, float(since_s[-1])
+        # In place: a run of days has many pairs.
+        np.subtract(since_s[1:], since_s[:-1], out=since_s[:-1])
+        step_s = float(np.quantile(since_s[:-1], 0.6, overwrite_input=True))
+        del since_s
+        while span_s / grain_s >= _MOST_GRAINS:
             grain_s *= 2.0
-        at = (since_s / grain_s).astype(np.int64)
-        n = int(at[-1]) + 1
-        count = np.bincount(at, minlength=n).astype(np.int64)
+        n = int(span_s / grain_s) + 1
+        count, total_deg, turned_deg = np.zeros(n, np.int64), np.zeros(n), np.zeros(n)
+        usual_deg, lo = float(np.median(x_deg)), 0
+        for unwrapped in unwrap_pieces(rs_deg):
+            piece = slice(lo, lo + unwrapped.size)
+            at = ((stamp_ns[piece] - stamp_ns[0]) / 1e9 / grain_s).astype(np.int64)
+            # In the order of the pairs, so that no sum depends on the pieces.
+            np.add.at(count, at, 1)
+            np.add.at(total_deg, at, x_deg[piece] - usual_deg)
+            np.add.at(turned_deg, at, unwrapped)
+            lo = piece.stop
         occupied = np.flatnonzero(count)
-        total_deg, turned_deg = (np.bincount(at, weights=column, minlength=n)
-                                 for column in (x_deg - np.median(x_deg), unwrap_deg(rs_deg)))
         around = np.interp(np.arange(n), occupied, turned_deg[occupied] / count[occupied])
         # As it is kept, so that a restart changes nothing.
         return cls(int(stamp_ns[0]), grain_s, _STEPS * step_s, _short(total_deg), count,

@@ -32,6 +32,16 @@ from .norm_presets import list_required
 _SECTOR_DEG = 10
 _ARCS = 3
 _USUAL_RISK = 0.05
+#: Headings looked at at once.
+_PIECE = 1 << 15
+
+
+def _list_sectors(heading_deg: Reals) -> list[int]:
+    """Return the numbers of the sectors of ten degrees with headings, in rising order."""
+    seen = np.zeros(361 // _SECTOR_DEG + 1, bool)
+    for lo in range(0, len(heading_deg), _PIECE):
+        seen[np.mod(heading_deg[lo:lo + _PIECE], 360.0).astype(np.int64) // _SECTOR_DEG] = True
+    return np.flatnonzero(seen).tolist()
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,10 +60,11 @@ class Scope:
     @classmethod
     def of(cls, stamp_ns: Integers, heading_deg: Reals, settings: Settings) -> 'Scope':
         """Return the scope of a run with these pairs and headings of the RS."""
-        step_s = float(np.median(np.diff(stamp_ns))) / 1e9 if len(stamp_ns) > 1 else None
-        sectors = np.unique(np.floor_divide(np.mod(heading_deg, 360.0), _SECTOR_DEG).astype(int))
+        step_s = None if len(stamp_ns) < 2 else float(
+            np.median(np.diff(stamp_ns), overwrite_input=True)) / 1e9
+        sectors = _list_sectors(heading_deg)
         return replace(cls.state(settings), shortest_s=None if step_s is None else 2.0 * step_s,
-                       headings_deg=tuple(int(sector) % 36 * _SECTOR_DEG for sector in sectors))
+                       headings_deg=tuple(sector % 36 * _SECTOR_DEG for sector in sectors))
 
     @classmethod
     def state(cls, settings: Settings) -> 'Scope':

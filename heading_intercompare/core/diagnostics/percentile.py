@@ -84,5 +84,7 @@ def estimate_percentile(x_deg: ArrayLike, center_deg: float,
         return None
     u = _Z95 * math.sqrt(SHARE * (1.0 - SHARE) / n_effective)
     shares = [SHARE, SHARE - u, min(1.0, SHARE + u)]
-    limit, lower, upper = np.quantile(np.abs(x - center_deg), shares).tolist()
+    distance = x - center_deg
+    limit, lower, upper = np.quantile(np.abs(distance, out=distance), shares,
+                                      overwrite_input=True).tolist()
     return Percentile(SHARE, limit, lower, None if SHARE + u >= 1.0 else upper)

@@ -185,7 +185,9 @@ class HoldSearch:
     def take(self, headings: Headings) -> np.ndarray:
         """Take readings with increasing stamps, n >= 1; return which ones repeat a value."""
         stamps = headings.stamp_ns
-        value = np.rint(headings.heading_deg * 1e6).astype(np.int64) % _TURN
+        value = np.rint(headings.heading_deg * 1e6).astype(np.int64)
+        if value.min() < 0 or value.max() >= _TURN:
+            value %= _TURN
         if self._value is None:
             self._value, self._newest_ns = int(value[0]), int(stamps[0])
             self._begin_ns = self._newest_ns
@@ -200,7 +202,7 @@ class HoldSearch:
                 # The first value of all lasted so long that it shows nothing.
                 self._begin_row, self._begin_ns = self._rows + int(at[0]), int(stamps[at[0]])
             self._has_changed = True
-            self._add_changes(self._rows + at, stamps[at], size[at])
+            self._take_changes(self._rows + at, stamps[at], size[at])
         self._rows += len(stamps)
         if self._rows == len(stamps):
             repeats[0] = False
@@ -235,6 +237,28 @@ class HoldSearch:
         if n > _KEPT:
             self._changes = _Changes(*(getattr(changes, name)[n:]
                                        for name in _Changes.__slots__))
+
+    def _take_changes(self, row: Integers, stamp_ns: Integers, size: Integers) -> None:
+        """Add changes; of many that come one reading after another only the first and the last."""
+        n = len(row)
+        if n <= 4 * _KEPT or row[-1] - row[0] != n - 1:
+            self._add_changes(row, stamp_ns, size)
+            return
+        self._add_changes(row[:_KEPT], stamp_ns[:_KEPT], size[:_KEPT])
+        first = _KEPT
+        if not self.shows_hold and len(self._times.end_ns):
+            # No window with any of those between may pass, nor show a period.
+            first = n - _KEPT
+            self._skip_changes(row[:first], stamp_ns[:first], size[:first])
+        self._add_changes(row[first:], stamp_ns[first:], size[first:])
+
+    def _skip_changes(self, row: Integers, stamp_ns: Integers, size: Integers) -> None:
+        """Keep only the last of changes that come one reading after another, as one of no hold."""
+        self._step = min(self._step, int(np.min(size[size > 0], initial=_TURN)))
+        singles = self._changes.singles[-1] + row[-1] - self._changes.row[-1]
+        self._changes = _Changes(row[-1:], stamp_ns[-1:], size[-1:],
+                                 2 * size[-1:] >= _LARGE_2 * self._step,
+                                 np.array([singles]), np.ones(1, np.int64))
 
     def _add_changes(self, row: Integers, stamp_ns: Integers, size: Integers) -> None:
         # A value that came again after a pause has changed by nothing.

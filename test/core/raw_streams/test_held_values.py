@@ -130,6 +130,24 @@ def test_the_result_does_not_depend_on_the_chunks(rng, arguments):
             assert np.array_equal(getattr(part, name), getattr(whole, name))
 
 
+@pytest.mark.parametrize('noise_deg', [0.05, 1e-5])
+def test_a_hold_after_many_new_values_is_found_whatever_the_chunks(rng, noise_deg):
+    """Of a long chunk without a repeated value only its ends are searched."""
+    n = 6000
+    free = readings(0.2 * np.arange(n), 90.0 + noise_deg * rng.standard_normal(n), 1e-6)
+    held, _ = polled(rng)
+    later = Headings(held.stamp_ns - held.stamp_ns[0] + free.stamp_ns[-1] + 200_000_000,
+                     held.heading_deg)
+    after = Headings(free.stamp_ns - free.stamp_ns[0] + later.stamp_ns[-1] + 200_000_000,
+                     free.heading_deg)
+    together = free + later + after
+    long, short = (unfold(together, [size] * (len(together) // size + 1)) for size in (2000, 300))
+    assert long.held_ns.size > 0.7 * len(held)
+    assert long.kept == short.kept
+    for name in ('held_ns', 'standing_ns', 'turned_ns'):
+        assert np.array_equal(getattr(long, name), getattr(short, name))
+
+
 def test_nothing_waits_where_each_reading_has_a_new_value(rng):
     keep = HoldFilter()
     for lo in range(500):
