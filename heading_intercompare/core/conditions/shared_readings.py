@@ -43,6 +43,8 @@ _ORDER, _BLOCK = 16, 64
 _MOST_BLOCKS = 48
 #: Most bins in which they are sought at once.
 _AT_ONCE = 8192
+#: Pairs whose steps are computed at once.
+_PIECE = 1 << 15
 #: Shared readings: a block whose correlation is this, or some together at one lag.
 _ALIKE, _TOGETHER, _SOME = 0.75, 0.45, 4
 #: A block belongs to them if it correlates nearly as well as the best one.
@@ -95,12 +97,14 @@ class Fingerprint:
         """Return the fingerprint of a run by its differences and the RS; None if too short."""
         if len(stamp_ns) < 2 * _BLOCK:
             return None
-        since_s = (stamp_ns - stamp_ns[0]) / 1e9
-        grain_s, span_s = _GRAIN_S, float(since_s[-1])
-        # In place: a run of days has many pairs.
-        np.subtract(since_s[1:], since_s[:-1], out=since_s[:-1])
-        step_s = float(np.quantile(since_s[:-1], 0.6, overwrite_input=True))
-        del since_s
+        # In pieces and in place: a run of days has many pairs.
+        steps_s = np.empty(len(stamp_ns) - 1)
+        for lo in range(0, len(steps_s), _PIECE):
+            since_s = (stamp_ns[lo:lo + _PIECE + 1] - stamp_ns[0]) / 1e9
+            steps_s[lo:lo + _PIECE] = since_s[1:] - since_s[:-1]
+        step_s = float(np.quantile(steps_s, 0.6, overwrite_input=True))
+        del steps_s
+        grain_s, span_s = _GRAIN_S, int(stamp_ns[-1] - stamp_ns[0]) / 1e9
         while span_s / grain_s >= _MOST_GRAINS:
             grain_s *= 2.0
         n = int(span_s / grain_s) + 1
