@@ -94,3 +94,26 @@ def test_the_claim_of_the_ts_is_laid_beside_the_data(claim_deg, claim, warned):
     warnings = warn_of_claim(QualityCheck(ts=check.ts, ts_claim=claim), 0.2, 0.3)
     assert (warnings == ['claim_of_ts: the TS claims 0.05 deg, the data show 0.2 to 0.3 deg']
             ) is warned
+
+
+@pytest.mark.parametrize('n_rows', [1, 5, 60])
+@pytest.mark.parametrize('late_ns', [0, 7])
+def test_figures_are_those_of_each_pair_on_its_own(rng, n_rows, late_ns):
+    """Some rows have one stamp, some lie outside the run; sums go over stretches of pairs."""
+    rows = Quality.of(rng.integers(0, 300, n_rows), rng.choice([np.nan, 0.1, 0.3, 0.4], n_rows),
+                      rng.integers(0, len(QUALITY_FLAGS), n_rows))
+    stamps = np.unique(rng.integers(50, 250, 151))
+    flag, stated_deg = rows.match(stamps + late_ns)
+    checked = check_quality({'ts': rows}, stamps, late_ns=late_ns)
+    if not flag.any() and not np.isfinite(stated_deg).any():
+        assert checked is None
+        return
+    check, is_reduced = checked
+    claims = stated_deg[np.isfinite(stated_deg)]
+    assert np.array_equal(is_reduced, flag > NORMAL)
+    assert check.ts.n == np.count_nonzero((flag > 0) | np.isfinite(stated_deg))
+    assert check.ts.flags == {words: np.count_nonzero(flag == number)
+                              for number, words in enumerate(QUALITY_FLAGS)
+                              if (flag == number).any()}
+    assert check.ts.stated_median_deg == (np.median(claims) if claims.size else None)
+    assert check.ts.stated_largest_deg == (claims.max() if claims.size else None)
