@@ -221,11 +221,31 @@ def gather_reals(type_name: str, data: BytesLike, start: Integers, size: Integer
 def check_size(type_name: str, start: Integers, size: Integers,
                least: Integers | int) -> None:
     """Raise MessageError if a message is shorter than its fields need."""
-    short = size < least
-    if short.any():
-        first = int(np.argmax(short))
-        raise MessageError(f'{type_name} message of {size[first]} bytes is too short',
-                           offset=int(start[first]), offsets=start[short].tolist())
+    refuse_messages(type_name, start, size < least,
+                    lambda first: f'of {size[first]} bytes is too short')
+
+
+def refuse_messages(type_name: str, start: Integers, wrong: np.ndarray,
+                    describe: Callable[[int], str]) -> None:
+    """
+    Raise MessageError with the offsets of the messages that are wrong, if there are any.
+
+    Parameters
+    ----------
+    type_name
+        Type of the messages.
+    start : ndarray of int64, shape (n,)
+        First byte of each message.
+    wrong : ndarray of bool, shape (n,)
+        Which are wrong.
+    describe
+        Returns what is wrong, given the number of the first one.
+
+    """
+    if wrong.any():
+        first = int(np.argmax(wrong))
+        raise MessageError(f'{type_name} message {describe(first)}', offset=int(start[first]),
+                           offsets=start[wrong].tolist())
 
 
 def decode_stamped(type_name: str, data: BytesLike, start: Integers, stop: Integers,
@@ -233,23 +253,34 @@ def decode_stamped(type_name: str, data: BytesLike, start: Integers, stop: Integ
     """
     Return the chunk in a stretch of bytes; each message may have either byte order.
 
-    Messages begin with a header, unless they are not stamped.
+    Messages begin with a header, unless they are not stamped. MessageError if one does not, or if
+    its stamp has a second or more of nanoseconds.
     """
     size, kind = stop - start, _HEADER if is_stamped else _BARE
     check_size(type_name, start, size, kind.itemsize)
     header = gather(data, kind, start)
     little = header['order'] == _LITTLE
     if little.all():
+        if is_stamped:
+            check_nanoseconds(type_name, start, header['nanosec'])
         return decode_one(data, start, size, header)
-    strange = ~little & (header['order'] != _BIG)
-    if strange.any():
-        raise MessageError(f'{type_name} message does not start as CDR',
-                           offset=int(start[np.argmax(strange)]), offsets=start[strange].tolist())
+    refuse_messages(type_name, start, ~little & (header['order'] != _BIG),
+                    lambda first: 'does not start as CDR')
     which = np.flatnonzero(little), np.flatnonzero(~little)
     signs: tuple[_ByteOrder, _ByteOrder] = '<', '>'
-    parts = [decode_one(data, start[at], size[at], header[at].view(kind.newbyteorder(sign)))
-             for at, sign in zip(which, signs)]
+    parts = []
+    for at, sign in zip(which, signs):
+        begun = header[at].view(kind.newbyteorder(sign))
+        if is_stamped:
+            check_nanoseconds(type_name, start[at], begun['nanosec'])
+        parts.append(decode_one(data, start[at], size[at], begun))
     return type(parts[0]).concatenate(parts)[np.argsort(np.concatenate(which))]
+
+
+def check_nanoseconds(type_name: str, start: Integers, nanosec: np.ndarray) -> None:
+    """Raise MessageError if a stamp has a second or more of nanoseconds: no clock writes that."""
+    refuse_messages(type_name, start, nanosec >= _SECOND_NS, lambda first: (
+        f'has a stamp with {nanosec[first]} nanoseconds: must be below {_SECOND_NS}'))
 
 
 def find_byte_order(header: np.ndarray) -> _ByteOrder:

@@ -38,6 +38,7 @@ from .errors import MessageError
 from .field_columns import decode_field, FieldPlace, find_field, list_fields
 from .fields import Definitions, leaves, short_name
 from .heading_places import HeadingPlace
+from .quaternion_norms import check_norms
 
 #: A device that counts 1e-4 rad rounds a full turn up.
 _ROUNDED_UP = 1.0001
@@ -199,11 +200,12 @@ def _decode_quaternions(axes: list[FieldPlace], validity: FieldPlace | None, con
                         data: BytesLike, start: Integers, stop: Integers) -> Headings:
     """Return the headings of quaternions; nan where one is zero, or called unknown."""
     columns = [decode_field(axis, data, start, stop) for axis in axes]
-    x, y, z, w = (column.values for column in columns)
+    x, y, z, w = quaternions = np.array([column.values for column in columns])
+    has_orientation = (np.ones(start.shape, bool) if validity is None else
+                       decode_field(validity, data, start, stop).values != _UNKNOWN)
+    check_norms(axes[0].type_name, start, quaternions, has_orientation)
     heading_deg = angles.heading_from_quaternion(x, y, z, w, convention)
-    if validity is not None:
-        heading_deg[decode_field(validity, data, start, stop).values == _UNKNOWN] = np.nan
-    return Headings(columns[0].stamp_ns, heading_deg)
+    return Headings(columns[0].stamp_ns, np.where(has_orientation, heading_deg, np.nan))
 
 
 def decode_angles(field: FieldPlace, unit: str, axes: str, data: BytesLike, start: Integers,

@@ -40,10 +40,12 @@ from .byte_columns import (
     gather_reals,
     read_sound,
     read_stamps,
+    refuse_messages,
     split_rows,
     stamped_rows,
 )
 from .errors import MessageError
+from .quaternion_norms import check_norms
 from .stamps import fits_message
 
 IMU = 'sensor_msgs/msg/Imu'
@@ -203,8 +205,9 @@ def decode_headings(type_name: str, convention: str, data: BytesLike, start: Int
     Raises
     ------
     MessageError
-        If a message is too short for its type, does not start as CDR, or has an azimuth that is
-        not from true north; the offset is its place in `data`.
+        If a message is too short for its type, does not start as CDR, has an impossible stamp, a
+        quaternion whose norm is not 1, or an azimuth that is not from true north; the offset is
+        its place in `data`.
 
     """
     if type_name in AZIMUTH_TYPES:
@@ -220,12 +223,9 @@ def _azimuths(type_name: str, data: BytesLike, start: Integers, size: Integers,
     check_size(type_name, start, size, at + _AZIMUTH.itemsize)
     rows = gather(data, _AZIMUTH.newbyteorder(sign), start + at)
     wrong = (rows['north'] != _TRUE_NORTH) | (rows['degrees'] > 1) | (rows['ned'] > 1)
-    if wrong.any():
-        first = int(np.argmax(wrong))
-        what = _NORTHS.get(int(rows['north'][first]), 'an azimuth of an unknown kind')
-        raise MessageError(f'{type_name} message has {what}: a heading is from true north '
-                           '(reference 1), as compass_conversions makes it',
-                           offset=int(start[first]), offsets=start[wrong].tolist())
+    refuse_messages(type_name, start, wrong, lambda first: (
+        f'has {_NORTHS.get(int(rows["north"][first]), "an azimuth of an unknown kind")}: a '
+        'heading is from true north (reference 1), as compass_conversions makes it'))
     angle = rows['angle'].astype(float)
     angle = np.where(rows['degrees'] == 1, angle, np.degrees(angle))
     angle[~np.isfinite(angle)] = np.nan
@@ -255,6 +255,7 @@ def _orientations(type_name: str, data: BytesLike, start: Integers, size: Intege
     columns = gather_reals(type_name, data, start, size, at, sign, 5 if type_name == IMU else 4)
     has_orientation = (columns[4] != _UNKNOWN if type_name == IMU
                        else np.ones(start.shape, dtype=bool))
+    check_norms(type_name, start, columns[:4], has_orientation)
     return columns[:4], has_orientation
 
 

@@ -28,11 +28,13 @@ from heading_intercompare.core.records import Headings, Integers
 from .byte_columns import (
     align,
     BytesLike,
+    check_nanoseconds,
     decode_stamped,
     FieldColumn,
     find_byte_order,
 )
 from .errors import MessageError
+from .quaternion_norms import check_norms
 
 TRANSFORMS = 'tf2_msgs/msg/TFMessage'
 TRANSFORM_TYPES = (TRANSFORMS, 'tf/msg/tfMessage')
@@ -72,12 +74,12 @@ class _Body:
         self._at += length
         return name.rstrip(b'\0').lstrip(b'/')
 
-    def take_transform(self) -> tuple[int, bytes, bytes, tuple[float, ...]]:
+    def take_transform(self) -> tuple[tuple[float, ...], bytes, bytes, tuple[float, ...]]:
         """Return stamp, parent, child and rotation of a transform, and go past it."""
-        sec, nanosec = self.take(self._pair, 4)
+        stamp = self.take(self._pair, 4)
         parent, child = self.take_frame(), self.take_frame()
         self._at = int(align(self._at, 8)) + _TRANSLATION_BYTES
-        return int(sec) * _SECOND_NS + int(nanosec), parent, child, self.take(self._rotation, 8)
+        return stamp, parent, child, self.take(self._rotation, 8)
 
 
 class TransformTopic:
@@ -121,7 +123,8 @@ class TransformTopic:
         Raises
         ------
         MessageError
-            If a message is cut or does not start as CDR; the offset is its place in `data`.
+            If a message is cut, does not start as CDR, or has an impossible stamp or rotation of
+            these frames; the offset is its place in `data`.
 
         """
         return decode_stamped(TRANSFORMS, data, start, stop, self._decode, is_stamped=False)
@@ -130,26 +133,31 @@ class TransformTopic:
                 header: np.ndarray) -> FieldColumn:
         """Return the headings in messages of one byte order."""
         view, sign = memoryview(data), find_byte_order(header)
-        stamps_ns, rotations, ends, cut = [], [], [], []
+        stamps, rotations, begins, ends, cut = [], [], [], [], []
         counts: Counter[tuple[bytes, ...]] = Counter()
         for begin, end in zip(start.tolist(), (start + size).tolist()):
             try:
                 body = _Body(view[begin + 4:end], sign)
                 for _ in range(body.take_length()):
-                    stamp_ns, parent, child, rotation = body.take_transform()
+                    stamp, parent, child, rotation = body.take_transform()
                     counts[parent, child] += 1
                     if (parent, child) == self._frames:
-                        stamps_ns.append(stamp_ns)
+                        stamps.append(stamp)
                         rotations.append(rotation)
+                        begins.append(begin)
             except struct.error:
                 cut.append(begin)
-            ends.append(len(stamps_ns))
+            ends.append(len(stamps))
         if cut:
             raise MessageError(f'{TRANSFORMS} message ends within a transform', offset=cut[0],
                                offsets=cut)
+        at = np.array(begins, np.int64)
+        sec, nanosec = np.array(stamps, np.int64).reshape(-1, 2).T
+        x, y, z, w = quaternions = np.array(rotations, float).reshape(-1, 4).T
+        check_nanoseconds(TRANSFORMS, at, nanosec)
+        check_norms(TRANSFORMS, at, quaternions)
         self._counts += counts
-        x, y, z, w = np.array(rotations, float).reshape(-1, 4).T
-        headings = Headings(np.array(stamps_ns, np.int64),
+        headings = Headings(sec * _SECOND_NS + nanosec,
                             heading_from_quaternion(x, y, z, w, self._convention))
         values = np.empty(len(ends), object)
         values[:] = [headings[begin:end] for begin, end in zip([0, *ends], ends)]

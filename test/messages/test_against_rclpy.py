@@ -110,8 +110,10 @@ def test_every_type_of_headings_is_tried():
 @pytest.mark.parametrize('convention', ['enu', 'ned'])
 @pytest.mark.parametrize('name', KINDS)
 def test_what_rclpy_sends_is_read_as_its_objects_say(name, convention, rng):
-    messages = [of_type(name, 10 ** 18 + i, rng.standard_normal(4).tolist(), 'gyro' * (i % 5))
-                for i in range(50)]
+    rotations = rng.standard_normal((50, 4))
+    rotations /= np.linalg.norm(rotations, axis=1, keepdims=True)
+    messages = [of_type(name, 10 ** 18 + i, rotation, 'gyro' * (i % 5))
+                for i, rotation in enumerate(rotations.tolist())]
     messages.append(of_type(name, 10 ** 18 + 50, [0.0] * 4))
     headings, refused = read_headings(name, convention, [serialize_message(m) for m in messages])
     assert refused == []

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+import math
 import struct
 
 from message_rows import read_headings
@@ -67,6 +68,17 @@ def message(type_name: str, frame: str, stamp_ns: int, q: tuple, covariance: flo
     return {'header': header, 'pose': pose}
 
 
+def normalise(q: tuple) -> tuple:
+    """Return a quaternion of norm 1; unchanged if it is zero or not finite."""
+    norm = math.hypot(*q)
+    return tuple(value / norm for value in q) if 0.0 < norm < math.inf else q
+
+
+def rotations(rng: np.random.Generator, n: int) -> list[tuple]:
+    """Return quaternions of norm 1."""
+    return [normalise(tuple(q)) for q in rng.normal(size=(n, 4)).tolist()]
+
+
 def one_by_one(type_name: str, convention: str, messages: list[bytes]) -> Headings:
     """Return the headings from the decoder of single messages."""
     stamps, values = [], []
@@ -83,7 +95,8 @@ def one_by_one(type_name: str, convention: str, messages: list[bytes]) -> Headin
     return Headings.as_sent(stamps, values)
 
 
-COMPONENT = st.floats(-2.0, 2.0) | st.sampled_from([0.0, np.nan, np.inf, 1e200])
+COMPONENT = st.floats(-2.0, 2.0, allow_subnormal=False) | st.sampled_from(
+    [0.0, np.nan, np.inf, 1e200])
 
 
 @pytest.mark.slow
@@ -92,7 +105,8 @@ COMPONENT = st.floats(-2.0, 2.0) | st.sampled_from([0.0, np.nan, np.inf, 1e200])
 def test_many_messages_at_once_are_the_single_ones_to_the_bit(type_name, data):
     rows = data.draw(st.lists(st.tuples(
         st.text('ab/ü', max_size=12), st.integers(0, 2**31 * 10**9 - 1),
-        st.tuples(*[COMPONENT] * 4), st.sampled_from([0.0, -1.0, 1e-4])), max_size=12))
+        st.tuples(*[COMPONENT] * 4).map(normalise), st.sampled_from([0.0, -1.0, 1e-4])),
+        max_size=12))
     convention = data.draw(st.sampled_from(['enu', 'ned']))
     messages = [encode(type_name, message(type_name, *row)) for row in rows]
     assert decode_headings(type_name, convention, *join_messages(messages)) == one_by_one(
@@ -101,7 +115,7 @@ def test_many_messages_at_once_are_the_single_ones_to_the_bit(type_name, data):
 
 @pytest.mark.parametrize('type_name', ORIENTATION_TYPES)
 def test_equal_messages_are_the_single_ones_to_the_bit(type_name, rng):
-    quaternions = rng.normal(size=(500, 4)).tolist()
+    quaternions = rotations(rng, 500)
     messages = [encode(type_name, message(type_name, 'gyro', STAMP_NS + i, q))
                 for i, q in enumerate(quaternions)]
     assert decode_headings(type_name, 'enu', *join_messages(messages)) == one_by_one(
@@ -113,7 +127,7 @@ def test_both_byte_orders_may_be_mixed(type_name, rng):
     typesys = pytest.importorskip('rosbags.typesys')
     store = typesys.get_typestore(typesys.Stores.ROS2_JAZZY)
     messages = [encode(type_name, message(type_name, 'gyro' * (i % 3), STAMP_NS + i, tuple(q)))
-                for i, q in enumerate(rng.normal(size=(20, 4)).tolist())]
+                for i, q in enumerate(rotations(rng, 20))]
     expected = one_by_one(type_name, 'enu', messages)
     for i in range(0, 20, 3):
         theirs = store.deserialize_cdr(messages[i], type_name)
@@ -269,7 +283,7 @@ FOREIGN = {b'\x00\x02': 'PL_CDR, big-endian', b'\x00\x03': 'PL_CDR, little-endia
 def test_messages_that_are_serialized_otherwise_are_refused_and_the_others_read(
         type_name, start, rng):
     messages = [encode(type_name, message(type_name, 'gyro', STAMP_NS + i, tuple(q)))
-                for i, q in enumerate(rng.normal(size=(5, 4)).tolist())]
+                for i, q in enumerate(rotations(rng, 5))]
     expected, _ = read_headings(type_name, 'enu', [messages[i] for i in (0, 2, 4)])
     for i in (1, 3):
         messages[i] = start + messages[i][2:]
@@ -291,7 +305,7 @@ def test_pairs_that_are_serialized_otherwise_are_refused_and_the_others_read(sta
 @pytest.mark.parametrize('type_name', ORIENTATION_TYPES)
 def test_a_chunk_of_big_endian_messages_is_read(type_name, rng):
     messages = [encode(type_name, message(type_name, 'gyro', STAMP_NS + i, tuple(q)))
-                for i, q in enumerate(rng.normal(size=(5, 4)).tolist())]
+                for i, q in enumerate(rotations(rng, 5))]
     assert read_headings(type_name, 'ned', big_endian(messages, type_name)) == (
         one_by_one(type_name, 'ned', messages), [])
 
@@ -368,3 +382,50 @@ def test_an_azimuth_that_is_no_heading_is_refused_and_the_others_read(fields, wh
     assert [what in words for words in refused] == [True]
     with pytest.raises(MessageError, match='is too short'):
         decode_headings(type_name, 'enu', *join_messages([sent[0][:-1]]))
+
+
+@pytest.mark.parametrize('type_name', ORIENTATION_TYPES)
+@pytest.mark.parametrize('factor, is_read', [
+    (1.0, True), (1.004, True), (0.996, True), (1.006, False), (0.5, False), (2.0, False),
+    (1e-9, False)])
+def test_a_quaternion_off_its_norm_is_refused_and_the_others_read(type_name, factor, is_read,
+                                                                  rng):
+    """By hand: 1.004² differs from 1 by 0.008, 1.006² by 0.012; tf2 takes less than 0.01."""
+    rows = rotations(rng, 3)
+    rows[1] = tuple(factor * value for value in rows[1])
+    messages = [encode(type_name, message(type_name, 'gyro', STAMP_NS, q)) for q in rows]
+    headings, refused = read_headings(type_name, 'enu', messages)
+    assert len(headings) == 2 + is_read
+    assert all(f'has a quaternion of norm {factor:.3g}: must be 1' in words for words in refused)
+
+
+@pytest.mark.parametrize('q', [(0.0,) * 4, (np.nan, 0.0, 0.0, 1.0), (np.inf, 0.0, 0.0, 1.0)])
+@pytest.mark.parametrize('type_name', ORIENTATION_TYPES)
+def test_a_quaternion_that_is_no_rotation_is_an_invalid_reading_at_its_stamp(type_name, q):
+    messages = [encode(type_name, message(type_name, 'gyro', STAMP_NS, q))]
+    headings, refused = read_headings(type_name, 'enu', messages)
+    assert headings.stamp_ns.tolist() == [STAMP_NS] and np.isnan(headings.heading_deg).all()
+    assert refused == []
+
+
+def test_an_imu_without_orientation_may_have_any_quaternion():
+    messages = [encode(IMU, message(IMU, 'gyro', STAMP_NS, (0.5, 0.0, 0.0, 0.0), -1.0))]
+    headings, refused = read_headings(IMU, 'enu', messages)
+    assert np.isnan(headings.heading_deg).all() and refused == []
+
+
+@pytest.mark.parametrize('type_name', ORIENTATION_TYPES)
+@pytest.mark.parametrize('order', '<>')
+@pytest.mark.parametrize('nanosec, is_read', [(999_999_999, True), (10**9, False),
+                                              (2**32 - 1, False)])
+def test_a_stamp_with_a_second_of_nanoseconds_is_refused(type_name, order, nanosec, is_read):
+    data = bytearray(encode(type_name, message(type_name, '', STAMP_NS, (0.0, 0.0, 0.0, 1.0))))
+    data[8:12] = struct.pack('<I', nanosec)
+    if order == '>':
+        store = pytest.importorskip('rosbags.typesys')
+        types = store.get_typestore(store.Stores.ROS2_JAZZY)
+        data = types.serialize_cdr(types.deserialize_cdr(bytes(data), type_name), type_name,
+                                   little_endian=False)
+    headings, refused = read_headings(type_name, 'enu', [bytes(data)])
+    assert len(headings) == is_read
+    assert is_read or f'a stamp with {nanosec} nanoseconds: must be below' in refused[0]

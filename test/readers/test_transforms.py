@@ -196,3 +196,20 @@ def test_transforms_are_judged(tmp_path, capsys, storage):
     verdict, _ = analyze_json(capsys, bag, '--ts', '/tf.map:base_link', '--rs', 'gps.azimuth')
     run, = verdict['runs']
     assert run['n'] > 5900 and 0.09 < run['std_deg'] < 0.11
+
+
+@pytest.mark.parametrize('change, problem', [
+    ({'z': 0.0, 'w': 0.5}, 'a quaternion of norm 0.5: must be 1'),
+    (None, 'a stamp with 1000000000 nanoseconds')])
+@pytest.mark.parametrize('child, is_asked', [('base_link', True), ('odom', False)])
+def test_a_transform_that_is_none_is_refused_if_it_is_asked_for(change, problem, child, is_asked):
+    odd, sound = transform(T0, 'map', child, 10.0), transform(T0, 'map', 'base_link', 20.0)
+    if change is None:
+        odd['header']['stamp']['nanosec'] = S
+    else:
+        odd['transform']['rotation'] = change
+    messages = [encode(TRANSFORMS, {'transforms': [fields]}) for fields in (odd, sound)]
+    column, refused = read_sound(TransformTopic('map:base_link', 'enu').decode, messages,
+                                 FieldColumn)
+    assert [len(headings) for headings in column.values] == ([1] if is_asked else [0, 1])
+    assert all(problem in words for words in refused) and len(refused) == is_asked
