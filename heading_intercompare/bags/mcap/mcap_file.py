@@ -21,7 +21,7 @@ point where it breaks off, and then treated as if it ended there.
 
 from __future__ import annotations
 
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from functools import partial
 from io import BufferedReader, FileIO
 import math
@@ -41,13 +41,14 @@ from heading_intercompare.natural_order import natural_key
 
 from .attachments import find_records, parse_attachment
 from .message_blocks import Block, HEAD, LAST_NS, Record, walk
-from .record_stream import MAGIC, parse_record, RecordStream
+from .record_stream import MAGIC, meaning_of, parse_record, RecordStream
 
 _FOOTER = HEAD.size + 20
 _DATA_END = HEAD.pack(Opcode.DATA_END, 4)
 #: Records that cannot come after the end of the data.
 _DATA = (Opcode.HEADER, Opcode.MESSAGE, Opcode.CHUNK, Opcode.MESSAGE_INDEX, Opcode.ATTACHMENT,
          Opcode.METADATA, Opcode.DATA_END)
+_DEFINITIONS = (Opcode.SCHEMA, Opcode.CHANNEL)
 _BUFFER_BYTES = 131072
 #: First and last log time, offset and length of a chunk, and bytes of the places of its message
 #: indexes, each a channel and an offset. After these: bytes of its message indexes and letters of
@@ -133,6 +134,13 @@ def read_chunk_index(content: bytes) -> ChunkRow:
     return ChunkRow(begin, size, first_ns, last_ns, (places[::_PLACE], places[1::_PLACE]))
 
 
+def _definitions_in(block: Block) -> Iterator[tuple[int, bytes]]:
+    """Yield opcode and content of the schemas and channels among the records of a block."""
+    for opcode, start, length in block.others:
+        if opcode in _DEFINITIONS:
+            yield opcode, bytes(block.data[start:start + length])
+
+
 class Part:
     """
     One MCAP file, open only while it is read.
@@ -189,6 +197,8 @@ class Part:
     def _forget(self) -> None:
         self.channels: dict[int, mcap.Channel] = {}
         self.schemas: dict[int, mcap.Schema] = {}
+        #: Opcodes and contents of the definitions taken or compared.
+        self._seen: set[tuple[int, bytes]] = set()
         self.counts: dict[int, int] = {}
         self.start_ns: int | None = None
         self.end_ns: int | None = None
@@ -255,17 +265,44 @@ class Part:
                 and len(self._extras[Opcode.ATTACHMENT]) == statistics.attachment_count)
 
     def _take_definition(self, opcode: int, content: bytes) -> None:
+        """Take a schema or a channel; BagError if it contradicts an earlier one."""
+        if problem := self._define(opcode, content):
+            # Nobody knows which of its messages belong to which definition.
+            raise BagError(problem)
+
+    def _define(self, opcode: int, content: bytes) -> str | None:
+        """Take a definition unless an index lacks it; return how it contradicts an earlier one."""
+        if opcode not in _DEFINITIONS or (opcode, content) in self._seen:
+            return None
+        self._seen.add((opcode, content))
+        definition: mcap.Schema | mcap.Channel
+        first_definition: mcap.Schema | mcap.Channel | None
         if opcode == Opcode.SCHEMA:
-            schema = parse_record(mcap.Schema, content, any_text=True)
-            self.schemas[schema.id] = schema
-        elif opcode == Opcode.CHANNEL:
-            channel = parse_record(mcap.Channel, content, any_text=True)
-            first_channel = self.channels.setdefault(channel.id, channel)
-            if (first_channel.topic, first_channel.schema_id, first_channel.message_encoding) != (
-                    channel.topic, channel.schema_id, channel.message_encoding):
-                # Nobody knows which of its messages belong to which definition.
-                raise BagError(f'channel {channel.id} is both {first_channel.topic} and '
-                               f'{channel.topic}')
+            definition = parse_record(mcap.Schema, content, any_text=True)
+            first_definition = self.schemas.get(definition.id)
+            if first_definition is None and not self._indexed:
+                self.schemas[definition.id] = definition
+        else:
+            definition = parse_record(mcap.Channel, content, any_text=True)
+            first_definition = self.channels.get(definition.id)
+            if first_definition is None and not self._indexed:
+                self.channels[definition.id] = definition
+        if first_definition is None or meaning_of(first_definition) == meaning_of(definition):
+            return None
+        kind = f'{Opcode(opcode).name.lower()} {definition.id}'
+        names = meaning_of(first_definition)[0], meaning_of(definition)[0]
+        return (f'{kind} is both {names[0]} and {names[1]}' if names[0] != names[1] else
+                f'{kind} ({names[0]}) is defined in two ways')
+
+    def _compare_definitions(self, block: Block) -> None:
+        """Raise BagError if a definition in the data contradicts that in the index."""
+        for opcode, content in _definitions_in(block) if self._indexed else ():
+            problem = None
+            with suppress(BagError):
+                problem = self._define(opcode, content)
+            if problem:
+                raise BagError(f'{problem}: the index of the file contradicts the data; '
+                               '`recover` writes a new index', offset=block.offset)
 
     def _take_header(self, stream: RecordStream) -> None:
         """Read the first record."""
@@ -336,9 +373,8 @@ class Part:
         return problem
 
     def _take_block(self, block: Block) -> None:
-        for record in block.others:
-            content = bytes(block.data[record.start:record.start + record.length])
-            self._take_definition(record.opcode, content)
+        for opcode, content in _definitions_in(block):
+            self._take_definition(opcode, content)
         if not len(block.start):
             return
         present, counts = np.unique(block.heads['channel'], return_counts=True)
@@ -413,6 +449,7 @@ class Part:
             for piece, _ in stream.pieces(begin, end, _BLOCK_BYTES, start_ns, stop_ns,
                                           self._find_heads()):
                 if isinstance(piece, Block):
+                    self._compare_definitions(piece)
                     yield piece
         except BagError as error:
             raise error.locate(self.path, error.offset) from None

@@ -21,6 +21,7 @@ import os
 import struct
 from typing import Any, Iterator, Mapping, Protocol, TypeVar
 
+from mcap import records as mcap
 from mcap.data_stream import ReadDataStream
 from mcap.exceptions import McapError
 from mcap.opcode import Opcode
@@ -94,6 +95,13 @@ def parse_record(kind: type[_AnyRecord], content: BytesLike, *,
         return record
     except (McapError, struct.error, ValueError, OverflowError, MemoryError):
         raise BagError(f'a record of type {kind.__name__} is damaged') from None
+
+
+def meaning_of(definition: mcap.Schema | mcap.Channel) -> tuple[object, ...]:
+    """Return what decides to which topic and type messages belong; first its name."""
+    if isinstance(definition, mcap.Schema):
+        return definition.name, definition.encoding, definition.data
+    return definition.topic, definition.message_encoding, definition.schema_id
 
 
 class RecordStream:

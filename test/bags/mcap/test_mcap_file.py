@@ -16,12 +16,17 @@
 
 from __future__ import annotations
 
+import dataclasses
 from io import FileIO
+from pathlib import Path
+import re
 import struct
+from typing import Sequence
 import zlib
 
 from bags.mcap_bytes import (
     channel,
+    entries_of,
     HEADER,
     indexed,
     MAGIC,
@@ -336,3 +341,72 @@ def test_names_that_are_no_utf8_do_not_hide_sound_topics(tmp_path):
     assert reader.metadata()[r'\xff\xfe'] == {r'\xff\xfe': r'\xff\xfe'}
     recover(path, tmp_path / 'new')
     assert sent(tmp_path / 'new') == sent(path)
+
+
+def contradicting(path: Path, index: Sequence[mcap.Schema | mcap.Channel], *records: bytes,
+                  ) -> Path:
+    """Write a closed file of a chunk, whose index has other definitions."""
+    rows = indexed(*records)
+    counts = {number: len(entries) for number, entries in entries_of(b''.join(records)).items()}
+    times = [log for entries in entries_of(b''.join(records)).values() for log, _ in entries]
+    schemas = [item for item in index if isinstance(item, mcap.Schema)]
+    channels = [item for item in index if isinstance(item, mcap.Channel)]
+    begun = write(path, rows)
+    path.write_bytes(begun.read_bytes() + build_ending(
+        begun.stat().st_size, schemas, channels, [], [], counts, (min(times), max(times))))
+    return path
+
+
+TEXT = mcap.Schema(id=1, name='std_msgs/msg/String', encoding='ros2msg', data=b'string data\n')
+SENT = [schema(1), channel(1, '/ts/heading'), channel(2, '/rs/heading'), message(1, 1, b'x'),
+        message(2, 2, b'y')]
+
+
+def in_index(number: int, topic: str, schema_id: int = 1, encoding: str = 'cdr') -> mcap.Channel:
+    return mcap.Channel(id=number, topic=topic, message_encoding=encoding, metadata={},
+                        schema_id=schema_id)
+
+
+@pytest.mark.parametrize(('index', 'problem'), [
+    ([TEXT, in_index(1, '/rs/heading'), in_index(2, '/ts/heading')],
+     'channel 1 is both /rs/heading and /ts/heading'),
+    ([TEXT, in_index(1, '/ts/heading'), in_index(2, '/rs/heading', encoding='json')],
+     'channel 2 (/rs/heading) is defined in two ways'),
+    ([TEXT, mcap.Schema(id=2, name='a/A', encoding='ros2msg', data=b'int32 x\n'),
+      in_index(1, '/ts/heading', 2), in_index(2, '/rs/heading')],
+     'channel 1 (/ts/heading) is defined in two ways'),
+    ([dataclasses.replace(TEXT, name='a/msg/A'), in_index(1, '/ts/heading'),
+      in_index(2, '/rs/heading')], 'schema 1 is both a/msg/A and std_msgs/msg/String'),
+    ([dataclasses.replace(TEXT, data=b'int32 data\n'), in_index(1, '/ts/heading'),
+      in_index(2, '/rs/heading')], 'schema 1 (std_msgs/msg/String) is defined in two ways')])
+def test_an_index_that_contradicts_the_definitions_in_the_data_is_an_error(tmp_path, index,
+                                                                           problem):
+    """Swapped topics turn the sign of the mean. What `recover` writes has those of the data."""
+    path = contradicting(tmp_path / 'x.mcap', index, *SENT)
+    place = f'{problem}: the index of the file contradicts the data'
+    reader = BagReader(path)
+    assert reader.incomplete is None
+    with pytest.raises(BagError, match=re.escape(place) + '.*at byte 29') as raised:
+        list(reader.messages())
+    assert str(path) in str(raised.value)
+    assert any(place in fault for fault in check_bag(path).faults)
+    recover(path, tmp_path / 'new')
+    assert [(m.topic, m.data) for m in sent(tmp_path / 'new')] == [
+        ('/ts/heading', b'x'), ('/rs/heading', b'y')]
+
+
+def test_an_index_whose_definitions_say_the_same_in_other_words_contradicts_nothing(tmp_path):
+    """The metadata of a channel decide nothing, nor does a channel without messages."""
+    path = contradicting(tmp_path / 'x.mcap', [
+        TEXT, in_index(1, '/ts/heading'), in_index(2, '/rs/heading')], *SENT, channel(3, '/more'))
+    assert [(m.topic, m.data) for m in sent(path)] == [('/ts/heading', b'x'),
+                                                       ('/rs/heading', b'y')]
+    assert check_bag(path).faults == []
+
+
+def test_a_schema_that_is_defined_in_two_ways_ends_the_reading(tmp_path):
+    path = write(tmp_path / 'x.mcap', indexed(*SENT), indexed(schema(1, text=b'int32 data\n'),
+                                                              message(1, 3, b'z')))
+    reader = BagReader(path)
+    assert 'schema 1 (std_msgs/msg/String) is defined in two ways at byte' in reader.incomplete
+    assert [m.data for m in reader.messages()] == [b'x', b'y']
