@@ -22,7 +22,7 @@ indexes after it are believed if they name each of its messages once, with its l
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Callable, NamedTuple, Sequence
+from typing import Callable, Collection, NamedTuple, Sequence
 
 from mcap.opcode import Opcode
 import numpy as np
@@ -264,18 +264,18 @@ class ChunkRuns:
             published[filled] = np.minimum.reduceat(block.heads['publish_time'], lows)
         timed = are_timed(first)
         plain = timed & (published >= 0)
-        others: dict[int, list[bytes]] = {}
+        others: dict[int, dict[bytes, None]] = {}
         begins = np.append(block.start, len(block.data))[edges[:-1]]
         heads = np.array([r.start - HEAD.size for r in block.others], np.int64)
         for record, place in zip(block.others, np.searchsorted(bases, heads, 'right').tolist()):
             if record.opcode not in (Opcode.SCHEMA, Opcode.CHANNEL):
                 plain[place - 1] = False
                 continue
-            mine = others.setdefault(place - 1, [])
+            mine = others.setdefault(place - 1, {})
             definition = bytes(block.data[record.start - HEAD.size:record.start + record.length])
             if begins[place - 1] < record.start and definition not in mine:
                 plain[place - 1] = False
-            mine.append(definition)
+            mine[definition] = None
         chunks, untimed = [], 0
         spans = zip(edges[:-1].tolist(), edges[1:].tolist())
         for i, (part, (lo, hi), begin_ns, end_ns) in enumerate(zip(
@@ -299,7 +299,7 @@ class ChunkRuns:
                 indexed=indexed[i], protected=head.crc > 0))
         return chunks, untimed
 
-    def _intern(self, records: list[bytes] | tuple[()]) -> frozenset[bytes]:
+    def _intern(self, records: Collection[bytes]) -> frozenset[bytes]:
         """Return records as a set; equal records share one set."""
         return self._record_sets.setdefault(tuple(records), frozenset(records))
 

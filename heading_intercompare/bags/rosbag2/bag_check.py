@@ -255,12 +255,14 @@ def _text(error: BagError) -> str:
 def _take(block: Block, part: Part, check: BagCheck) -> None:
     channels, numbers = block.heads['channel'].copy(), block.heads['sequence'].astype(np.uint32)
     check.messages += len(channels)
-    for number in np.flatnonzero(np.bincount(channels)).tolist() if len(channels) else ():
+    # In one pass: a bag may have as many channels as messages.
+    order = np.argsort(channels, kind='stable')
+    present, begins = np.unique(channels[order], return_index=True)
+    for number, mine in zip(present.tolist(), np.split(order, begins[1:])):
         if number not in part.channels:
             raise BagError(f'a message belongs to channel {number}, which is not defined',
                            offset=block.offset)
         topic = part.channels[number].topic
-        mine = np.flatnonzero(channels == number)
         check.topics.setdefault(topic, Numbering()).take(numbers[mine])
         check.take_times(topic, block.heads['log_time'][mine])
 
