@@ -41,8 +41,11 @@ _END_BYTES, _PIECE_BYTES = 2**12, 2**20
 _NUMBER = r'(?:0|[1-9]\d*)'
 #: Number, name and local time of its beginning since rosbag2 #2265, name and number before.
 _NUMBERED = (
-    re.compile(rf'{_NUMBER}(_.+_)\d{{4}}_\d\d_\d\d-\d\d_\d\d_\d\d\.mcap(?:\.zstd)?'),
-    re.compile(rf'(.*_){_NUMBER}\.mcap(?:\.zstd)?'))
+    re.compile(rf'(?P<number>{_NUMBER})(?P<stem>_.+_)\d{{4}}_\d\d_\d\d-\d\d_\d\d_\d\d\.mcap'
+               r'(?:\.zstd)?'),
+    re.compile(rf'(?P<stem>.*_)(?P<number>{_NUMBER})\.mcap(?:\.zstd)?'))
+#: Longer gaps in the numbers come from names with dates.
+_MOST_GAP = 1000
 
 
 class BagFiles(NamedTuple):
@@ -54,7 +57,8 @@ class BagFiles(NamedTuple):
     paths
         The files to read, in natural order of their names.
     absent
-        Names of files that do not exist: listed ones, and links that lead nowhere.
+        Names of files that do not exist: listed ones, links that lead nowhere, and those whose
+        numbers are missing between others.
     unlisted
         Names of files that are left out, because the list names others.
     copies
@@ -121,11 +125,13 @@ def find_files(path: Path, listed: list[str] | None = None) -> BagFiles:
     # A link that leads nowhere, or to itself.
     absent += sorted({file.name for file in path.glob('*.mcap*') if file.is_symlink()
                       and not file.exists()} - {*absent})
+    absent += _find_gaps(present, listed_names)
     listed_files = {file for file in everything if plain_name(file.name) in listed_names}
     paths = everything
     if listed_files:
-        stems = {_stem(name) for name in listed} - {None}
-        paths = [file for file in everything if file in listed_files or _stem(file.name) in stems]
+        stems = {_split_name(name)[0] for name in listed} - {''}
+        paths = [file for file in everything
+                 if file in listed_files or _split_name(file.name)[0] in stems]
     selection = set(paths)
     copies = _find_copies([file for file in paths if file in listed_files]
                           + [file for file in paths if file not in listed_files])
@@ -166,7 +172,28 @@ def _are_equal(path: Path, candidate: Path) -> bool:
     return True
 
 
-def _stem(name: str) -> str | None:
-    """Return what the files of a bag of rosbag2 have in common; None for other names."""
+def _split_name(name: str) -> tuple[str, int]:
+    """Return what the files of a bag of rosbag2 have in common, and the number; '' for others."""
     match = next(filter(None, (form.fullmatch(name) for form in _NUMBERED)), None)
-    return None if match is None else match[1]
+    return ('', 0) if match is None else (match['stem'], int(match['number']))
+
+
+def _find_gaps(present: set[str], listed: set[str]) -> list[str]:
+    """
+    Return the names of the files whose numbers are missing between others, as `bag_1.mcap`.
+
+    rosbag2 begins with 0 and leaves no number out. What metadata.yaml lists side by side is whole.
+    """
+    numbers: dict[str, set[int]] = {}
+    for stem, number in map(_split_name, present | listed):
+        if stem:
+            numbers.setdefault(stem, set()).add(number)
+    vouched = set(map(_split_name, listed))
+    gaps = []
+    for stem, known in sorted(numbers.items()):
+        ordered = sorted(known) if 0 in known else []
+        for before, after in zip(ordered, ordered[1:]):
+            if after - before <= _MOST_GAP and not {(stem, before), (stem, after)} <= vouched:
+                gaps += [f'{number}{stem}*.mcap' if stem.startswith('_') else
+                         f'{stem}{number}.mcap' for number in range(before + 1, after)]
+    return gaps

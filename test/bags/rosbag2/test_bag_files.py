@@ -158,3 +158,54 @@ def test_the_verdict_names_a_copy_and_counts_its_readings_once(bag, capsys):
     out, err = capsys.readouterr()
     assert 'it is a copy: trial_1.mcap (of trial_0.mcap)' in err
     assert 'stamp_not_increasing' not in out
+
+
+def rename(bag: Path, *names: str) -> None:
+    """Make files of these names, all different, out of the only one."""
+    for name in names:
+        another(bag, name)
+        with (bag / name).open('r+b') as file:
+            file.seek(bag.joinpath(name).read_bytes().index(b'another'))
+            file.write(f'{len(name)}{name}'.encode()[:7])
+    (bag / 'trial_0.mcap').unlink()
+
+
+@pytest.mark.parametrize('files, gone', [
+    (['bag_0.mcap', 'bag_2.mcap'], ['bag_1.mcap']),
+    (['bag_0.mcap', 'bag_3.mcap'], ['bag_1.mcap', 'bag_2.mcap']),
+    (['0_bag_2026_03_01-10_00_07.mcap', '2_bag_2026_03_01-12_00_07.mcap'], ['1_bag_*.mcap']),
+    (['bag_0.mcap', 'bag_1.mcap'], []),
+    # The older files of a ring are removed; numbers may also be dates.
+    (['bag_4.mcap', 'bag_6.mcap'], []),
+    (['bag_0.mcap', 'bag_20260301.mcap'], []),
+    (['bag_0.mcap', 'other_2.mcap'], [])])
+def test_a_file_whose_number_is_missing_is_named_without_a_list_too(bag, tmp_path, files, gone):
+    (bag / 'metadata.yaml').unlink()
+    rename(bag, *files)
+    assert find_files(bag).absent == gone
+    incomplete = BagReader(bag).incomplete or ''
+    assert all(f'{name} is missing' in incomplete for name in gone)
+    assert sum('is missing' in fault for fault in check_bag(bag).faults) == len(gone)
+    notes = recover(bag, tmp_path / 'new').notes
+    assert [note for note in notes if 'is missing' in note] == [
+        f'{name}: is missing' for name in gone]
+
+
+@pytest.mark.parametrize('listed, files, gone', [
+    (['trial_0.mcap', 'trial_1.mcap'], ['trial_0.mcap'], ['trial_1.mcap']),
+    (['trial_0.mcap', 'trial_2.mcap'], ['trial_0.mcap', 'trial_2.mcap'], []),
+    (['trial_0.mcap'], ['trial_0.mcap', 'trial_2.mcap'], ['trial_1.mcap'])])
+def test_the_list_says_which_numbers_there_were(bag, listed, files, gone):
+    place = bag / 'metadata.yaml'
+    place.write_text(place.read_text().replace(
+        '    - trial_0.mcap\n', ''.join(f'    - {name}\n' for name in listed), 1))
+    for name in files[1:]:
+        another(bag, name)
+    assert find_files(bag).absent == gone
+
+
+def test_the_verdict_notes_a_missing_file(bag, capsys):
+    another(bag, 'trial_2.mcap')
+    main(['analyze', str(bag), '--set', 'norms.sigma_max_deg=0.2', '--set',
+          'norms.sigma_ref_max_deg=0.1'])
+    assert 'trial_1.mcap is missing' in capsys.readouterr().err
