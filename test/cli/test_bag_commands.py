@@ -205,6 +205,38 @@ def test_info_of_a_bag_whose_recorder_lost_messages_says_so(tmp_path, capsys):
             '1 message in files that were removed or moved\n') in text
 
 
+@pytest.mark.parametrize('record, entries, line', [
+    ('recording', {'not_written./ts/heading': 4000, 'absent': 802},
+     'missing: 4,802 of 7,203 messages (67%)'),
+    ('recording', {'not_written./ts/heading': 2}, 'missing: 2 of 2,403 messages (under 1%)'),
+    ('recovery', {'messages_lost': 2401, 'messages_lost_is': 'all'},
+     'missing: 2,401 of 4,802 messages (50%)'),
+    ('recovery', {'messages_lost': 2401, 'messages_lost_is': 'at least'},
+     'missing: at least 2,401 of 4,802 messages (50%)'),
+    ('recording', {'lost_on_the_way./ts/heading': 3}, None)])
+def test_the_first_line_of_info_says_what_share_is_missing(bag, tmp_path, capsys, record,
+                                                           entries, line):
+    with BagWriter(tmp_path / 'copy') as writer:
+        reader = BagReader(bag)
+        for name, info in reader.topics.items():
+            writer.add_topic(name, info.type_name)
+        for message in reader.messages():
+            writer.write(message.topic, message.data, message.log_time_ns)
+        writer.metadata(record, entries)
+    first = printed(capsys, 'info', tmp_path / 'copy').splitlines()[0]
+    assert first == (line or f'bag: {tmp_path / "copy"}')
+
+
+def test_the_first_line_of_info_says_what_an_index_counts_and_is_not_there(bag, capsys):
+    file = bag / 'trial_0.mcap'
+    data = bytearray(file.read_bytes())
+    count = (2401).to_bytes(8, 'little')
+    at = data.rindex(count)
+    data[at:at + 8] = (4802).to_bytes(8, 'little')
+    file.write_bytes(data)
+    assert printed(capsys, 'info', bag).startswith('missing: 2,401 of 4,802 messages (50%)\nbag: ')
+
+
 def test_info_of_a_bag_without_messages(tmp_path, capsys):
     with BagWriter(tmp_path / 'empty'):
         pass

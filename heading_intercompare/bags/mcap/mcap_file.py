@@ -164,6 +164,8 @@ class Part:
         The byte after the last record that is read.
     incomplete
         Why part of the recording is missing; None if the file was closed properly.
+    missing
+        Messages that its index counts and that are not in it.
 
     Raises
     ------
@@ -180,6 +182,7 @@ class Part:
         self._file = PlainFile(Path(path))
         self.path = self._file.path
         cut = self._file.problem
+        self.missing = 0
         self.incomplete = cut and f'{self._file.source.name} {cut}'
         self._forget()
         with BufferedReader(FileIO(self._file.place), _BUFFER_BYTES) as file:
@@ -368,7 +371,8 @@ class Part:
             problem = problem or (f'has an index that is damaged at byte {at}; its messages are '
                                   'there')
         n_messages = sum(self.counts.values())
-        if expected not in (None, n_messages):
+        if expected is not None and expected != n_messages:
+            self.missing = max(expected - n_messages, 0)
             problem = f'has {n_messages} messages where its index says {expected}'
         return problem
 

@@ -231,6 +231,11 @@ def _total(record: Mapping[str, object], kind: str) -> int:
                if key.partition('.')[0] == kind)
 
 
+def count_missing(record: Mapping[str, object]) -> int:
+    """Return the number of messages received but missing from the bag."""
+    return _total(record, 'not_written') + _total(record, 'absent')
+
+
 def tell_missing(record: Mapping[str, object]) -> str:
     """Return, in words, the messages received but missing from the bag; '' if none."""
     parts = ((_total(record, 'not_written'), 'received but not written'),

@@ -551,6 +551,11 @@ class BagReader:
                                heads['publish_time'].astype(np.int64))
 
     @property
+    def missing_messages(self) -> int:
+        """Return how many messages the indexes of its files count that are not there."""
+        return sum(part.missing for part in self._parts)
+
+    @property
     def recovered(self) -> str | None:
         """Return what was lost when this bag was recovered from a damaged one; None if nothing."""
         try:

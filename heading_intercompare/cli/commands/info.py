@@ -22,9 +22,13 @@ from pathlib import Path
 import shlex
 from typing import Iterator, Mapping, Sequence
 
-from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.errors import BagError, decimal
 from heading_intercompare.bags.recording.part_states import read_states, STATES
-from heading_intercompare.bags.recording.recorder_losses import RECORDING, tell_missing
+from heading_intercompare.bags.recording.recorder_losses import (
+    count_missing,
+    RECORDING,
+    tell_missing,
+)
 from heading_intercompare.bags.rosbag2.bag_check import BagCheck, check_bag
 from heading_intercompare.bags.rosbag2.bag_reader import Attachment, BagReader
 from heading_intercompare.bags.rosbag2.provenance import (
@@ -65,7 +69,8 @@ _ABSENT = ('None', 'none', '')
 _REPORT, _RUNS = 'report.json', 'runs.csv'
 _DEFAULT_TOPICS = ('ts/heading', 'rs/heading')
 #: Highlights on a terminal.
-_MARKS = (*VERDICT_MARKS, (r'(?m)^(?:bag|format|journal|span|software|attachment): ', 'bold'),
+_MARKS = (*VERDICT_MARKS, (r'(?m)^missing: .*$', 'red'),
+          (r'(?m)^(?:bag|format|journal|span|software|attachment): ', 'bold'),
           (r'(?m)^topic +type +messages\b.*$', 'bold'), (r'(?m)^complete: (yes)$', 'green'),
           (r'(?m)^complete: (no): ', 'yellow'), (r'(?m)^  every checksum is correct$', 'green'),
           (r'(?m)^  wrong: .*$', 'red'))
@@ -109,7 +114,7 @@ def run(arguments: argparse.Namespace) -> int:
     reader = TopicBag(arguments.bag)
     attachments = reader.attachments()
     wrong: list[str] = []
-    lines = [*_whole(reader), *_topics(reader, checked), *_notes(reader),
+    lines = [*_share_missing(reader), *_whole(reader), *_topics(reader, checked), *_notes(reader),
              *_states(reader), *_records(reader.metadata()), *_files(attachments, wrong),
              *_report_verdict(reader, attachments, wrong)]
     if arguments.extract is not None:
@@ -297,6 +302,18 @@ def _show_journal(arguments: argparse.Namespace) -> int:
     if arguments.check and contents.torn:
         raise BagError(f'its last {contents.torn} bytes are of a record that was cut', path)
     return 0
+
+
+def _share_missing(reader: BagReader) -> Iterator[str]:
+    """Yield how much of a recording is missing, as far as it says so itself."""
+    recovery = reader.metadata().get('recovery', {})
+    missing = (reader.missing_messages + count_missing(reader.metadata().get(RECORDING, {}))
+               + (decimal(recovery.get('messages_lost', '')) or 0))
+    if missing:
+        whole = missing + sum(topic.count for topic in reader.topics.values())
+        bound = 'at least ' if recovery.get('messages_lost_is') == 'at least' else ''
+        share = f'{missing / whole:.0%}' if missing >= whole / 100 else 'under 1%'
+        yield f'missing: {bound}{missing:,} of {whole:,} messages ({share})'
 
 
 def _whole(reader: Readable) -> Iterator[str]:
