@@ -253,7 +253,7 @@ class HoldSearch:
         self._add_changes(row[first:], stamp_ns[first:], size[first:])
 
     def _skip_changes(self, row: Integers, stamp_ns: Integers, size: Integers) -> None:
-        """Keep only the last of changes that come one reading after another, as one of no hold."""
+        """Keep only the last of changes that come one reading after another and show nothing."""
         self._step = min(self._step, int(np.min(size[size > 0], initial=_TURN)))
         singles = self._changes.singles[-1] + row[-1] - self._changes.row[-1]
         self._changes = _Changes(row[-1:], stamp_ns[-1:], size[-1:],
