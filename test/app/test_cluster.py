@@ -18,6 +18,7 @@ from __future__ import annotations
 
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import contextmanager, ExitStack
+import csv
 import json
 import logging
 import os
@@ -190,6 +191,56 @@ def test_a_cluster_judges_as_one_process_does_to_the_byte(
     assert report.read_text('utf-8') == drawn
     assert [run['source'] for run in json.loads(shared)['runs']] == inputs
     assert json.loads(shared)['outcome'] == 'compliant'
+
+
+@pytest.fixture(scope='module')
+def fleet(tmp_path_factory):
+    """Return 60 bags of ten minutes, one of them damaged and one without a run."""
+    made = tmp_path_factory.mktemp('fleet')
+    for number in range(60):
+        rng, n = np.random.default_rng(number), 600 if number != 41 else 1
+        stamps = (1_400_000_000 + 5000 * number) * S + np.arange(n) * S
+        ship_deg = 100.0 + 20.0 * np.sin(np.arange(n) / 60.0)
+        write_headings(made / f'trial_{number:02}', {
+            topic: Headings.of(stamps, ship_deg + error_deg * rng.standard_normal(n))
+            for topic, error_deg in (('ts/heading', 0.1), ('rs/heading', 0.03))})
+    (made / 'trial_07' / 'trial_07_0.mcap').write_bytes(b'no bag')
+    return made
+
+
+def judge_fleet(capsys, fleet: Path, *options: str) -> list[str]:
+    """Return JSON, table of runs, standard output and notes on all bags."""
+    document, table = fleet / 'verdict.json', fleet / 'runs.csv'
+    capsys.readouterr()
+    assert main(['analyze', *map(str, sorted(fleet.glob('trial_*'))), *norms(), *options,
+                 '--json', str(document), '--runs-csv', str(table)]) == 0
+    out, said = capsys.readouterr()
+    # A cluster also says which of its hosts could not read an input.
+    return [text.replace(f' (on {socket.gethostname()})', '') for text in (
+        document.read_text('utf-8'), table.read_text('utf-8'), out, said)]
+
+
+def kill_busy(started: distributed.LocalCluster) -> int:
+    """Kill a worker that is at work, and return its process."""
+    pids = [worker.pid for worker in started.workers.values()]
+    eventually(lambda: started.scheduler.total_occupancy > 0.0)
+    os.kill(pids[0], signal.SIGKILL)
+    return pids[0]
+
+
+@pytest.mark.slow
+def test_a_fleet_is_one_table_whatever_judges_it(fleet, capsys, beside):
+    """Processes, clusters of any size, and a worker that is killed in between: to the byte."""
+    alone = judge_fleet(capsys, fleet, '--jobs', '1')
+    assert judge_fleet(capsys, fleet, '--jobs', '2') == alone
+    with open(fleet / 'runs.csv', newline='', encoding='utf-8') as file:
+        recordings = [Path(row['recording']).name for row in csv.DictReader(file)]
+    assert sorted(recordings) == [f'trial_{number:02}' for number in range(60)]
+    for workers in (1, 2, 4):
+        with start(workers) as started:
+            killed = beside.submit(kill_busy, started) if workers == 2 else None
+            assert judge_fleet(capsys, fleet, '--dask', started.scheduler_address) == alone
+            assert killed is None or killed.result(DEADLINE_S)
 
 
 def test_a_table_of_runs_means_the_inputs_as_they_were_given(

@@ -23,7 +23,8 @@ from __future__ import annotations
 
 from base64 import b85decode, b85encode
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import lru_cache, partial
+from typing import Callable, NamedTuple
 import zlib
 
 import numpy as np
@@ -47,6 +48,8 @@ _AT_ONCE = 8192
 _PIECE = 1 << 15
 #: Shared readings: a block whose correlation is this, or some together at one lag.
 _ALIKE, _TOGETHER, _SOME = 0.75, 0.45, 4
+#: Whitened averages in memory, at most 32 kB each: a campaign compares each run with all others.
+_MOST_WHITENED = 4096
 #: A block belongs to them if it correlates nearly as well as the best one.
 _MOSTLY = 0.85
 #: Larger rests count as this multiple of their 0.9 quantile, 2.5 standard deviations.
@@ -192,6 +195,15 @@ class Shared:
     correlation: float
 
 
+class _Rests(NamedTuple):
+    """What is compared of a run: its start, its grain, its shortest bin, and its `_whiten`."""
+
+    start_ns: int
+    grain_s: float
+    least_bin_s: float
+    whiten: Callable[[float, int], Reals | None]
+
+
 def _whiten(run: Fingerprint, phase: int) -> Reals | None:
     """
     Return what earlier differences and the motion do not tell of the averages of a run.
@@ -261,24 +273,36 @@ def find_shared(first: str, second: str) -> Shared | None:
     E.25 of ``docs/diagnostics.md``.
 
     """
-    return _compare(Fingerprint.from_text(first), Fingerprint.from_text(second), 0)
+    return _compare(_read_rests(first), _read_rests(second), 0)
 
 
 def find_repeats(run: Fingerprint) -> Shared | None:
     """Return readings that a run holds twice, E.25, the first place first; None without any."""
-    shared = _compare(run, run, _BLOCK)
+    rests = _Rests(run.start_ns, run.grain_s, run.least_bin_s,
+                   lambda grain_s, phase: _whiten(run.coarsen(grain_s), phase))
+    shared = _compare(rests, rests, _BLOCK)
     if shared is None or shared.first_ns < shared.other_ns:
         return shared
     return replace(shared, first_ns=shared.other_ns, other_ns=shared.first_ns)
 
 
-def _compare(run: Fingerprint, partner: Fingerprint, least_lag: int) -> Shared | None:
+def _read_rests(text: str) -> _Rests:
+    start_ns, grain_s, least_bin_s, _ = text.split(' ', 3)
+    return _Rests(int(start_ns), float(grain_s), float(least_bin_s),
+                  partial(_whiten_text, text))
+
+
+@lru_cache(maxsize=_MOST_WHITENED)
+def _whiten_text(text: str, grain_s: float, phase: int) -> Reals | None:
+    return _whiten(Fingerprint.from_text(text).coarsen(grain_s), phase)
+
+
+def _compare(run: _Rests, partner: _Rests, least_lag: int) -> Shared | None:
     grain_s = max(run.grain_s, partner.grain_s)
     while grain_s * _GRAINS < max(run.least_bin_s, partner.least_bin_s):
         grain_s *= 2.0
     bin_s = grain_s * _GRAINS
-    first, second = run.coarsen(grain_s), partner.coarsen(grain_s)
-    whitened = _whiten(second, 0)
+    whitened = partner.whiten(grain_s, 0)
     if whitened is None or len(whitened) < _BLOCK:
         return None
     starts = np.unique(np.linspace(0, len(whitened) - _BLOCK, _MOST_BLOCKS).astype(np.int64)
@@ -289,7 +313,7 @@ def _compare(run: Fingerprint, partner: Fingerprint, least_lag: int) -> Shared |
     starts, blocks = starts[usable], blocks[usable]
     best: Shared | None = None
     for phase in range(_GRAINS):
-        sought = _whiten(first, phase)
+        sought = run.whiten(grain_s, phase)
         if sought is None or not len(starts):
             continue
         match = _search(sought, starts, blocks, least_lag)

@@ -16,6 +16,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 import math
 from typing import Sequence, TYPE_CHECKING
 
@@ -44,17 +45,24 @@ def find_repeated_runs(results: Sequence[RunResult]) -> dict[int, tuple[int, Sha
         share; None if all figures are equal. The other runs share nothing with each other.
 
     """
+    return dict(_find_repeats(tuple(
+        (result.fingerprint, result.verdict.validity_effect == VOID, _figures(result))
+        for result in results)))
+
+
+@lru_cache(maxsize=8)
+def _find_repeats(runs: tuple[tuple[str | None, bool, tuple[object, ...]], ...],
+                  ) -> dict[int, tuple[int, Shared | None]]:
+    """Compare each run, its fingerprint, whether it is void, and its figures, with all before."""
     repeats: dict[int, tuple[int, Shared | None]] = {}
-    void = {at for at, result in enumerate(results, 1) if result.verdict.validity_effect == VOID}
-    for number, result in enumerate(results, 1):
-        for earlier in range(1, number):
-            if earlier in repeats or {number, earlier} & void:
+    for number, (fingerprint, is_void, figures) in enumerate(runs, 1):
+        for earlier, (earlier_fingerprint, *rest) in enumerate(runs[:number - 1], 1):
+            if earlier in repeats or is_void or rest[0]:
                 continue
-            earlier_result = results[earlier - 1]
             shared = None
-            if result.fingerprint is not None and earlier_result.fingerprint is not None:
-                shared = find_shared(result.fingerprint, earlier_result.fingerprint)
-            if shared is not None or _figures(result) == _figures(earlier_result):
+            if fingerprint is not None and earlier_fingerprint is not None:
+                shared = find_shared(fingerprint, earlier_fingerprint)
+            if shared is not None or figures == rest[1]:
                 repeats[number] = earlier, shared
                 break
     return repeats

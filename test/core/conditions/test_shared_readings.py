@@ -20,6 +20,7 @@ import numpy as np
 import pytest
 from scipy.signal import lfilter
 
+from heading_intercompare.core.conditions import shared_readings
 from heading_intercompare.core.conditions.shared_readings import (
     find_repeats,
     find_shared,
@@ -148,3 +149,14 @@ def test_spikes_at_even_times_are_no_copy(rng):
     x = 0.12 * rng.standard_normal(n) + (t % 50 == 7) * rng.choice([-1.0, 1.0], n)
     rs = (180.0 + 170.0 * np.sin(t / 40.0)) % 360.0
     assert find_repeats(Fingerprint.of(1_700_000_000 * 10 ** 9 + t * 10 ** 9, x, rs)) is None
+
+
+def test_a_run_is_whitened_once_however_many_it_is_compared_with(rng, monkeypatch):
+    """A campaign of 300 bags took minutes, because each pair of runs did this five times."""
+    whiten, calls = shared_readings._whiten, []
+    monkeypatch.setattr(shared_readings, '_whiten', lambda run, phase: calls.append(
+        (run.total_deg.tobytes(), phase)) or whiten(run, phase))
+    texts = [fingerprint(*trial(rng)).to_text() for _ in range(6)]
+    found = [find_shared(late, early) for at, late in enumerate(texts) for early in texts[:at]]
+    assert not any(found)
+    assert len(calls) == len({*calls}) <= 6 * 4

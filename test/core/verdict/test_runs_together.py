@@ -21,6 +21,7 @@ import pytest
 from trials import find_finding
 
 from heading_intercompare import analyze, Headings, Settings
+from heading_intercompare.core.verdict import runs_together
 from heading_intercompare.core.verdict.runs_together import shortest_apart_s
 
 T0_NS = 1_700_000_000_000_000_000
@@ -108,3 +109,12 @@ def test_runs_are_apart_by_the_shortest_pause(rng):
     runs = judge([trial(rng), (trial(rng)[0] + 2000.0, *trial(rng)[1:])]).runs
     assert shortest_apart_s(runs) == pytest.approx(501.0)
     assert shortest_apart_s(runs[:1]) == np.inf
+
+
+def test_each_pair_of_runs_is_compared_once_for_a_verdict(rng, monkeypatch):
+    """Of more than 91 runs each pair was compared five times."""
+    compared = []
+    monkeypatch.setattr(runs_together, 'find_shared',
+                        lambda late, early: compared.append((late, early)))
+    judge([trial(rng, 400.0) for _ in range(4)])
+    assert len(compared) == len({*compared}) == 6
