@@ -18,10 +18,10 @@ How many messages of randomly damaged bags `recover` keeps, next to other librar
 
 The bags have the layouts of our writer and of rosbag2: chunks in zstd, lz4 and uncompressed, with
 checksums and without, no chunks, several files. Each gets one to three damages from a fixed seed:
-flipped bytes, a piece cut out, zeroed, overwritten or moved, the end cut off. A piece has up to a
-tenth of its file. In the same run each damaged bag is read by loops as a user would write them, up
-to the first error: `mcap` by the index (`make_reader`) and from the first byte on
-(`NonSeekingReader`, checksums on), `rosbags`, and `pybag`.
+flipped bytes, a piece cut out, zeroed, overwritten or moved, the end cut off, a flipped bit in the
+head of a chunk. A piece has up to a tenth of its file. In the same run each damaged bag is read by
+loops as a user would write them, up to the first error: `mcap` by the index (`make_reader`) and
+from the first byte on (`NonSeekingReader`, checksums on), `rosbags`, and `pybag`.
 
 Kept is the share of the messages that come back as they were, under their own topic. Foreign are
 messages that come back and were never there, or more often than they were. Where nothing has a
@@ -51,6 +51,7 @@ from typing import Callable, Iterator, Mapping, NamedTuple
 
 import history
 from mcap.exceptions import McapError
+from mcap.opcode import Opcode
 from mcap.reader import make_reader, NonSeekingReader
 from mcap.stream_reader import CRCValidationError
 from mcap.writer import CompressionType, Writer
@@ -148,7 +149,18 @@ LAYOUTS = {
     'mcap, zstd, no checksums': Layout(by_mcap, {'compression': CompressionType.ZSTD,
                                                  'enable_crcs': False}, False),
     'mcap, no chunks': Layout(by_mcap, {'use_chunking': False}, False)}
-DAMAGES = ('flip', 'cut', 'zero', 'overwrite', 'move', 'end')
+DAMAGES = ('flip', 'cut', 'zero', 'overwrite', 'move', 'end', 'head')
+#: Bytes of the head of a chunk: from its opcode to the length of its compressed records.
+HEAD_BYTES = 57
+
+
+def chunk_heads(data: bytes) -> Iterator[int]:
+    """Yield where chunks begin in the file, up to its first damage."""
+    at = 8
+    while at + HEAD_BYTES < len(data):
+        if data[at] == Opcode.CHUNK:
+            yield at
+        at += 9 + int.from_bytes(data[at + 1:at + 9], 'little')
 
 
 def damage(data: bytes, kind: str, rng: np.random.Generator) -> bytes:
@@ -157,6 +169,10 @@ def damage(data: bytes, kind: str, rng: np.random.Generator) -> bytes:
     size = int(np.exp(rng.uniform(0.0, np.log(max(len(data) // 10, 2)))))
     if kind == 'end':
         return data[:-size]
+    if kind == 'head':
+        heads = list(chunk_heads(data)) or [at]
+        bit = 8 * int(rng.choice(heads)) + int(rng.integers(8 * HEAD_BYTES))
+        return data[:bit // 8] + bytes([data[bit // 8] ^ 1 << bit % 8]) + data[bit // 8 + 1:]
     head, piece, tail = data[:at], data[at:at + size], data[at + size:]
     if kind == 'flip':
         spoiled = bytearray(data)

@@ -118,8 +118,8 @@ def messages(which: int) -> Counter:
 def unproved(path: Path) -> int:
     """Return the number of messages of a chunk in which the file ends."""
     with open(path, 'rb') as file:
-        return sum(len(item.block.start) for item in Salvage(file).scan()
-                   if isinstance(item, Sound) and item.fault)
+        return sum(len(block.start) for item in Salvage(file).scan()
+                   if isinstance(item, Sound) and item.part for block in item.part.blocks())
 
 
 SHARE = st.floats(0.0, 1.0, exclude_max=True)

@@ -144,7 +144,7 @@ class _Part(NamedTuple):
     @property
     def is_extended(self) -> bool:
         """Whether more follows the fields of its record, or of a message index."""
-        fields = HEAD.size + self.head.length - self.head.rest + sum(
+        fields = HEAD.size + self.head.needed + sum(
             INDEX_HEAD.size + len(entries) for _, entries in self.indexes)
         return self.start + fields != self.index_end
 
@@ -166,8 +166,8 @@ class ChunkRuns:
     size
         Size of the file.
     extended
-        More may follow the fields of a chunk or of a message index, as later versions of MCAP may
-        write. Without it a wrong length of a damaged file is not taken for that.
+        More may follow the fields of a message index, as later versions of MCAP may write. Without
+        it a wrong length of a damaged file is not taken for that.
 
     """
 
@@ -186,7 +186,8 @@ class ChunkRuns:
         end = self._size if end is None else end
         while size < _RUN_BYTES and len(parts) < _RUN_CHUNKS and at < end:
             part = self._part(at, _RUN_BYTES - size if parts else LARGE_BYTES)
-            if part is None:
+            if part is None or parts and part.is_extended:
+                # Only what follows can tell whether the length of an extended chunk is right.
                 break
             parts.append(part)
             size += part.head.size
@@ -196,7 +197,7 @@ class ChunkRuns:
 
     def _part(self, at: int, most: int) -> _Part | None:
         """Return the chunk at a byte if it is intact and has at most `most` bytes of records."""
-        head = find_chunk_head(self._read(at, HEAD_BYTES), extended=self._extended)
+        head = find_chunk_head(self._read(at, HEAD_BYTES))
         if head is None or head.size > most or at + HEAD.size + head.length > self._size:
             return None
         content = self._read(at + HEAD.size, head.length)

@@ -22,7 +22,7 @@ is full, is undone, and the data is kept for the next attempt.
 from __future__ import annotations
 
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from hashlib import sha256
 from itertools import count
 import os
@@ -147,9 +147,13 @@ _COMPRESS: dict[str, tuple[str, Callable[[bytes], bytes]]] = {
 COMPRESSIONS = {name: written for name, (written, _) in _COMPRESS.items()}
 
 
-def _free(used: Mapping[int, object], preferred_id: int | None, numbers: Iterator[int]) -> int:
+#: The number of a channel or schema that may have any.
+ANY_NUMBER = -1
+
+
+def _free(used: Mapping[int, object], preferred_id: int, numbers: Iterator[int]) -> int:
     """Return an unused number: `preferred_id` if it is free, otherwise the next of `numbers`."""
-    if preferred_id is not None and preferred_id not in used:
+    if preferred_id != ANY_NUMBER and preferred_id not in used:
         return preferred_id
     return next(number for number in numbers if number not in used)
 
@@ -192,7 +196,8 @@ class ChunkWriter:
         #: Chunks since the last one that defines all topics.
         self._undefined = 0
         self.chain = ChunkChain()
-        self._extra_indexes: list[mcap.AttachmentIndex | mcap.MetadataIndex] = []
+        self._attachment_indexes: list[bytes] = []
+        self._metadata_indexes: list[bytes] = []
         self.counts: dict[int, int] = {}
         self.start_ns: int | None = None
         self.end_ns: int | None = None
@@ -235,23 +240,30 @@ class ChunkWriter:
         self._hold(definition)
 
     def add_channel(self, topic: str, type_name: str, schema_text: str,
-                    metadata: Mapping[str, str], encoding: str = 'ros2msg',
-                    numbers: tuple[int | None, int | None] = (None, None)) -> int:
+                    metadata: Mapping[str, str]) -> int:
+        """Add a channel of ROS 2 and return its number."""
+        return self.define(
+            mcap.Channel(id=ANY_NUMBER, topic=topic, message_encoding='cdr',
+                         metadata=dict(metadata), schema_id=ANY_NUMBER),
+            mcap.Schema(id=ANY_NUMBER, name=type_name, encoding='ros2msg',
+                        data=schema_text.encode()))
+
+    def define(self, channel: mcap.Channel, schema: mcap.Schema | None) -> int:
         """
         Add a channel and return its number; its definition goes into the chunk in memory.
 
-        `numbers` are the preferred numbers of the channel and its schema, used if they are free.
+        It and its schema keep their numbers if these are free. A channel may have no schema.
         """
-        data = schema_text.encode()
-        key = type_name, encoding, data
-        if key not in self._schema_ids:
-            schema = mcap.Schema(id=_free(self._schemas, numbers[1], self._numbers[1]),
-                                 name=type_name, encoding=encoding, data=data)
-            self._schemas[schema.id], self._schema_ids[key] = schema, schema.id
-            self._define(schema)
-        channel = mcap.Channel(id=_free(self._channels, numbers[0], self._numbers[0]),
-                               topic=topic, message_encoding='cdr', metadata=dict(metadata),
-                               schema_id=self._schema_ids[key])
+        schema_id = 0
+        if schema is not None:
+            key = schema.name, schema.encoding, schema.data
+            if key not in self._schema_ids:
+                schema = replace(schema, id=_free(self._schemas, schema.id, self._numbers[1]))
+                self._schemas[schema.id], self._schema_ids[key] = schema, schema.id
+                self._define(schema)
+            schema_id = self._schema_ids[key]
+        channel = replace(channel, id=_free(self._channels, channel.id, self._numbers[0]),
+                          schema_id=schema_id)
         self._channels[channel.id] = channel
         self._define(channel)
         return channel.id
@@ -319,45 +331,32 @@ class ChunkWriter:
 
     # Chunks copied unchanged
 
-    @property
-    def defined(self) -> frozenset[bytes]:
-        """Return the records of all definitions."""
-        return frozenset(self._defined)
+    def defines(self, definitions: frozenset[bytes]) -> bool:
+        """Tell whether these records of definitions are those of this file."""
+        return definitions <= self._defined.keys()
 
-    @property
-    def due(self) -> frozenset[bytes]:
-        """Return the definitions that the next chunk must hold."""
-        return frozenset(self._held)
+    def can_begin_with(self, chunk: Chunk) -> bool:
+        """Tell whether a chunk holds the definitions that the next chunk must hold."""
+        return self._held <= chunk.definitions
 
-    @property
-    def until_due(self) -> int:
-        """How many chunks without definitions may follow before all topics are defined again."""
-        return max(_DEFINED_EVERY - 1 - self._undefined, 1)
-
-    def append(self, data: BytesLike, chunks: Sequence[Chunk]) -> None:
+    def append(self, data: BytesLike, chunk: Chunk) -> None:
         """
-        Write chunks unchanged, with their message indexes, after the messages in memory.
+        Write a chunk unchanged, with its message indexes, after the messages in memory.
 
         Parameters
         ----------
         data : bytes-like
-            The chunks and indexes, one after the other.
-        chunks
-            Their contents: channels and definitions of this file. The first must hold the
-            definitions that are `due`.
+            The chunk and its indexes.
+        chunk
+            Its contents: channels and definitions of this file, with which the next can begin.
 
         """
         self.end_chunk()
-        shift = self._end - chunks[0].start
+        start, size = self._end, chunk.end - chunk.start
         self._append(data)
-        written = memoryview(data)
-        for chunk in chunks:
-            start = chunk.start - chunks[0].start
-            self.chain = self.chain.after(
-                sha256(written[start:start + chunk.end - chunk.start]))
-            self._list(chunk.start + shift, chunk.end + shift, chunk.counts, chunk.first_ns,
-                       chunk.last_ns, chunk.compression, chunk.packed, chunk.size,
-                       chunk.definitions)
+        self.chain = self.chain.after(sha256(memoryview(data)[:size]))
+        self._list(start, start + size, chunk.counts, chunk.first_ns, chunk.last_ns,
+                   chunk.compression, chunk.packed, chunk.size, chunk.definitions)
         self._begin_chunk()
 
     def take_pending(self) -> list[tuple[int, bytes, int, int, int]]:
@@ -432,7 +431,7 @@ class ChunkWriter:
         record = build_record(mcap.Metadata(name=name, metadata=dict(mapping)))
         index = mcap.MetadataIndex(offset=self._end, length=len(record), name=name)
         self._append(record)
-        self._extra_indexes.append(index)
+        self._metadata_indexes.append(build_record(index))
 
     def add_attachment(self, name: str, media_type: str, data: bytes, time_ns: int) -> None:
         """Write an attachment."""
@@ -443,19 +442,22 @@ class ChunkWriter:
         """
         Write an attachment from a whole record whose lengths agree; set its checksum.
 
+        Nothing that follows its fields is kept.
         In names that are no UTF-8, which few readers accept, U+FFFD replaces what is none.
         """
-        data_at = find_attached(lambda at, size: record[at:at + size],
-                                Record(Opcode.ATTACHMENT, HEAD.size, len(record) - HEAD.size))
-        assert data_at is not None
+        attached = find_attached(lambda at, size: record[at:at + size],
+                                 Record(Opcode.ATTACHMENT, HEAD.size, len(record) - HEAD.size))
+        assert attached is not None
+        data_at, crc_at = attached
         # The fields before the data, followed by empty data.
         begun = bytes(record[HEAD.size:data_at - 8]) + bytes(8 + _CRC.size)
         head = read_attachment(begun)
         if not all(name.encode() in begun for name in (head.name, head.media_type)):
-            head.data = bytes(record[data_at:-_CRC.size])
+            head.data = bytes(record[data_at:crc_at])
             self.append_attachment(bytearray(build_record(head)))
             return
-        crc_at = len(record) - _CRC.size
+        del record[crc_at + _CRC.size:]
+        HEAD.pack_into(record, 0, Opcode.ATTACHMENT, len(record) - HEAD.size)
         with memoryview(record) as view:
             crc = crc32(view[HEAD.size:crc_at])
         _CRC.pack_into(record, crc_at, crc)
@@ -464,7 +466,7 @@ class ChunkWriter:
                                      data_size=crc_at - data_at, name=head.name,
                                      media_type=head.media_type)
         self._append(record)
-        self._extra_indexes.append(index)
+        self._attachment_indexes.append(build_record(index))
 
     def sync(self) -> None:
         """Wait until the written data is on the disk."""
@@ -475,5 +477,5 @@ class ChunkWriter:
         self.end_chunk()
         self._append(build_ending(self._end, tuple(self._schemas.values()),
                                   tuple(self._channels.values()), self._chunk_indexes,
-                                  self._extra_indexes, self.counts,
+                                  self._attachment_indexes, self._metadata_indexes, self.counts,
                                   (self.start_ns or 0, self.end_ns or 0)))

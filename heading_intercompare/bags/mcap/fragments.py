@@ -19,6 +19,7 @@ from __future__ import annotations
 import struct
 from typing import NamedTuple
 
+import lz4.frame
 from mcap.opcode import Opcode
 import numpy as np
 import zstandard
@@ -26,7 +27,7 @@ import zstandard
 from heading_intercompare.core.records import Integers
 from heading_intercompare.messages.byte_columns import BytesLike
 
-from .chunks import CHUNK_HEAD, read_lz4_frames, read_zstd_frames
+from .chunks import CHUNK_HEAD
 from .message_blocks import HEAD, INVALID_OPCODE, MESSAGE_HEAD
 from .record_stream import MAGIC
 
@@ -36,20 +37,18 @@ BARE = (Opcode.MESSAGE, Opcode.SCHEMA, Opcode.CHANNEL)
 MESSAGE_LEAST = MESSAGE_HEAD.size - HEAD.size
 #: Longest name of a compression.
 _LETTERS = 8
-#: Most bytes from the opcode of a chunk to its compressed records.
-HEAD_BYTES = HEAD.size + CHUNK_HEAD.size + _LETTERS + 8
+_COMPRESSIONS = ('', 'lz4', 'zstd')
+_LENGTH = struct.Struct('<Q')
+#: The longest head of a frame of lz4 or zstd.
+_FRAME_HEAD = 19
+#: Most bytes from the opcode of a chunk to its compressed records, and the head of their frame.
+HEAD_BYTES = HEAD.size + CHUNK_HEAD.size + _LETTERS + _LENGTH.size + _FRAME_HEAD
 #: A chunk that claims to be larger is not believed.
 CHUNK_BYTES = 2**31
-_PIECE_BYTES = 2**20
-_LENGTH = struct.Struct('<Q')
 
 
 class ChunkHead(NamedTuple):
-    """
-    What a chunk says about itself.
-
-    `packed` is the length of its compressed records, `rest` that of what follows its fields.
-    """
+    """What a chunk says about itself; `packed` is the length of its compressed records."""
 
     length: int
     first_ns: int
@@ -58,65 +57,84 @@ class ChunkHead(NamedTuple):
     crc: int
     compression: str
     packed: int
-    rest: int
+
+    @property
+    def needed(self) -> int:
+        """Return the least length that its fields need; it may be longer, as records may grow."""
+        return CHUNK_HEAD.size + len(self.compression) + _LENGTH.size + self.packed
+
+    def build(self) -> bytes:
+        """Return its bytes, from the opcode to the compressed records."""
+        return b''.join((
+            HEAD.pack(Opcode.CHUNK, self.length),
+            CHUNK_HEAD.pack(self.first_ns, self.last_ns, self.size, self.crc,
+                            len(self.compression)),
+            self.compression.encode(), _LENGTH.pack(self.packed)))
 
 
-def find_chunk_head(data: bytes, *, extended: bool = False) -> ChunkHead | None:
+def find_chunk_head(data: bytes) -> ChunkHead | None:
     """
     Return the head of the chunk whose record begins these bytes; None if it contradicts itself.
 
-    The opcode may be wrong if the head has a checksum, because that can prove the chunk. The
-    record may have more after its fields, as later versions of MCAP may write, if `extended`.
+    The opcode may be wrong if the head has a checksum, because that can prove the chunk.
     """
     if len(data) < HEAD.size + CHUNK_HEAD.size:
         return None
     length = HEAD.unpack_from(data)[1]
     first, last, size, crc, letters = CHUNK_HEAD.unpack_from(data, HEAD.size)
     start = HEAD.size + CHUNK_HEAD.size
-    if letters > _LETTERS or len(data) < start + letters + 8 or not (
+    if letters > _LETTERS or len(data) < start + letters + _LENGTH.size or not (
             crc or data[0] == Opcode.CHUNK):
         return None
     packed = _LENGTH.unpack_from(data, start + letters)[0]
-    rest = length - CHUNK_HEAD.size - letters - 8 - packed
-    if rest < 0 or rest and not extended or max(size, length) > CHUNK_BYTES:
-        return None
-    return ChunkHead(length=length, first_ns=first, last_ns=last, size=size, crc=crc,
-                     compression=data[start:start + letters].decode(errors='replace'),
-                     packed=packed, rest=rest)
+    head = ChunkHead(length=length, first_ns=first, last_ns=last, size=size, crc=crc,
+                     compression=data[start:start + letters].decode('latin-1'), packed=packed)
+    grown = data[0] == Opcode.CHUNK and head.needed < length
+    return head if max(size, length) <= CHUNK_BYTES and (
+        grown or head.needed == length) else None
 
 
-def _is_plausible(begun: bytearray, size: int) -> bool:
-    """Tell whether these bytes can begin the records of a chunk of this size."""
-    if len(begun) < HEAD.size:
-        return False
-    opcode, length = HEAD.unpack_from(begun)
-    return opcode in BARE and HEAD.size + length <= size
-
-
-def decompress_begun(content: bytes) -> bytearray:
+def possible_heads(data: bytes, indexed: ChunkHead | None) -> list[ChunkHead]:
     """
-    Return the records that can be decompressed from a chunk that may be cut; its lengths agree.
+    Return the heads that a chunk may have had before some bytes of its head changed.
 
-    It works piece by piece and stops if the first bytes are not plausible. So a chunk that claims
-    to be large takes no more memory than its actual data.
+    Parameters
+    ----------
+    data
+        Its first bytes.
+    indexed
+        Its head by the index of the file, which does not know the checksum.
+
+    Returns
+    -------
+    list of ChunkHead
+        Only the checksum can tell which is right; empty if there is none.
+
     """
-    _, _, size, _, letters = CHUNK_HEAD.unpack_from(content)
-    start = CHUNK_HEAD.size + letters
-    compression, data = content[CHUNK_HEAD.size:start], content[start + 8:]
-    if not compression:
-        return bytearray(data[:size])
-    records = bytearray()
+    if len(data) < HEAD_BYTES or not (crc := CHUNK_HEAD.unpack_from(data, HEAD.size)[3]):
+        return []
+    length = HEAD.unpack_from(data)[1]
+    first, last, size, *_ = CHUNK_HEAD.unpack_from(data, HEAD.size)
+    heads = [] if indexed is None else [indexed._replace(crc=crc)]
+    for compression in _COMPRESSIONS:
+        start = HEAD.size + CHUNK_HEAD.size + len(compression)
+        head = ChunkHead(length, first, last, size, crc, compression, 0)
+        for packed in dict.fromkeys((_LENGTH.unpack_from(data, start)[0], length - head.needed)):
+            sizes = {size, packed if not compression else _frame_size(
+                compression, data[start + _LENGTH.size:]), 0 if indexed is None else indexed.size}
+            changed = head._replace(packed=packed)
+            heads += [changed._replace(length=changed.needed, size=records) for records in sizes]
+    return [head for head in heads
+            if 0 < head.size <= CHUNK_BYTES and 0 < head.packed and head.length <= CHUNK_BYTES]
+
+
+def _frame_size(compression: str, data: bytes) -> int:
+    """Return what the beginning of a compressed frame says of its size; 0 if nothing."""
     try:
-        for piece in (read_zstd_frames(data, size, _PIECE_BYTES) if compression == b'zstd' else
-                      read_lz4_frames([data], size, _PIECE_BYTES) if compression == b'lz4' else
-                      ()):
-            records += piece
-            if len(records) == len(piece) and not _is_plausible(records, size):
-                break
-    except (zstandard.ZstdError, RuntimeError, MemoryError, EOFError):
-        pass
-    del records[size:]
-    return records
+        return int(zstandard.frame_content_size(data) if compression == 'zstd' else
+                   lz4.frame.get_frame_info(data)['content_size'])
+    except (zstandard.ZstdError, RuntimeError):
+        return 0
 
 
 def measure_leading(data: BytesLike, times: tuple[int, int] | None) -> int:

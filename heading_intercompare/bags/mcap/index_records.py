@@ -27,6 +27,7 @@ from mcap.opcode import Opcode
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.messages.byte_columns import BytesLike
 
+from .fragments import ChunkHead
 from .message_blocks import ENTRY_BYTES, HEAD, INDEX_HEAD, INDEX_LEAST, Record
 from .record_stream import MAGIC, parse_record
 
@@ -48,40 +49,52 @@ _LIKE_MESSAGES = (Opcode.HEADER, Opcode.CHANNEL, Opcode.MESSAGE_INDEX, Opcode.ME
 _Read = Callable[[int, int], BytesLike]
 
 
-def is_formed(read: _Read, record: Record) -> bool:
-    """Tell whether the lengths and counts of a record agree; its kind is in a table above."""
+def measure_fields(read: _Read, record: Record) -> int | None:
+    """
+    Return the length of the fields of a record; its kind is in a table above.
+
+    A record may be longer, as records may grow. None if its lengths and counts do not agree.
+    """
     opcode, start, length = record
     if opcode in _FIXED:
-        return length == _FIXED[opcode]
-    if opcode in _FIELD:
+        size = _FIXED[opcode]
+    elif opcode in _FIELD:
         at, begin = _FIELD[opcode]
-        return int.from_bytes(read(start + at, 4), 'little') == length - begin
-    if length > _SMALL_BYTES:
-        return False
-    try:
-        content = parse_record(SMALL[opcode], read(start, length))
-    except BagError:
-        return False
-    # Without counts per channel nothing could show that statistics are wrong.
-    return _written_size(content) == length and (
-        not isinstance(content, mcap.Statistics) or not content.channel_message_counts
-        or sum(content.channel_message_counts.values()) == content.message_count)
+        size = begin + int.from_bytes(read(start + at, 4), 'little')
+    elif length > _SMALL_BYTES:
+        return None
+    else:
+        try:
+            content = parse_record(SMALL[opcode], read(start, length))
+        except BagError:
+            return None
+        # Without counts per channel nothing could show that statistics are wrong.
+        if isinstance(content, mcap.Statistics) and content.channel_message_counts and (
+                sum(content.channel_message_counts.values()) != content.message_count):
+            return None
+        size = _written_size(content)
+    return size if size <= length else None
 
 
 def is_disguised(read: _Read, record: Record) -> bool:
     """Tell whether a message is in fact a record of another kind with a wrong opcode."""
-    return any(is_formed(read, record._replace(opcode=opcode)) for opcode in _LIKE_MESSAGES)
+    return any(measure_fields(read, record._replace(opcode=opcode)) == record.length
+               for opcode in _LIKE_MESSAGES)
 
 
-def find_attached(read: _Read, record: Record) -> int | None:
-    """Return where the data of an attachment begins; None if its lengths do not agree."""
+def find_attached(read: _Read, record: Record) -> tuple[int, int] | None:
+    """
+    Return where the data of an attachment begins and ends; None if its lengths do not agree.
+
+    The checksum follows the data; the record may be longer, as records may grow.
+    """
     at, end = record.start + 16, record.start + record.length - 4
     for width in (4, 4, 8):
         if at + width > end:
             return None
         begin = at + width
         at = begin + int.from_bytes(read(at, width), 'little')
-    return begin if at == end else None
+    return (begin, at) if at <= end else None
 
 
 def _written_size(record: _Small) -> int:
@@ -100,6 +113,7 @@ def _written_size(record: _Small) -> int:
 
 
 _CHUNK_INDEX = struct.Struct('<BQQQQQI')
+_CHUNK_INDEX_FIELDS = struct.Struct('<QQQQI')
 _OFFSET = struct.Struct('<HQ')
 _TAIL = struct.Struct('<QI')
 _SIZES = struct.Struct('<QQ')
@@ -150,9 +164,23 @@ def chunk_index(start: int, end: int, counts: Iterable[tuple[int, int]], first_n
         places, _TAIL.pack(at - end, len(name)), name, _SIZES.pack(packed, size)))
 
 
+def read_chunk_index_head(content: bytes) -> tuple[int, ChunkHead]:
+    """Return the place of a chunk and its head, by the index, which does not know its checksum."""
+    try:
+        first_ns, last_ns, start, length, places = _CHUNK_INDEX_FIELDS.unpack_from(content)
+        at = _CHUNK_INDEX_FIELDS.size + places
+        _, letters = _TAIL.unpack_from(content, at)
+        at += _TAIL.size
+        packed, size = _SIZES.unpack_from(content, at + letters)
+    except struct.error:
+        raise BagError('a record of the index is cut') from None
+    return start, ChunkHead(length - HEAD.size, first_ns, last_ns, size, 0,
+                            content[at:at + letters].decode('latin-1'), packed)
+
+
 def build_ending(start: int, schemas: Sequence[mcap.Schema], channels: Sequence[mcap.Channel],
-                 chunk_indexes: Sequence[bytes],
-                 extra_indexes: Sequence[mcap.AttachmentIndex | mcap.MetadataIndex],
+                 chunk_indexes: Sequence[bytes], attachment_indexes: Sequence[bytes],
+                 metadata_indexes: Sequence[bytes],
                  counts: dict[int, int], span_ns: tuple[int, int]) -> bytes:
     """
     Return the end of a file: end of the data, summary, footer.
@@ -161,7 +189,7 @@ def build_ending(start: int, schemas: Sequence[mcap.Schema], channels: Sequence[
     ----------
     start
         The offset in the file at which it begins.
-    schemas, channels, chunk_indexes, extra_indexes
+    schemas, channels, chunk_indexes, attachment_indexes, metadata_indexes
         The contents of the file.
     counts
         Messages by channel.
@@ -169,20 +197,19 @@ def build_ending(start: int, schemas: Sequence[mcap.Schema], channels: Sequence[
         Smallest and largest log time.
 
     """
-    attachments = [x for x in extra_indexes if isinstance(x, mcap.AttachmentIndex)]
-    metadata = [x for x in extra_indexes if isinstance(x, mcap.MetadataIndex)]
     statistics = mcap.Statistics(
-        attachment_count=len(attachments), channel_count=len(channels),
+        attachment_count=len(attachment_indexes), channel_count=len(channels),
         channel_message_counts=counts, chunk_count=len(chunk_indexes),
         message_count=sum(counts.values()), message_end_time=span_ns[1],
-        message_start_time=span_ns[0], metadata_count=len(metadata), schema_count=len(schemas))
+        message_start_time=span_ns[0], metadata_count=len(metadata_indexes),
+        schema_count=len(schemas))
     end = build_record(mcap.DataEnd(0))
     start += len(end)
     groups = {Opcode.SCHEMA: map(build_record, schemas),
               Opcode.CHANNEL: map(build_record, channels),
               Opcode.STATISTICS: [build_record(statistics)], Opcode.CHUNK_INDEX: chunk_indexes,
-              Opcode.ATTACHMENT_INDEX: map(build_record, attachments),
-              Opcode.METADATA_INDEX: map(build_record, metadata)}
+              Opcode.ATTACHMENT_INDEX: attachment_indexes,
+              Opcode.METADATA_INDEX: metadata_indexes}
     summary, offsets = bytearray(), bytearray()
     for opcode, records in groups.items():
         group = b''.join(records)

@@ -24,11 +24,12 @@ from pathlib import Path
 from shutil import rmtree
 from typing import BinaryIO, Iterable, Mapping
 
+from mcap import records as mcap
 import numpy as np
 
 from heading_intercompare.bags.errors import BagError, utf8
 from heading_intercompare.bags.mcap.chunk_chain import ChunkChain
-from heading_intercompare.bags.mcap.chunk_writer import ChunkWriter, Rows
+from heading_intercompare.bags.mcap.chunk_writer import ANY_NUMBER, ChunkWriter, Rows
 from heading_intercompare.bags.mcap.message_blocks import LAST_NS
 from heading_intercompare.bags.rosbag2.bag_yaml import (
     bag_metadata,
@@ -40,16 +41,14 @@ from heading_intercompare.bags.rosbag2.bag_yaml import (
 from heading_intercompare.bags.settings import BagSettings
 from heading_intercompare.core.version import VERSION
 from heading_intercompare.messages.errors import MessageError
-from heading_intercompare.messages.schemas import Schema, schema_of
+from heading_intercompare.messages.schemas import schema_of
 from heading_intercompare.replaced_file import draft_beside, replace_file, sync_folder
 
 from .disk_sync import Syncing
 
 _EXISTS = 'already exists; a bag is never overwritten'
-
-#: Numbers of a channel and its schema.
-_Numbers = tuple[int | None, int | None]
-
+#: Keys in the metadata of a channel.
+_QOS, _TYPE_HASH = 'offered_qos_profiles', 'topic_type_hash'
 
 def _topic_name(topic: str) -> str:
     return topic if topic.startswith('/') else f'/{topic}'
@@ -118,7 +117,7 @@ class BagWriter:
         self.path = Path(path)
         self._settings = settings or BagSettings()
         self._software = software
-        self._rows: dict[str, tuple[int, TopicRow, Schema, _Numbers]] = {}
+        self._rows: dict[str, tuple[int, TopicRow, mcap.Channel, mcap.Schema | None]] = {}
         self._records: dict[str, dict[str, str]] = {}
         self._last_flush_s: float | None = None
         self._syncing = Syncing(self._settings.fsync_interval_s)
@@ -156,8 +155,8 @@ class BagWriter:
             undo.callback(_remove, file)
             chunks = ChunkWriter(file, self._settings.compression, self._settings.chunk_bytes,
                                  self._software)
-            for _, row, schema, preferred in self._rows.values():
-                self._define(chunks, row, schema, preferred)
+            for _, _, channel, definition in self._rows.values():
+                chunks.define(channel, definition)
             for name, mapping in self._records.items():
                 chunks.add_metadata(name, mapping)
             undo.pop_all()
@@ -165,12 +164,6 @@ class BagWriter:
 
     def _place(self, number: int) -> Path:
         return self._folder / f'{self._stem}_{number}.mcap'
-
-    @staticmethod
-    def _define(chunks: ChunkWriter, row: TopicRow, schema: Schema, numbers: _Numbers) -> int:
-        return chunks.add_channel(row.name, row.type_name, schema.text, {
-            'offered_qos_profiles': row.qos.to_yaml(), 'topic_type_hash': schema.type_hash},
-            schema.encoding, numbers)
 
     def __enter__(self) -> 'BagWriter':
         return self
@@ -212,8 +205,7 @@ class BagWriter:
         """Return the chain through the chunks written to all files."""
         return self._chunks.chain
 
-    def add_topic(self, topic: str, type_name: str, qos: Qos | None = None, *,
-                  schema: Schema | None = None, numbers: _Numbers = (None, None)) -> int:
+    def add_topic(self, topic: str, type_name: str, qos: Qos | None = None) -> int:
         """
         Add a topic; call it before the first message of the topic.
 
@@ -225,10 +217,6 @@ class BagWriter:
             As package/msg/Type.
         qos
             The QoS of its publisher, which a player offers again; `Qos()` by default.
-        schema
-            Its definition; looked up by default.
-        numbers : tuple of int or None
-            Preferred numbers of its channel and schema in the file, used if they are free.
 
         Returns
         -------
@@ -248,12 +236,33 @@ class BagWriter:
                                f'cannot also be {type_name}', self.path)
             return self._rows[name][0]
         try:
-            schema, qos = schema or schema_of(type_name), qos or Qos()
+            schema, qos = schema_of(type_name), qos or Qos()
         except MessageError as error:
             raise BagError(error.problem) from None
-        row = TopicRow(name, type_name, schema.type_hash, qos)
-        number = self._define(self._chunks, row, schema, numbers)
-        self._rows[name] = number, row, schema, numbers
+        return self.add_channel(
+            mcap.Channel(id=ANY_NUMBER, topic=name, message_encoding='cdr', metadata={
+                _QOS: qos.to_yaml(), _TYPE_HASH: schema.type_hash}, schema_id=ANY_NUMBER),
+            mcap.Schema(id=ANY_NUMBER, name=type_name, encoding=schema.encoding,
+                        data=schema.text.encode()), type_name)
+
+    def add_channel(self, channel: mcap.Channel, schema: mcap.Schema | None,
+                    type_name: str) -> int:
+        """
+        Add a topic that is not there from its records; return the number of its channel.
+
+        Parameters
+        ----------
+        channel, schema
+            The records, of whatever encoding. They keep their numbers if these are free.
+        type_name
+            The type that metadata.yaml says.
+
+        """
+        row = TopicRow(channel.topic, type_name, channel.metadata.get(_TYPE_HASH, ''),
+                       Qos.of_yaml(channel.metadata.get(_QOS, '')),
+                       encoding=channel.message_encoding)
+        number = self._chunks.define(channel, schema)
+        self._rows[channel.topic] = number, row, channel, schema
         self._described = False
         return number
 

@@ -15,39 +15,40 @@
 """
 The intact records of an MCAP file, whatever happened to it.
 
-A record counts only if it proves itself: a chunk by its checksum, even if its opcode is wrong;
+A record counts only if it proves itself: a chunk by its checksum, even if its head is wrong;
 others by lengths that agree with each other and with the following record. After damage, the
 scanner searches for the next record that proves itself.
 """
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from dataclasses import dataclass, replace
 from io import BufferedIOBase
+from itertools import chain
 from typing import Callable, Iterator
 
 from mcap.opcode import Opcode
-import zstandard
 
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.checksum import crc32
 from heading_intercompare.bags.mcap.chunk_runs import ChunkRun, ChunkRuns
-from heading_intercompare.bags.mcap.chunks import LARGE_BYTES, unpack
+from heading_intercompare.bags.mcap.chunks import begin_chunk, LARGE_BYTES, LargeChunk
 from heading_intercompare.bags.mcap.fragments import (
     BARE,
     CHUNK_BYTES,
     ChunkHead,
-    decompress_begun,
     find_candidates,
     find_chunk_head,
     HEAD_BYTES,
     measure_leading,
     MESSAGE_LEAST,
+    possible_heads,
 )
 from heading_intercompare.bags.mcap.index_records import (
     find_attached,
     is_disguised,
-    is_formed,
+    measure_fields,
     SMALL,
 )
 from heading_intercompare.bags.mcap.message_blocks import (
@@ -58,9 +59,8 @@ from heading_intercompare.bags.mcap.message_blocks import (
     Record,
 )
 from heading_intercompare.bags.mcap.record_stream import MAGIC, RecordStream
-from heading_intercompare.messages.byte_columns import BytesLike
 
-from .large_chunks import find_fault, Large, survey
+from .mended_file import MendedFile, read_chunk_heads
 from .unreadable_sectors import HOLE_BYTES
 
 _HIGHEST = int(Opcode.DATA_END)
@@ -76,13 +76,71 @@ _TELLING = (*_CHECKED, Opcode.HEADER, Opcode.METADATA, Opcode.MESSAGE_INDEX, Opc
 _USUAL_BYTES = 2**26
 #: A search for records starts with the first window and grows it up to the second.
 _FIRST_BYTES, _WINDOW_BYTES = 2**12, 2**22
-#: Bytes read ahead for small reads.
-_AHEAD_BYTES = 2**18
 #: Messages outside chunks are taken in pieces of this many bytes.
 _BARE_BYTES = 2**20
 #: After the searches have read this many times the size of the file, they skip candidates that
 #: overlap an earlier one.
 _PATIENCE = 8
+_CONTRADICTS = 'chunk damaged: its head does not agree with itself'
+
+
+class Part:
+    """
+    A chunk that is read block by block: it is large, or not all of it is intact.
+
+    Parameters
+    ----------
+    chunk
+        The chunk, or what is left of it.
+    head
+        What it says about itself.
+    times
+        First and last log time of its messages; None if it is proved.
+    fault
+        What is wrong with it.
+    unproven
+        Its checksum is wrong; its messages are possible, and nothing more is known of them.
+
+    Attributes
+    ----------
+    size
+        Bytes of intact records in the blocks so far.
+    checked
+        Its checksum is right.
+
+    """
+
+    def __init__(self, chunk: LargeChunk, head: ChunkHead, times: tuple[int, int] | None,
+                 fault: str, unproven: bool) -> None:
+        self._chunk, self._times = chunk, times
+        self.head, self.fault, self.unproven = head, fault, unproven
+        self.checked = head.crc > 0 and not fault
+        self.size = 0
+        self._blocks = self._read()
+        self._begun = [next(self._blocks, None)]
+
+    @property
+    def empty(self) -> bool:
+        """Whether not one record of it is intact."""
+        return self._begun[0] is None
+
+    @property
+    def lost(self) -> float:
+        """Return the share of its records that are not intact, once all blocks are read."""
+        return 1.0 - self.size / max(self._chunk.size, 1)
+
+    def blocks(self) -> Iterator[Block]:
+        """Yield its intact messages; only once."""
+        first = self._begun.pop()
+        return chain(() if first is None else (first,), self._blocks)
+
+    def _read(self) -> Iterator[Block]:
+        try:
+            for block in self._chunk.blocks(lambda data: measure_leading(data, self._times)):
+                self.size += len(block.data)
+                yield block
+        except BagError:
+            self.fault = self.fault or 'chunk damaged: a record in it has a wrong length'
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,34 +155,25 @@ class Sound:
     end
         The byte after it, and after the message indexes of consecutive chunks.
     block
-        The messages and definitions in it.
-    fault
-        Why the block is only part of a chunk; empty if it is complete.
+        Messages and definitions outside chunks.
     run
         Consecutive chunks, each whole.
-    large
-        A chunk that is too large for a block, or what is intact of it.
-    unproven
-        Its checksum is wrong; its messages are possible, and nothing more is known of them.
+    part
+        A chunk that is read block by block.
     sure
         Up to this byte no other record can be hidden in it.
     begins
         It is the header of a file, just after the magic bytes.
-    lost
-        About how many of its bytes are missing from the block.
 
     """
 
     record: Record
     end: int
     block: Block | None = None
-    fault: str = ''
     run: ChunkRun | None = None
-    large: Large | None = None
-    unproven: bool = False
+    part: Part | None = None
     sure: int = 0
     begins: bool = False
-    lost: int = 0
 
 
 @dataclass(frozen=True, slots=True)
@@ -162,6 +211,10 @@ class Salvage:
 
     Attributes
     ----------
+    file : MendedFile
+        The same file, with the heads of chunks that their checksums prove.
+    heads : dict
+        What the index of the file says of its chunks, by place.
     size : int
         Size of the file in bytes.
     chunked : bool
@@ -170,13 +223,13 @@ class Salvage:
     """
 
     def __init__(self, file: BufferedIOBase, unproven: bool = False) -> None:
-        self._file = file
+        self.file = MendedFile(file)
         self._unproven = unproven
-        self._stream = RecordStream(file)
+        self._stream = RecordStream(self.file)
         self.size = self._stream.size
-        self._window, self._window_at = b'', 0
+        self.heads = read_chunk_heads(self._stream)
+        self._indexed = sorted(self.heads)
         self._runs = ChunkRuns(self._read, self.size)
-        self._zstd = zstandard.ZstdDecompressor()
         self.chunked = False
         self._previous = 0
         #: Where the record after the last one begins.
@@ -190,14 +243,8 @@ class Salvage:
 
     def _read(self, at: int, size: int) -> bytes:
         """Return `size` bytes of the file, fewer at its end or at a hole."""
-        if size > _AHEAD_BYTES:
-            self._file.seek(at)
-            return self._file.read(size)
-        begin = at - self._window_at
-        if begin < 0 or begin + size > len(self._window):
-            self._file.seek(at)
-            self._window, self._window_at, begin = self._file.read(_AHEAD_BYTES), at, 0
-        return self._window[begin:begin + size]
+        self.file.seek(at)
+        return self.file.read(size)
 
     def scan(self) -> Iterator[Sound | Gap]:
         """Yield the parts of the file in file order; memory stays that of a few chunks."""
@@ -208,20 +255,21 @@ class Salvage:
                 at += len(MAGIC)
                 begins = True
                 continue
-            part = self._sound(at) or self.unproved(at)
-            if part is not None:
-                unsure = part.sure
-                at = self._next = part.end
-                self._previous = part.record.opcode
-                self.chunked = self.chunked or part.record.opcode in (
+            sound = self._sound(at, awaited=True)
+            if sound is not None:
+                unsure = sound.sure
+                at = self._next = sound.end
+                self._previous = sound.record.opcode
+                self.chunked = self.chunked or sound.record.opcode in (
                     Opcode.CHUNK, Opcode.MESSAGE_INDEX)
-                header = begins and part.record.opcode == Opcode.HEADER
-                yield replace(part, begins=True) if header else part
+                header = begins and sound.record.opcode == Opcode.HEADER
+                yield replace(sound, begins=True) if header else sound
             else:
-                fault, chunk = self._fault, self._may_be_chunk(at)
+                head = self._chunk_head(at)
                 # What is left of it would look like messages outside chunks.
-                self.chunked = self.chunked or find_chunk_head(
-                    self._read(at, HEAD_BYTES)) is not None
+                self.chunked = self.chunked or head is not None
+                chunk = head is not None or self._read(at, 1) == bytes([Opcode.CHUNK])
+                fault = self._fault
                 # The record before, if it has no checksum, may have swallowed a chunk.
                 swallowed = self._search(unsure + 1, at, (Opcode.CHUNK,)) if unsure < at else at
                 start = min(at, swallowed)
@@ -230,9 +278,8 @@ class Salvage:
                 yield Gap(start, at, fault, chunk)
             begins = False
 
-    def _may_be_chunk(self, at: int) -> bool:
-        data = self._read(at, HEAD_BYTES)
-        return data[:1] == bytes([Opcode.CHUNK]) or find_chunk_head(data) is not None
+    def _chunk_head(self, at: int) -> ChunkHead | None:
+        return find_chunk_head(self._read(at, HEAD_BYTES))
 
     def _head(self, at: int) -> Record | None:
         """Return the record at a byte if its head is possible and it ends within the file."""
@@ -254,8 +301,7 @@ class Salvage:
     def _can_follow(self, end: int) -> bool:
         """Tell whether a record that ends at a byte is followed by something plausible."""
         return (end == self.size or self._head(end) is not None
-                or self._read(end, len(MAGIC)) == MAGIC
-                or find_chunk_head(self._read(end, HEAD_BYTES)) is not None)
+                or self._read(end, len(MAGIC)) == MAGIC or self._chunk_head(end) is not None)
 
     def _is_cut_record(self, at: int) -> bool:
         """Tell whether a record of usual length may begin at a byte and be cut by the end."""
@@ -265,35 +311,40 @@ class Salvage:
             len(head) < HEAD.size
             or length <= _USUAL_BYTES and at + HEAD.size + length > self.size)
 
-    def _sound(self, at: int) -> Sound | None:
-        """Return what is at a byte if it proves itself; otherwise set `_fault` to the reason."""
+    def _sound(self, at: int, awaited: bool = False) -> Sound | None:
+        """
+        Return what is at a byte if it proves itself; otherwise set `_fault` to the reason.
+
+        Where a record is awaited, as the one before ends there, its head is mended if possible.
+        """
         try:
-            return self._prove(at)
+            head = self._chunk_head(at)
+            if head is not None or at in self.heads or awaited and (
+                    self._read(at, 1) == bytes([Opcode.CHUNK])):
+                chunk = self._chunk(at, head, awaited)
+                if chunk is not None or head is not None:
+                    return chunk
+            return self._record(at)
         except MemoryError:
             self._fault = 'a record does not fit into memory'
             return None
 
-    def _prove(self, at: int) -> Sound | None:
-        head = find_chunk_head(self._read(at, HEAD_BYTES))
-        if head is not None:
-            return self._chunks(at, head)
+    def _record(self, at: int) -> Sound | None:
+        """Return a record that is no chunk, or messages outside chunks."""
         record = self._head(at)
         if record is None:
             return None
         opcode, end = record.opcode, record.start + record.length
         if opcode == Opcode.CHUNK:
-            self._fault = 'chunk damaged: its head does not agree with itself'
+            self._fault = _CONTRADICTS
             return None
         if opcode == Opcode.MESSAGE:
             return self._messages(at, record)
         self._fault = 'a record is damaged'
         if opcode == Opcode.ATTACHMENT:
             return self._attachment(record)
-        if opcode in _FORMED:
-            good = is_formed(self._read, record)
-        else:
-            good = self._can_follow(end)
-        if not good:
+        fields = measure_fields(self._read, record) if opcode in _FORMED else 0
+        if fields is None or fields < record.length and not self._can_follow(end):
             return None
         block = block_of(self._read(at, end - at), at) if opcode in BARE else None
         return Sound(record, end, block, sure=at)
@@ -327,13 +378,14 @@ class Salvage:
 
     def _attachment(self, record: Record) -> Sound | None:
         """Return an attachment if its lengths and checksum agree."""
-        data_at, end = find_attached(self._read, record), record.start + record.length
-        if data_at is None:
+        attached, end = find_attached(self._read, record), record.start + record.length
+        if attached is None or attached[1] + 4 < end and not self._can_follow(end):
             return None
-        crc = int.from_bytes(self._read(end - 4, 4), 'little')
+        data_at, crc_at = attached
+        crc = int.from_bytes(self._read(crc_at, 4), 'little')
         # pybag computes it over the data only.
-        whole = self._crc(record.start, end - 4)
-        if whole is None or crc and crc not in (whole, self._crc(data_at, end - 4)):
+        whole = self._crc(record.start, crc_at)
+        if whole is None or crc and crc not in (whole, self._crc(data_at, crc_at)):
             return None
         # If bytes of it are lost, the zeros may come from the head of the next chunk.
         return Sound(record, end, sure=end if crc else end - HEAD_BYTES)
@@ -345,109 +397,100 @@ class Salvage:
             crc, at = crc32(piece, crc), at + len(piece)
         return crc if at == end else None
 
-    def _chunks(self, at: int, head: ChunkHead) -> Sound | None:
+    def _chunk(self, at: int, head: ChunkHead | None, awaited: bool) -> Sound | None:
         """Return the intact chunks from a byte on, or the intact part of one."""
-        end = at + HEAD.size + head.length
-        if head.size > LARGE_BYTES:
-            return self._large(at, head)
-        if end > self.size:
-            return self.fragment(at, self._search(at + 1, self.size, (Opcode.CHUNK,),
-                                                  self._is_protected))
-        run = self._runs.run(at)
+        run = self._run(at, head)
+        if run is None and (awaited or at in self.heads) and not self._is_protected(at):
+            head = self._mend(at) or head
+            run = self._run(at, head)
+        if head is None:
+            return None
+        record = Record(Opcode.CHUNK, at + HEAD.size, head.length)
         if run is None:
-            return self.fragment(at, end)
+            return self._part(record, head, awaited and self._unproven)
         last = run.chunks[-1]
-        return Sound(Record(Opcode.CHUNK, at + HEAD.size, head.length), last.index_end, run.block,
-                     run=run, sure=last.index_end if last.indexed else last.end)
+        return Sound(record, last.index_end, run.block, run,
+                     sure=last.index_end if last.indexed else last.end)
+
+    def _run(self, at: int, head: ChunkHead | None, end: int | None = None) -> ChunkRun | None:
+        """Return the intact chunks from a byte on, up to byte `end`, unless the first is large."""
+        if head is None or head.size > LARGE_BYTES or not self._ends_well(at, head):
+            return None
+        return self._runs.run(at, end)
+
+    def _ends_well(self, at: int, head: ChunkHead) -> bool:
+        """Tell whether the length of a chunk that has grown is right."""
+        start = at + HEAD.size
+        return head.needed == head.length or (
+            self._can_follow(start + head.length) and not self._can_follow(start + head.needed))
+
+    def _find_fault(self, at: int, head: ChunkHead) -> str:
+        """Return why the records of a chunk are not those of its head; empty if they are."""
+        try:
+            self._open(at, head, self.size).verify()
+        except BagError as error:
+            return error.problem
+        return '' if self._ends_well(at, head) else _CONTRADICTS
+
+    def _open(self, at: int, head: ChunkHead, end: int) -> LargeChunk:
+        """Return the chunk at a byte, up to byte `end`; BagError if its head is damaged."""
+        self.file.seek(at + HEAD.size)
+        return LargeChunk(self.file, begin_chunk(self.file, head.length).cut(end))
 
     def _is_protected(self, at: int) -> bool:
         """Tell whether a chunk with a correct checksum begins at a byte."""
-        head = find_chunk_head(self._read(at, HEAD_BYTES))
-        if head is not None and head.size > LARGE_BYTES:
-            return bool(head.crc) and not find_fault(self._file, at, head)
-        run = self._runs.run(at, at + 1)
-        return run is not None and run.chunks[0].protected
-
-    def _large(self, at: int, head: ChunkHead) -> Sound | None:
-        """Return a large chunk, or the intact beginning of one that ends early."""
-        end = at + HEAD.size + head.length
-        fault = 'a chunk ends early'
-        if end > self.size:
-            end = self._search(at + 1, self.size, (Opcode.CHUNK,), self._is_protected)
-            if end == self.size:
-                fault = 'the file ends within a chunk'
-        else:
-            fault = find_fault(self._file, at, head)
-            if fault and self._crc(at, end) is None:
-                fault = 'the disk cannot read all of a chunk'
-            elif fault:
-                self._fault = fault
-                return None
-        large = survey(self._file, at, end, head, proved=not fault)
-        if large is None or fault and head.first_ns > head.last_ns:
-            self._fault = 'chunk damaged: its head does not agree with itself'
-            return None
-        if not fault and large.size < head.size:
-            fault = 'chunk damaged: a record in it has a wrong length'
-        length = end - at - HEAD.size
-        lost = end - at - HEAD.size - length * large.size // max(large.decompressed, 1)
-        return Sound(record=Record(Opcode.CHUNK, at + HEAD.size, length), end=end, block=None,
-                     fault=fault, sure=end, lost=lost if fault else 0, large=large)
-
-    def fragment(self, at: int, end: int) -> Sound | None:
-        """Return the intact beginning of a chunk that ends early or has wrong records."""
-        head = find_chunk_head(self._read(at, HEAD_BYTES))
-        if head is None:
-            return None
-        content = self._read(at + HEAD.size, end - at - HEAD.size)
-        data: BytesLike
-        if len(content) < head.length:
-            if head.first_ns > head.last_ns:
-                self._fault = 'chunk damaged: its head does not agree with itself'
-                return None
-            data = decompress_begun(content)
-            fault = ('the disk cannot read all of a chunk' if len(content) < end - at - HEAD.size
-                     else 'the file ends within a chunk' if end == self.size
-                     else 'a chunk ends early')
-        else:
-            try:
-                data = unpack(content, self._zstd)
-            except BagError as error:
-                self._fault = error.problem
-                return None
-            fault = 'chunk damaged: a record in it has a wrong length'
-        leading = measure_leading(data, (head.first_ns, head.last_ns))
-        lost = end - at - (HEAD.size + len(content) * leading // len(data) if data else 0)
-        return Sound(record=Record(Opcode.CHUNK, at + HEAD.size, len(content)), end=end,
-                     block=block_of(data[:leading], at), fault=fault, sure=end, lost=lost)
-
-    def unproved(self, at: int) -> Sound | None:
-        """Return the possible messages of a chunk whose checksum is wrong, if they are wanted."""
-        head = find_chunk_head(self._read(at, HEAD_BYTES)) if self._unproven else None
-        if head is None or head.first_ns > head.last_ns:
-            return None
-        end = at + HEAD.size + head.length
-        record = Record(Opcode.CHUNK, at + HEAD.size, head.length)
-        fault = f'{self._fault}; what it holds is kept without proof'
-        if end > self.size:
-            return None
+        head = self._chunk_head(at)
+        if head is None or not head.crc or at + HEAD.size + head.length > self.size:
+            return False
         if head.size > LARGE_BYTES:
-            large = survey(self._file, at, end, head, proved=False)
-            if large is None or not large.messages:
-                return None
-            return Sound(record=record, end=end, block=None, fault=fault, sure=end, large=large,
-                         unproven=True)
-        data = decompress_begun(self._read(at + HEAD.size, head.length))
-        block = block_of(data[:measure_leading(data, (head.first_ns, head.last_ns))], at)
-        if not len(block.start):
+            return not self._find_fault(at, head)
+        return self._run(at, head, at + 1) is not None
+
+    def _mend(self, at: int) -> ChunkHead | None:
+        """Return the head of a chunk that its checksum proves, if there is one."""
+        for head in possible_heads(self._read(at, HEAD_BYTES), self.heads.get(at)):
+            end = at + HEAD.size + head.length
+            # A frame in a chunk that is too long would be right as well.
+            if not self._can_follow(end) or self._looked_at > _PATIENCE * self.size:
+                continue
+            self._looked_at += head.length
+            self.file.mend(at, head)
+            if self._is_protected(at):
+                return head
+            self.file.mend(at, None)
+        return None
+
+    def _part(self, record: Record, head: ChunkHead, unproven: bool) -> Sound | None:
+        """Return what is intact of a chunk that is large, cut, or damaged."""
+        at, end = record.start - HEAD.size, record.start + record.length
+        cut = end > self.size
+        if cut:
+            end = self._search(at + 1, self.size, (Opcode.CHUNK,), self._is_protected)
+            fault = 'the file ends within a chunk' if end == self.size else 'a chunk ends early'
+        else:
+            fault = self._find_fault(at, head)
+            if fault and self._crc(at, end) is None:
+                cut, fault = True, 'the disk cannot read all of a chunk'
+        self._fault = fault
+        if fault and (head.first_ns > head.last_ns or not (cut or unproven)):
+            self._fault = fault if not cut else _CONTRADICTS
             return None
-        lost = head.packed * (len(data) - len(block.data)) // len(data)
-        return Sound(record=record, end=end, block=block, fault=fault, sure=end, lost=lost,
-                     unproven=True)
+        if fault and not cut:
+            fault += '; what it holds is kept without proof'
+        proved = not fault and (head.crc or head.size > LARGE_BYTES)
+        try:
+            part = Part(self._open(at, head, end), head, None if proved else (
+                head.first_ns, head.last_ns), fault, unproven=bool(fault) and not cut)
+        except BagError:
+            self._fault = _CONTRADICTS
+            return None
+        self._fault = part.fault
+        return None if part.empty else Sound(
+            Record(Opcode.CHUNK, record.start, end - record.start), end, sure=end, part=part)
 
     def _find_next(self, at: int) -> int:
         """Return where the next intact record begins after damage at a byte."""
-        head = find_chunk_head(self._read(at, HEAD_BYTES))
+        head = self._chunk_head(at)
         if head is not None:
             end = at + HEAD.size + head.length
             if end <= self.size and self._can_follow(end):
@@ -476,22 +519,29 @@ class Salvage:
         while at < end:
             step = min(window_bytes, end - at)
             window_bytes = min(4 * window_bytes, _WINDOW_BYTES)
-            self._file.seek(at)
-            window = self._file.read(step + HEAD.size - 1)
-            places: list[int] = find_candidates(window, self.size - at, opcodes).tolist()
-            for place in places:
-                if self._read(at + place, len(MAGIC)) == MAGIC:
-                    return at + place
-                if at + place < barred:
+            self.file.seek(at)
+            window = self.file.read(step + HEAD.size - 1)
+            for place in self._places(window, at, opcodes):
+                if self._read(place, len(MAGIC)) == MAGIC:
+                    return place
+                if place < barred:
                     continue
-                if proof(at + place):
-                    return at + place
-                opcode, length = HEAD.unpack_from(window, place)
+                if proof(place):
+                    return place
+                opcode, length = HEAD.unpack_from(window, place - at)
                 if opcode in _CHECKED or opcode in SMALL:
-                    length = min(length, self.size - at - place)
+                    length = min(length, self.size - place)
                     self._looked_at += length
                     if self._looked_at > _PATIENCE * self.size:
-                        barred = at + place + length
+                        barred = place + length
             # A window ends at a block that the disk cannot read.
             at += min(step, len(window)) or HOLE_BYTES - at % HOLE_BYTES
         return end
+
+    def _places(self, window: bytes, at: int, opcodes: tuple[int, ...]) -> list[int]:
+        """Return where records may begin in a window, which is at a byte of the file."""
+        places = (find_candidates(window, self.size - at, opcodes) + at).tolist()
+        first = bisect_left(self._indexed, at)
+        indexed = self._indexed[first:bisect_left(
+            self._indexed, at + len(window) - HEAD.size + 1)]
+        return sorted({*places, *indexed}) if indexed else places

@@ -114,7 +114,7 @@ def _read_chunk_indexes(stream: RecordStream, part: Part) -> dict[int, mcap.Chun
 def _compare_chunk(chunk: Chunk, read: _Read,
                    entry: mcap.ChunkIndex | None) -> Iterator[str]:
     """Yield what is wrong with what is said about an intact chunk."""
-    head = find_chunk_head(read(chunk.start, HEAD_BYTES), extended=True)
+    head = find_chunk_head(read(chunk.start, HEAD_BYTES))
     place = f'the chunk at byte {chunk.start}'
     times = chunk.first_ns, chunk.last_ns
     empty = not chunk.counts

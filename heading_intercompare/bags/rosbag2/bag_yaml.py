@@ -124,6 +124,7 @@ class TopicRow:
     type_hash: str
     qos: Qos
     count: int = 0
+    encoding: str = 'cdr'
 
 
 @dataclass(slots=True)
@@ -204,7 +205,7 @@ def bag_metadata(parts: Sequence[PartInfo], custom_data: Mapping[str, str]) -> s
             counts[row.name] = counts.get(row.name, 0) + row.count
     rows = {'version': _VERSION, 'storage_identifier': 'mcap', **_span(parts),
             'topics_with_message_count': [{'topic_metadata': {
-                'name': name, 'type': row.type_name, 'serialization_format': 'cdr',
+                'name': name, 'type': row.type_name, 'serialization_format': row.encoding,
                 'offered_qos_profiles': row.qos.rows(), 'type_description_hash': row.type_hash},
                 'message_count': counts[name]} for name, row in topics.items()],
             'compression_format': '', 'compression_mode': '',

@@ -18,7 +18,8 @@ from __future__ import annotations
 
 import argparse
 
-from heading_intercompare.bags.recovery.recover_bag import recover, Recovered
+from heading_intercompare.bags.recovery.recover_bag import recover
+from heading_intercompare.bags.recovery.recovered import Recovered
 from heading_intercompare.cli.terminal.console import say_lines, tell
 from heading_intercompare.cli.terminal.progress import Progress
 from heading_intercompare.core.count_words import count_words

@@ -41,7 +41,7 @@ from mcap.writer import CompressionType, IndexType, Writer
 import pytest
 
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.mcap.index_records import build_ending
+from heading_intercompare.bags.mcap.index_records import build_ending, build_record
 from heading_intercompare.bags.mcap.message_blocks import Record
 from heading_intercompare.bags.mcap.record_stream import RecordStream
 from heading_intercompare.bags.recording.bag_writer import BagWriter
@@ -210,14 +210,14 @@ def test_what_the_index_has_in_the_wrong_place_is_found(tmp_path, offset):
     """The library @mcap/core writes such places where there are no chunks."""
     extras = record(mcap.Metadata('remark', {'sea': 'calm'})) + attachment()
     begun = MAGIC + HEADER + indexed(DEFINED, *ten(0)) + extras
-    indexes = [mcap.MetadataIndex(offset=offset, length=10, name='remark'),
-               mcap.AttachmentIndex(offset=offset, length=10, log_time=2, create_time=1,
-                                    data_size=11, name='a.txt', media_type='text/plain')]
+    metadata = mcap.MetadataIndex(offset=offset, length=10, name='remark')
+    attached = mcap.AttachmentIndex(offset=offset, length=10, log_time=2, create_time=1,
+                                    data_size=11, name='a.txt', media_type='text/plain')
     path = tmp_path / 'a.mcap'
     path.write_bytes(begun + build_ending(len(begun), [mcap.Schema(
         data=b'string data\n', encoding='ros2msg', id=1, name=STRING)], [mcap.Channel(
-            id=1, topic='/a', message_encoding='cdr', metadata={}, schema_id=1)], [], indexes,
-        {1: 10}, (0, 9)))
+            id=1, topic='/a', message_encoding='cdr', metadata={}, schema_id=1)], [],
+        [build_record(attached)], [build_record(metadata)], {1: 10}, (0, 9)))
     reader = BagReader(path)
     assert reader.incomplete is None
     assert reader.metadata() == {'remark': {'sea': 'calm'}}

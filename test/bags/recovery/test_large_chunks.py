@@ -37,10 +37,10 @@ from mcap.records import Metadata
 import pytest
 
 from heading_intercompare.bags.mcap import chunk_runs, chunks
-from heading_intercompare.bags.mcap.fragments import find_chunk_head
 from heading_intercompare.bags.recovery import scanner
-from heading_intercompare.bags.recovery.large_chunks import find_fault, read_blocks, survey
-from heading_intercompare.bags.recovery.recover_bag import recover, Recovered
+from heading_intercompare.bags.recovery.recover_bag import recover
+from heading_intercompare.bags.recovery.recovered import Recovered
+from heading_intercompare.bags.recovery.scanner import Salvage
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 
 COMPRESSIONS = ['', 'lz4', 'zstd']
@@ -132,12 +132,20 @@ def test_the_beginning_of_a_large_chunk_that_is_cut_is_kept(tmp_path, compressio
 
 @pytest.mark.usefixtures('of_pieces')
 @pytest.mark.parametrize('compression', COMPRESSIONS)
-@pytest.mark.parametrize('options', [{'crc': 1}, {'size': 200_001}])
-def test_a_large_chunk_that_is_not_what_its_head_says_is_left_out(tmp_path, compression, options):
-    path = write(tmp_path / 'x.mcap', small(N, 5), large(compression, **options), small(N + 5, 5))
+def test_a_large_chunk_whose_checksum_is_wrong_is_left_out(tmp_path, compression):
+    path = write(tmp_path / 'x.mcap', small(N, 5), large(compression, crc=1), small(N + 5, 5))
     total, found = recovered(path)
     assert found == as_sent(range(N, N + 10))
     assert total.chunks_lost == 1
+
+
+@pytest.mark.usefixtures('of_pieces')
+@pytest.mark.parametrize('compression', COMPRESSIONS)
+def test_the_wrong_size_of_a_large_chunk_is_mended(tmp_path, compression):
+    path = write(tmp_path / 'x.mcap', small(N, 5), large(compression, size=200_001))
+    total, found = recovered(path)
+    assert found == as_sent(range(N, N + 5)) + as_sent(range(N))
+    assert (total.messages_lost, total.chunks_lost, total.damaged) == (0, 0, True)
 
 
 @pytest.mark.usefixtures('of_pieces')
@@ -171,16 +179,12 @@ def test_a_channel_that_is_defined_after_its_messages_names_them(tmp_path):
 
 
 @pytest.mark.usefixtures('of_pieces')
-def test_a_survey_tells_what_is_intact():
+@pytest.mark.parametrize('left, messages', [(1.0, N), (0.9, 350), (0.3, 100)])
+def test_a_large_chunk_tells_how_much_of_it_is_lost(left, messages):
     data = large()
-    head = find_chunk_head(data)
-    file = io.BytesIO(data)
-    assert find_fault(file, 0, head) == ''
-    found = survey(file, 0, len(data), head, True)
-    assert (found.size, found.decompressed, found.messages) == (head.size, head.size, N)
-    assert sum(len(block.start) for block in read_blocks(file, 0, len(data), found)) == N
-    assert find_fault(io.BytesIO(data[:-9]), 0, head)
-    assert survey(file, 0, 20, head, False).messages == 0
+    item, *_ = Salvage(io.BytesIO(data[:int(left * len(data))])).scan()
+    assert sum(len(block.start) for block in item.part.blocks()) >= messages
+    assert (item.part.lost == 0.0) is (left == 1.0) and item.part.lost < 0.5
 
 
 @pytest.mark.usefixtures('of_pieces')

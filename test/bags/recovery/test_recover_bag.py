@@ -512,7 +512,7 @@ def test_log_times_in_any_order_and_wrong_ones_in_the_head(tmp_path, times):
 
 
 @pytest.mark.parametrize('strange', [
-    channel(9, '/x', encoding='json'), channel(9, '/x', schema_id=5), channel(9, '/x', 0), b''])
+    channel(9, '/x', schema_id=5), b''])
 def test_messages_of_channels_that_are_not_defined_are_counted(tmp_path, strange):
     path = write(tmp_path / 'x.mcap', indexed(*TWO, strange, *ten()),
                  indexed(*ten((1, 9, 2, 9), begin=2000)), indexed(*ten(begin=3000)))
