@@ -182,18 +182,19 @@ def _find_gaps(present: set[str], listed: set[str]) -> list[str]:
     """
     Return the names of the files whose numbers are missing between others, as `bag_1.mcap`.
 
-    rosbag2 begins with 0 and leaves no number out. What metadata.yaml lists side by side is whole.
+    rosbag2 begins with 0 and leaves no number out. Up to its last number metadata.yaml knows all.
     """
     numbers: dict[str, set[int]] = {}
     for stem, number in map(_split_name, present | listed):
         if stem:
             numbers.setdefault(stem, set()).add(number)
-    vouched = set(map(_split_name, listed))
     gaps = []
     for stem, known in sorted(numbers.items()):
-        ordered = sorted(known) if 0 in known else []
+        last_listed = max((number for listed_stem, number in map(_split_name, listed)
+                           if listed_stem == stem), default=0)
+        ordered = sorted(number for number in known if number >= last_listed) if 0 in known else []
         for before, after in zip(ordered, ordered[1:]):
-            if after - before <= _MOST_GAP and not {(stem, before), (stem, after)} <= vouched:
+            if after - before <= _MOST_GAP:
                 gaps += [f'{number}{stem}*.mcap' if stem.startswith('_') else
                          f'{stem}{number}.mcap' for number in range(before + 1, after)]
     return gaps
