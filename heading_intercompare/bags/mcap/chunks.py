@@ -24,6 +24,7 @@ import struct
 from typing import Callable, Iterable, Iterator, NamedTuple
 
 import lz4.frame
+from mcap.opcode import Opcode
 import numpy as np
 import zstandard
 
@@ -37,6 +38,8 @@ from .message_blocks import (
     block_of,
     HEAD,
     measure_whole,
+    MESSAGE_HEAD,
+    passed_block,
     refuse_definitions,
     refuse_untimed,
 )
@@ -52,9 +55,10 @@ _HEAD_BYTES = CHUNK_HEAD.size + _NAME_LIMIT + _LENGTH.size
 #: One byte of lz4 decompresses to at most this many.
 _LZ4_MOST = 255
 _PIECE_BYTES, _PACKED_BYTES = 2**23, 2**18
-#: A record in such a chunk that claims more is not believed: memory would be filled by it.
-_RECORD_BYTES = 2**27
 
+
+RECORD_BYTES = 2**27
+"""A longer message is passed over, and a longer record of another kind is not believed."""
 
 LARGE_BYTES = 2**26
 """The records of a chunk that has more are decompressed piece by piece."""
@@ -275,7 +279,8 @@ class LargeChunk:
         if self._head.crc and crc != self._head.crc:
             raise BagError('chunk damaged: its checksum does not match')
 
-    def blocks(self, measure: Callable[[BytesLike], int] = measure_whole) -> Iterator[Block]:
+    def blocks(self, measure: Callable[[BytesLike], int] = measure_whole, *,
+               passes_over: bool = False) -> Iterator[Block]:
         """
         Yield its messages block by block.
 
@@ -283,6 +288,8 @@ class LargeChunk:
         ----------
         measure
             Returns the size of the sound records at the start of some bytes.
+        passes_over
+            Of a message that would fill the memory, yield the head; otherwise it is an error.
 
         Raises
         ------
@@ -290,7 +297,7 @@ class LargeChunk:
             If a record in it is damaged, after the blocks before that.
 
         """
-        pieces, rest, others, messages = self._pieces(), bytearray(), 0, 0
+        pieces, rest, others, messages, ahead = self._pieces(), bytearray(), 0, 0, 0
         damage: BagError | None = None
         more = True
         while more:
@@ -299,8 +306,9 @@ class LargeChunk:
             except BagError as error:
                 piece, damage = b'', error
             more = bool(piece)
-            rest += piece
             self.size += len(piece)
+            ahead, piece = max(ahead - len(piece), 0), piece[ahead:]
+            rest += piece
             if more and len(rest) < _PIECE_BYTES:
                 continue
             size = measure(rest)
@@ -311,13 +319,20 @@ class LargeChunk:
                 refuse_definitions(others, messages)
                 yield block
                 del whole, block
-            if len(rest) >= HEAD.size:
-                length = HEAD.unpack_from(rest)[1]
-                if length > _RECORD_BYTES:
+            if len(rest) >= MESSAGE_HEAD.size:
+                opcode, length = HEAD.unpack_from(rest)
+                if length > RECORD_BYTES and passes_over and opcode == Opcode.MESSAGE:
+                    yield passed_block(bytes(rest[:MESSAGE_HEAD.size]), self._at - HEAD.size)
+                    messages += 1
+                    ahead = max(HEAD.size + length - len(rest), 0)
+                    rest = rest[HEAD.size + length:]
+                    # What is left of this piece is measured with the next one, if there is one.
+                elif length > RECORD_BYTES:
                     raise BagError('chunk damaged: a record in it claims more than '
-                                   f'{_RECORD_BYTES} bytes')
-                more = more and HEAD.size + length > len(rest)
-        if damage or rest:
+                                   f'{RECORD_BYTES} bytes')
+                else:
+                    more = more and HEAD.size + length > len(rest)
+        if damage or rest or ahead:
             raise damage or BagError('chunk damaged: a record in it has a wrong length')
 
     def _pieces(self) -> Iterator[bytes]:

@@ -161,6 +161,18 @@ def walk(data: BytesLike, begin: int, end: int, definitions: float = _MOST_DEFIN
     return messages, others
 
 
+def passed_block(head: bytes, offset: int) -> Block:
+    """Return a message as a block from its head alone: its payload is empty."""
+    at = np.array([len(head)])
+    return Block(offset, head, at, at, np.frombuffer(head, MESSAGE_HEADS), ())
+
+
+def find_passed(block: Block) -> np.ndarray:
+    """Tell which messages of a block were passed over, because of their size."""
+    passed: np.ndarray = block.heads['length'] - _FIXED != block.stop - block.start
+    return passed
+
+
 def measure_whole(data: BytesLike, opcodes: tuple[int, ...] | None = None) -> int:
     """Return the size of the whole records of some or all opcodes at the start of the data."""
     at = 0

@@ -29,7 +29,7 @@ from mcap.opcode import Opcode
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.messages.byte_columns import BytesLike
 
-from .chunks import begin_chunk, BegunChunk, Gathering, LargeChunk, UNFIT
+from .chunks import begin_chunk, BegunChunk, Gathering, LargeChunk, RECORD_BYTES, UNFIT
 from .message_blocks import (
     Block,
     block_of,
@@ -37,6 +37,8 @@ from .message_blocks import (
     HEAD,
     INDEX_LEAST,
     measure_whole,
+    MESSAGE_HEAD,
+    passed_block,
     Record,
     refuse_untimed,
 )
@@ -151,6 +153,9 @@ class RecordStream:
     def _read_bare(self, record: Record, end: int) -> tuple[Block, int]:
         """Return the messages outside chunks from a record on, and where they end."""
         at = record.start - HEAD.size
+        if record.opcode == Opcode.MESSAGE and RECORD_BYTES < record.length <= _RECORD_LIMIT:
+            head = self._read(at, MESSAGE_HEAD.size)
+            return passed_block(head, at), record.start + record.length
         data = self._read(at, min(max(_BARE_BYTES, HEAD.size + record.length), end - at))
         block = block_of(data[:measure_whole(data, _BARE)], at)
         try:
@@ -177,7 +182,7 @@ class RecordStream:
         """Yield the blocks of a large chunk, once all of it is proved; it ends with the last."""
         chunk = LargeChunk(self._file, begun)
         chunk.verify()
-        for block in chunk.blocks():
+        for block in chunk.blocks(passes_over=True):
             refuse_untimed(block, lambda place: at)
             yield block, at
         yield block_of(b'', at), begun.end

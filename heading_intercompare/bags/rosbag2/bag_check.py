@@ -87,6 +87,9 @@ def _compare(stream: RecordStream, part: Part,
         run = None
         if record.opcode == Opcode.CHUNK:
             run = runs.run(record.start - HEAD.size, part.end)
+            if run is None:
+                # It is large, and reading it compared it with its entry.
+                indexed.pop(record.start - HEAD.size, None)
         for chunk in run.chunks if run is not None else ():
             entry = indexed.pop(chunk.start, None)
             yield from _compare_chunk(chunk, read, entry)

@@ -28,8 +28,9 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from heading_intercompare.bags.errors import BagError
+from heading_intercompare.bags.mcap.chunks import RECORD_BYTES
 from heading_intercompare.bags.mcap.mcap_file import NeverBegun, Part
-from heading_intercompare.bags.mcap.message_blocks import Block
+from heading_intercompare.bags.mcap.message_blocks import Block, find_passed
 from heading_intercompare.bags.packed_files import is_packed, unpack_payload, unpack_payloads
 from heading_intercompare.bags.parallel.by_minute import Window
 from heading_intercompare.bags.parallel.decode_workers import (
@@ -521,7 +522,11 @@ class BagReader:
                     if names is None or channel.topic in names}
         packed = is_packed(block.data, block.start)
         channel = block.heads['channel']
-        rows = np.flatnonzero(np.isin(channel, [*channels]) | ~np.isin(channel, [*part.channels]))
+        wanted = np.isin(channel, [*channels]) | ~np.isin(channel, [*part.channels])
+        passed = find_passed(block)
+        rows = np.flatnonzero(wanted & ~passed)
+        for number in np.unique(channel[wanted & passed]).tolist():
+            self._note_passed(channels[number][0])
         for head, lo, hi in zip(block.heads[rows].tolist(), block.start[rows].tolist(),
                                 block.stop[rows].tolist()):
             _, _, number, sequence, log, publish = head
@@ -532,6 +537,11 @@ class BagReader:
                 data = bytes(block.data[lo:hi])
                 yield BagMessage(*channels[number], log, publish, sequence,
                                  (unpack_payload(data) or data) if packed else data)
+
+    def _note_passed(self, topic: str) -> None:
+        oddity = f'messages of {topic} with more than {RECORD_BYTES} bytes are passed over'
+        if oddity not in self.oddities:
+            self.oddities.append(oddity)
 
     def payloads(self, topic: str) -> Iterator[Payloads]:
         """Yield the readable messages of a topic in file order; BagError as of `messages`."""

@@ -23,7 +23,7 @@ from bags.mcap_bytes import channel, chunk, message, schema, write
 import numpy as np
 import pytest
 
-from heading_intercompare.bags.mcap import chunks
+from heading_intercompare.bags.mcap import chunk_runs, chunks, record_stream
 from heading_intercompare.bags.rosbag2.bag_check import check_bag
 from heading_intercompare.bags.rosbag2.bag_reader import BagReader
 from heading_intercompare.core.records import Headings
@@ -96,9 +96,77 @@ def test_nothing_is_read_of_a_large_chunk_that_is_not_what_its_head_says(tmp_pat
 
 @pytest.mark.usefixtures('small')
 def test_a_record_that_claims_to_fill_the_memory_is_refused(tmp_path, monkeypatch):
-    monkeypatch.setattr(chunks, '_RECORD_BYTES', 50_000)
-    path = bomb(tmp_path / 'x.mcap', 3, 60_000)
+    monkeypatch.setattr(chunks, 'RECORD_BYTES', 50_000)
+    claim = b'\3' + (60_000).to_bytes(8, 'little') + bytes(160_000)
+    path = write(tmp_path / 'x.mcap', chunk(claim, times=(0, 0)))
     assert 'a record in it claims more than 50000 bytes' in BagReader(path).incomplete
+
+
+CAMERA = '/camera'
+
+
+def with_images(path: Path, images: tuple[int, ...], size: int, compression: str | None) -> Path:
+    """Write 200 headings, with images between them, in one chunk or outside of chunks."""
+    rows = encode_imu(Headings.of(START_NS + np.arange(200), np.arange(200) % 360.0), 'x')
+    records = [schema(1, IMU, shipped_schema(IMU).text.encode()), channel(1, TOPIC),
+               schema(2, 'sensor_msgs/msg/Image', b'uint8[] data'), channel(2, CAMERA, 2)]
+    for at, row in enumerate(rows):
+        records.append(message(1, START_NS + at, row.tobytes()))
+        records += [message(2, START_NS + at, bytes(size)) for _ in range(images.count(at))]
+    return write(path, *(records if compression is None else [
+        chunk(*records, compression=compression)]))
+
+
+@pytest.mark.usefixtures('small')
+@pytest.mark.parametrize('compression', ['', 'lz4', 'zstd', None])
+@pytest.mark.parametrize('images', [(0,), (50, 50), (3, 120), (199,), (0, 0, 199, 199)])
+@pytest.mark.parametrize('size', [60_000, 160_001])
+def test_a_large_message_of_another_topic_is_passed_over(tmp_path, monkeypatch, compression,
+                                                         images, size):
+    for module in (chunks, record_stream):
+        monkeypatch.setattr(module, 'RECORD_BYTES', 50_000)
+    monkeypatch.setattr(record_stream, '_BARE_BYTES', 10_000)
+    path = with_images(tmp_path / 'x.mcap', images, size, compression)
+    assert read(path) == [*range(START_NS, START_NS + 200)]
+    checked = check_bag(path)
+    assert checked.messages == 200 + len(images)
+    reader = BagReader(path)
+    assert reader.topics[CAMERA].count == len(images)
+    assert [m.log_time_ns for m in reader.messages([TOPIC])] == [*range(START_NS, START_NS + 200)]
+    assert not any('passed over' in oddity for oddity in reader.oddities)
+    assert {m.topic for m in reader.messages()} == {TOPIC}
+    assert sum(f'messages of {CAMERA} with more than' in oddity
+               for oddity in reader.oddities) == 1
+
+
+@pytest.mark.usefixtures('small')
+@pytest.mark.parametrize('compression', ['', 'lz4', 'zstd'])
+def test_a_large_message_that_ends_after_its_chunk_is_damage(tmp_path, monkeypatch, compression):
+    monkeypatch.setattr(chunks, 'RECORD_BYTES', 50_000)
+    path = write(tmp_path / 'x.mcap', chunk(message(2, START_NS, bytes(160_000))[:-5],
+                                            times=(0, 0), compression=compression))
+    assert 'a record in it has a wrong length' in BagReader(path).incomplete
+
+
+@pytest.mark.usefixtures('small')
+@pytest.mark.parametrize('compression', ['none', 'lz4', 'zstd'])
+def test_a_large_chunk_is_where_the_index_says(write_bag, monkeypatch, compression):
+    monkeypatch.setattr(chunk_runs, 'LARGE_BYTES', 100_000)
+    checked = check_bag(write_bag(chunk_bytes=200_000, compression=compression))
+    assert checked.faults == [] and checked.chunks > 1
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize('compression', ['', 'zstd', None])
+def test_an_image_of_200_mb_does_not_fill_the_memory(tmp_path, compression):
+    path = with_images(tmp_path / 'x.mcap', (100,), 200_000_000, compression)
+    tracemalloc.start()
+    try:
+        assert len(read(path)) == check_bag(path).messages - 1 == 200
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert peak < 60e6
 
 
 @pytest.mark.usefixtures('small')

@@ -353,7 +353,7 @@ def contradicting(path: Path, index: Sequence[mcap.Schema | mcap.Channel], *reco
     channels = [item for item in index if isinstance(item, mcap.Channel)]
     begun = write(path, rows)
     path.write_bytes(begun.read_bytes() + build_ending(
-        begun.stat().st_size, schemas, channels, [], [], counts, (min(times), max(times))))
+        begun.stat().st_size, schemas, channels, [], [], [], counts, (min(times), max(times))))
     return path
 
 
