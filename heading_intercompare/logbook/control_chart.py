@@ -32,6 +32,7 @@ import numpy as np
 
 from heading_intercompare.core import lazy_scipy as scipy
 from heading_intercompare.core.records import Reals
+from heading_intercompare.core.statistics.root_finding import find_root
 
 from .design_file import find_place, read_design, write_design
 
@@ -308,7 +309,7 @@ def _find_factor(center: Reals, sigma: Reals, share: float) -> float:
         width = factor * sigma
         return float(np.mean(phi(center - width) + phi(-center - width))) - share
 
-    return float(scipy.optimize.brentq(excess, 0.0, 1000.0))
+    return find_root(excess, 0.0, 1000.0)
 
 
 def make_chart(x: Reals, u: Reals, *, baseline: int = 20, runs_between: float = 370.0) -> Chart:

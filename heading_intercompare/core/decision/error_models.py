@@ -31,6 +31,7 @@ from numpy.typing import ArrayLike
 from heading_intercompare.core import lazy_scipy as scipy
 from heading_intercompare.core.records import Reals
 from heading_intercompare.core.statistics.quadrature import gauss_legendre
+from heading_intercompare.core.statistics.root_finding import find_root
 
 _SQRT3 = math.sqrt(3.0)
 _NEGLIGIBLE = 1e-150
@@ -118,9 +119,7 @@ def _mixed_factor(normal: float, uniform: float, p: float) -> float:
     def excess(k: float) -> float:
         return float(_mixed_tail(normal, uniform, np.asarray(k))) / (1.0 - p) - 1.0
 
-    k: float = scipy.optimize.brentq(excess, 0.0, _SQRT3 * uniform + 40.0 * normal, xtol=1e-15,
-                                     rtol=1e-15)
-    return k
+    return find_root(excess, 0.0, _SQRT3 * uniform + 40.0 * normal, tolerance=1e-15)
 
 
 def _half_widths(ts: float, rs: float) -> tuple[float, float]:

@@ -26,6 +26,7 @@ from heading_intercompare.core import lazy_scipy as scipy
 from heading_intercompare.core.records import Reals
 
 from .quadrature import gauss_legendre
+from .root_finding import find_root
 from .variance_uncertainty import excess, lower_bound, Spread, upper_bound
 
 LEAST_RISK = 1e-6
@@ -73,8 +74,7 @@ def _risk_where_zero(f: Callable[[float], float]) -> float:
     low = math.log(LEAST_RISK)
     if f(LEAST_RISK) >= 0.0:
         return LEAST_RISK
-    return math.exp(scipy.optimize.brentq(lambda t: f(math.exp(t)), low, math.log(0.5),
-                                          xtol=1e-13))
+    return math.exp(find_root(lambda t: f(math.exp(t)), low, math.log(0.5), tolerance=1e-13))
 
 
 def mean_confidence(spread: Spread, sigma_deg: float, low_deg: float,
@@ -160,7 +160,7 @@ def duration_factor(spread: Spread, accept_deg2: float, reject_deg2: float,
     longest = math.log(_LONGEST)
     if not missing(longest) < 0.0:
         return math.inf
-    return math.exp(scipy.optimize.brentq(missing, 0.0, longest))
+    return math.exp(find_root(missing, 0.0, longest))
 
 
 def rate_lower(k: float, trials: float, alpha: float) -> float:
