@@ -12,7 +12,6 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-
 """
 What a recording keeps when the machine loses power: a disk of its own, cut off again and again.
 

@@ -12,7 +12,6 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-
 """Where a continuous function crosses zero, without the optimizers of scipy, which load slowly."""
 
 from __future__ import annotations

@@ -12,7 +12,6 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-
 """Roots of continuous functions, against those that are known and those of scipy."""
 
 from __future__ import annotations
