@@ -12,7 +12,7 @@
 # See the License for the specific language governing permissions and
 # limitations under the License.
 
-"""Pipes, devices and sockets in place of files: they end never, or can be read only once."""
+"""Pipes, devices and sockets in place of files: they never end, or can be read only once."""
 
 from __future__ import annotations
 
