@@ -22,6 +22,8 @@ from typing import Callable
 
 #: A number of 64 bits is known to twice this.
 _EPSILON = sys.float_info.epsilon
+#: Steps that may leave more than half of the interval.
+_MOST_STEPS = 3
 
 
 def find_root(f: Callable[[float], float], low: float, high: float, *,
@@ -56,10 +58,12 @@ def find_root(f: Callable[[float], float], low: float, high: float, *,
     """
     newest, before = float(high), float(low)
     f_newest, f_before = float(f(newest)), float(f(before))
-    if math.isnan(f_newest * f_before) or f_newest * f_before > 0.0:
+    if f_newest == 0.0 or f_before == 0.0:
+        return newest if f_newest == 0.0 else before
+    if not f_newest * f_before < 0.0:
         raise ValueError(f'the values at {low} and {high} must have different signs; they are '
                          f'{f_before} and {f_newest}')
-    share = 0.5
+    share, halved, steps = 0.5, math.inf, 0
     while True:
         x = newest + share * (before - newest)
         f_x = float(f(x))
@@ -70,16 +74,21 @@ def find_root(f: Callable[[float], float], low: float, high: float, *,
         newest, f_newest = x, f_x
         best, f_best = ((newest, f_newest) if abs(f_newest) < abs(f_before)
                         else (before, f_before))
-        if f_best == 0.0 or before == newest:
+        if f_best == 0.0:
             return best
-        least = (2.0 * _EPSILON * abs(best) + 0.5 * tolerance) / abs(before - newest)
+        width = abs(before - newest)
+        least = (2.0 * _EPSILON * abs(best) + 0.5 * tolerance) / width
         if least > 0.5:
             return best
-        # The inverse quadratic through the three points, where it is monotone; else the middle.
+        steps += 1
+        if width <= 0.5 * halved:
+            halved, steps = width, 0
+        # The inverse quadratic through the three points, where it is monotone; else the middle. At
+        # a jump it would creep, so the middle is taken where steps do not halve the interval.
         share = 0.5
         xi = (newest - before) / (third - before)
         phi = (f_newest - f_before) / (f_third - f_before)
-        if phi * phi < xi and (1.0 - phi) ** 2 < 1.0 - xi:
+        if steps < _MOST_STEPS and phi * phi < xi and (1.0 - phi) ** 2 < 1.0 - xi:
             share = (f_newest / (f_before - f_newest) * f_third / (f_before - f_third)
                      + (third - newest) / (before - newest) * f_newest / (f_third - f_newest)
                      * f_before / (f_third - f_before))

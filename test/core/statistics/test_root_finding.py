@@ -52,6 +52,20 @@ def test_the_root_is_that_of_scipy_with_as_few_calls(middle, slope, width):
     assert calls[find_root] <= 2 * calls[scipy.optimize.brentq] + 20
 
 
+@given(st.floats(-10.0, 10.0), st.floats(-5.0, 5.0), st.floats(-5.0, 5.0), st.floats(-9.0, -1e-9),
+       st.floats(1e-9, 9.0))
+def test_a_jump_is_found_in_few_calls(middle, slope, bend, below, above):
+    calls = 0
+
+    def f(x):
+        nonlocal calls
+        calls += 1
+        smooth = (slope + bend * x) * (x - middle) * 1e-3
+        return below - abs(smooth) if x < middle else above + abs(smooth)
+    assert find_root(f, -20.0, 20.0) == pytest.approx(middle, abs=4e-12)
+    assert calls < 250
+
+
 @pytest.mark.parametrize('f', [lambda x: x * x + 1.0, lambda x: math.nan])
 def test_a_function_without_a_change_of_sign_is_refused(f):
     with pytest.raises(ValueError, match='must have different signs'):
