@@ -17,11 +17,10 @@
 from __future__ import annotations
 
 import math
-import sys
 from typing import Callable
 
-#: A number of 64 bits is known to twice this.
-_EPSILON = sys.float_info.epsilon
+#: The step from 1 to the next number of 64 bits.
+_EPSILON = 2.0 ** -52
 #: Steps that may leave more than half of the interval.
 _MOST_STEPS = 3
 
@@ -83,8 +82,8 @@ def find_root(f: Callable[[float], float], low: float, high: float, *,
         steps += 1
         if width <= 0.5 * halved:
             halved, steps = width, 0
-        # The inverse quadratic through the three points, where it is monotone; else the middle. At
-        # a jump it would creep, so the middle is taken where steps do not halve the interval.
+        # The inverse quadratic through the three points, where it is monotone, otherwise the middle.
+        # At a jump it would creep, so the middle is taken where steps do not halve the interval.
         share = 0.5
         xi = (newest - before) / (third - before)
         phi = (f_newest - f_before) / (f_third - f_before)
