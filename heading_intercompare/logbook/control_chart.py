@@ -32,7 +32,7 @@ import numpy as np
 
 from heading_intercompare.core import lazy_scipy as scipy
 from heading_intercompare.core.records import Reals
-from heading_intercompare.core.statistics.root_finding import find_root
+from heading_intercompare.core.statistics import root_finding
 
 from .design_file import find_place, read_design, write_design
 
@@ -264,7 +264,8 @@ def design_chart(baseline: int, ahead: int, correlation: float, runs_between: fl
     Page 1954 for the sums; the prediction interval for a single future value.
 
     """
-    place = find_place(Path(__file__).read_bytes(), (baseline, ahead, correlation, runs_between))
+    code = b''.join(Path(file).read_bytes() for file in (__file__, root_finding.__file__))
+    place = find_place(code, (baseline, ahead, correlation, runs_between))
     if (numbers := read_design(place)) is not None:
         return Design(*numbers)
     design = _simulate(baseline, ahead, correlation, runs_between)
@@ -309,7 +310,7 @@ def _find_factor(center: Reals, sigma: Reals, share: float) -> float:
         width = factor * sigma
         return float(np.mean(phi(center - width) + phi(-center - width))) - share
 
-    return find_root(excess, 0.0, 1000.0)
+    return root_finding.find_root(excess, 0.0, 1000.0)
 
 
 def make_chart(x: Reals, u: Reals, *, baseline: int = 20, runs_between: float = 370.0) -> Chart:

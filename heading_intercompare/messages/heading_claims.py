@@ -77,7 +77,7 @@ class Claims(NamedTuple):
     fields: Sequence[FieldPlace]
     state: Callable[..., Reals]
 
-    def __call__(self, data: BytesLike, start: Integers, stop: Integers) -> Quality:
+    def decode(self, data: BytesLike, start: Integers, stop: Integers) -> Quality:
         """Return a row of each message, as `decode_headings` does; nan without a claim."""
         def decode_one(data: BytesLike, start: Integers, size: Integers,
                        header: np.ndarray) -> Quality:

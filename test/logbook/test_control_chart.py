@@ -264,6 +264,17 @@ def test_a_design_is_simulated_once_and_read_to_the_bit(tmp_path, monkeypatch):
     assert design_chart.__wrapped__(*arguments).threshold == 9.0
 
 
+def test_a_design_of_other_code_is_not_read(tmp_path, monkeypatch):
+    monkeypatch.setenv('XDG_CACHE_HOME', str(tmp_path))
+    design_chart.__wrapped__(8, 3, 0.35, N)
+    for module in (control_chart, control_chart.root_finding):
+        other = tmp_path / f'{module.__name__}.py'
+        other.write_text('other')
+        monkeypatch.setattr(module, '__file__', str(other))
+        design_chart.__wrapped__(8, 3, 0.35, N)
+    assert len([*tmp_path.glob('heading_intercompare/charts/*.json')]) == 3
+
+
 @pytest.mark.parametrize('text', ['', '[1]', '[1, 2, 3]', 'null', '[1, ["x"], 3]', '\udcff'])
 def test_a_damaged_design_is_simulated(text, tmp_path, monkeypatch):
     monkeypatch.setenv('XDG_CACHE_HOME', str(tmp_path))

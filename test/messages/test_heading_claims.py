@@ -51,7 +51,7 @@ def azimuth(type_name, variance, unit):
 
 
 def claims(type_name, *messages, part=''):
-    rows = find_claims(type_name, part)(*join_messages(messages))
+    rows = find_claims(type_name, part).decode(*join_messages(messages))
     assert rows.stamp_ns.tolist() == [1_500_000_000_000_000_007] * len(messages)
     assert not rows.flag.any()
     return rows.stated_deg.tolist()
@@ -99,7 +99,7 @@ def test_an_imu_without_orientation_claims_nothing():
 def test_a_claim_has_three_figures(sigma_deg, claim_deg):
     """A filter differs in the last digits of each message, which says nothing new."""
     row = encode_imu(Headings.of([0], [90.0]), 'x', sigma_deg=sigma_deg)[0].tobytes()
-    assert find_claims(IMU, '')(*join_messages([row])).stated_deg.tolist() == [
+    assert find_claims(IMU, '').decode(*join_messages([row])).stated_deg.tolist() == [
         pytest.approx(claim_deg, rel=1e-12)]
 
 

@@ -112,6 +112,9 @@ def _written_size(record: _Small) -> int:
     return 8 + size + len(record.name.encode())
 
 
+#: Opcode and length of a record; first and last log time, offset and length of a chunk, and bytes
+#: of the places of its message indexes. After these: bytes of its message indexes and letters of
+#: the compression; after its name the sizes of its records, compressed and decompressed.
 _CHUNK_INDEX = struct.Struct('<BQQQQQI')
 _CHUNK_INDEX_FIELDS = struct.Struct('<QQQQI')
 _OFFSET = struct.Struct('<HQ')
@@ -164,18 +167,32 @@ def chunk_index(start: int, end: int, counts: Iterable[tuple[int, int]], first_n
         places, _TAIL.pack(at - end, len(name)), name, _SIZES.pack(packed, size)))
 
 
-def read_chunk_index_head(content: bytes) -> tuple[int, ChunkHead]:
-    """Return the place of a chunk and its head, by the index, which does not know its checksum."""
+def read_chunk_index(content: bytes) -> tuple[int, ChunkHead, bytes]:
+    """
+    Return what the index says of a chunk; BagError if the record is cut.
+
+    Returns
+    -------
+    start : int
+        First byte of the chunk.
+    head : ChunkHead
+        Its head without the checksum, which the index does not know.
+    places : bytes
+        Where its message indexes are, each a channel (2 bytes) and an offset (8 bytes).
+
+    """
+    begin = _CHUNK_INDEX_FIELDS.size
     try:
-        first_ns, last_ns, start, length, places = _CHUNK_INDEX_FIELDS.unpack_from(content)
-        at = _CHUNK_INDEX_FIELDS.size + places
+        first_ns, last_ns, start, length, size_of_places = _CHUNK_INDEX_FIELDS.unpack_from(content)
+        at = begin + size_of_places
         _, letters = _TAIL.unpack_from(content, at)
         at += _TAIL.size
         packed, size = _SIZES.unpack_from(content, at + letters)
     except struct.error:
         raise BagError('a record of the index is cut') from None
-    return start, ChunkHead(length - HEAD.size, first_ns, last_ns, size, 0,
-                            content[at:at + letters].decode('latin-1'), packed)
+    head = ChunkHead(length - HEAD.size, first_ns, last_ns, size, 0,
+                     content[at:at + letters].decode('latin-1'), packed)
+    return start, head, content[begin:begin + size_of_places]
 
 
 def build_ending(start: int, schemas: Sequence[mcap.Schema], channels: Sequence[mcap.Channel],

@@ -27,7 +27,6 @@ from io import BufferedReader, FileIO
 import math
 import os
 from pathlib import Path
-import struct
 from typing import Callable, Iterator, NamedTuple, TypeVar
 import zlib
 
@@ -40,6 +39,7 @@ from heading_intercompare.bags.packed_files import PACKED, plain_name, PlainFile
 from heading_intercompare.natural_order import natural_key
 
 from .attachments import find_records, parse_attachment
+from .index_records import read_chunk_index
 from .message_blocks import Block, HEAD, LAST_NS, Record, walk
 from .record_stream import MAGIC, meaning_of, parse_record, RecordStream
 
@@ -50,11 +50,7 @@ _DATA = (Opcode.HEADER, Opcode.MESSAGE, Opcode.CHUNK, Opcode.MESSAGE_INDEX, Opco
          Opcode.METADATA, Opcode.DATA_END)
 _DEFINITIONS = (Opcode.SCHEMA, Opcode.CHANNEL)
 _BUFFER_BYTES = 131072
-#: First and last log time, offset and length of a chunk, and bytes of the places of its message
-#: indexes, each a channel and an offset. After these: bytes of its message indexes and letters of
-#: the compression; after its name the sizes of its records, compressed and decompressed.
-_CHUNK_INDEX, _INDEX_TAIL = struct.Struct('<QQQQI'), struct.Struct('<QI')
-_SIZES = struct.Struct('<QQ')
+#: Bytes of the place of a message index: a channel and an offset.
 _PLACE = 10
 #: Bytes of a block, and blocks of a stretch, at least; the last of a file may be smaller.
 _BLOCK_BYTES = 3145728
@@ -121,17 +117,11 @@ class NeverBegun(BagError):
     """The file is empty, not MCAP, or was never written."""
 
 
-def read_chunk_index(content: bytes) -> ChunkRow:
+def _read_row(content: bytes) -> ChunkRow:
     """Return the row of a chunk from the record in the index; BagError if it is cut."""
-    try:
-        first_ns, last_ns, begin, _, length = _CHUNK_INDEX.unpack_from(content)
-        tail = _CHUNK_INDEX.size + length
-        _, letters = _INDEX_TAIL.unpack_from(content, tail)
-        _, size = _SIZES.unpack_from(content, tail + _INDEX_TAIL.size + letters)
-    except struct.error:
-        raise BagError('a record of the index is cut') from None
-    places = content[_CHUNK_INDEX.size:_CHUNK_INDEX.size + length]
-    return ChunkRow(begin, size, first_ns, last_ns, (places[::_PLACE], places[1::_PLACE]))
+    begin, head, places = read_chunk_index(content)
+    return ChunkRow(begin, head.size, head.first_ns, head.last_ns,
+                    (places[::_PLACE], places[1::_PLACE]))
 
 
 def _definitions_in(block: Block) -> Iterator[tuple[int, bytes]]:
@@ -250,7 +240,7 @@ class Part:
                 at = parse_record(mcap.AttachmentIndex, content).offset
                 self._extras[Opcode.ATTACHMENT].append(at)
             elif record.opcode == Opcode.CHUNK_INDEX:
-                self._chunks.append(read_chunk_index(content))
+                self._chunks.append(_read_row(content))
             else:
                 self._take_definition(record.opcode, content)
         if statistics is None or max(statistics.message_start_time,

@@ -179,7 +179,7 @@ def _find_claims(kind: Kind, place: np.ndarray, data: BytesLike, start: Integers
         mine = np.flatnonzero(is_mine)
         if claims.are_alike(data, start[mine], stop[mine]):
             mine = mine[[0, -1]]
-        rows, _, _ = decode_readable(partial(claims.__call__, data), start[mine], stop[mine])
+        rows, _, _ = decode_readable(partial(claims.decode, data), start[mine], stop[mine])
         if len(rows):
             yield topic, rows.without_repeats()
 

@@ -33,7 +33,7 @@ from heading_intercompare.bags.mcap.chunk_runs import Chunk, ChunkRun, count_mes
 from heading_intercompare.bags.mcap.chunk_writer import Records
 from heading_intercompare.bags.mcap.fragments import ChunkHead
 from heading_intercompare.bags.mcap.index_records import message_index
-from heading_intercompare.bags.mcap.message_blocks import Block, HEAD, MESSAGE_HEAD
+from heading_intercompare.bags.mcap.message_blocks import are_timed, Block, HEAD, MESSAGE_HEAD
 from heading_intercompare.bags.packed_files import is_packed, unpack_payload
 from heading_intercompare.bags.recording.bag_writer import BagWriter
 from heading_intercompare.core.records import Integers
@@ -156,9 +156,10 @@ class Copier:
         present, places = np.unique(channel, return_inverse=True)
         new = np.array([self._number(section, number) for number in present.tolist()],
                        np.int64)[places]
-        section.untimed += int((log < 0).sum())
-        section.undefined += int((new[log >= 0] < 0).sum())
-        writable = (new >= 0) & (log >= 0)
+        timed = are_timed(log)
+        section.untimed += int((~timed).sum())
+        section.undefined += int((new[timed] < 0).sum())
+        writable = (new >= 0) & timed
         self._count(section, count_messages(new[writable]))
         data: BytesLike = block.data
         unsent = writable & (heads['publish_time'] < 0)

@@ -28,7 +28,7 @@ from mcap import records as mcap
 from mcap.opcode import Opcode
 
 from heading_intercompare.bags.errors import BagError
-from heading_intercompare.bags.mcap.record_stream import parse_record
+from heading_intercompare.bags.mcap.record_stream import meaning_of, parse_record
 
 _Definition = mcap.Schema | mcap.Channel
 #: Opcode and number of a definition.
@@ -75,11 +75,11 @@ class Definitions:
         except BagError:
             return
         first_definition = (self._checked if checked else self._others).setdefault(key, definition)
-        if checked and _meaning(first_definition) != _meaning(definition):
+        if checked and meaning_of(first_definition) != meaning_of(definition):
             what = 'schema' if opcode == Opcode.SCHEMA else 'channel'
             self._contradicted[key] = (
-                f'{what} {key[1]} is both {_meaning(first_definition)[0]} and '
-                f'{_meaning(definition)[0]}')
+                f'{what} {key[1]} is both {meaning_of(first_definition)[0]} and '
+                f'{meaning_of(definition)[0]}')
 
     def topic(self, number: int) -> Topic | None:
         """Return channel and schema of a number; None if either is lost or contradicted."""
@@ -98,18 +98,13 @@ class Definitions:
         return self._checked.get(key) or self._others.get(key)
 
 
-def _meaning(definition: _Definition | None) -> tuple[object, ...]:
-    """Return what decides to which topic and type messages belong; first its name."""
-    if definition is None:
-        return ()
-    if isinstance(definition, mcap.Schema):
-        return definition.name, definition.encoding, definition.data
-    return definition.topic, definition.message_encoding, definition.schema_id
-
-
 def means_the_same(first: Topic | None, second: Topic | None) -> bool:
     """Tell whether messages of two channels belong to the same topic and type."""
-    return [_meaning(part) for part in first or ()] == [_meaning(part) for part in second or ()]
+    return _meaning(first) == _meaning(second)
+
+
+def _meaning(topic: Topic | None) -> list[tuple[object, ...]]:
+    return [meaning_of(part) if part is not None else () for part in topic or ()]
 
 
 @dataclass(slots=True)

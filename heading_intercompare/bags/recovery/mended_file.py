@@ -25,7 +25,7 @@ from mcap.opcode import Opcode
 
 from heading_intercompare.bags.errors import BagError
 from heading_intercompare.bags.mcap.fragments import ChunkHead, HEAD_BYTES
-from heading_intercompare.bags.mcap.index_records import read_chunk_index_head
+from heading_intercompare.bags.mcap.index_records import read_chunk_index
 from heading_intercompare.bags.mcap.message_blocks import Record
 from heading_intercompare.bags.mcap.record_stream import MAGIC, parse_record, RecordStream
 
@@ -55,12 +55,11 @@ class MendedFile(BufferedIOBase):
 
     def mend(self, at: int, head: ChunkHead | None) -> None:
         """Replace the head of the chunk at a byte; None: leave it as it was."""
-        if at not in self._heads:
-            insort(self.places, at)
-        self._heads[at] = head.build() if head is not None else b''
-        if head is None:
+        if self._heads.pop(at, None) is not None:
             self.places.remove(at)
-            del self._heads[at]
+        if head is not None:
+            self._heads[at] = head.build()
+            insort(self.places, at)
 
     def seek(self, offset: int, whence: int = os.SEEK_SET) -> int:
         return self._file.seek(offset, whence)
@@ -92,7 +91,7 @@ def read_chunk_heads(stream: RecordStream) -> dict[int, ChunkHead]:
         while at < stream.size:
             record = stream.record(at)
             if record.opcode == Opcode.CHUNK_INDEX:
-                place, head = read_chunk_index_head(stream.content(record))
+                place, head, _ = read_chunk_index(stream.content(record))
                 heads[place] = head
             at = record.start + record.length
     except BagError:

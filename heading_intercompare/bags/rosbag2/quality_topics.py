@@ -105,7 +105,7 @@ def _decode_claims(bag: Readable, place: HeadingPlace) -> Iterator[Quality]:
     if claims is None or isinstance(bag, BagReader) and bag.is_ours():
         return
     for messages in bag.payloads(place.topic):
-        rows, readable, _ = decode_readable(partial(claims.__call__, messages.data),
+        rows, readable, _ = decode_readable(partial(claims.decode, messages.data),
                                             messages.start, messages.stop)
         if place.clock:
             time_ns = (messages.log_time_ns if place.clock == LOG_TIME
