@@ -82,7 +82,7 @@ def find_root(f: Callable[[float], float], low: float, high: float, *,
         steps += 1
         if width <= 0.5 * halved:
             halved, steps = width, 0
-        # The inverse quadratic through the three points, where it is monotone, otherwise the middle.
+        # The inverse quadratic through the points, where it is monotone, otherwise the middle.
         # At a jump it would creep, so the middle is taken where steps do not halve the interval.
         share = 0.5
         xi = (newest - before) / (third - before)
